@@ -1,0 +1,1 @@
+//! The window: panes, panels, overlays, shortcuts. It computes nothing that a command could not compute.

@@ -1,0 +1,58 @@
+//! A burst: frames of one size, in time order, as `f32` in [0, 1] of the file's full scale.
+//!
+//! Everything that knows file formats is in this room; the detector sees only the frames.
+
+use crate::plane::Plane;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Frames of one size in time order. Cheap to clone: the pixels are shared.
+#[derive(Debug, Clone)]
+pub struct Burst {
+    /// What a person calls it: the folder's or file's name, or "demo".
+    pub name: String,
+    /// The frames, in time order (natural file order); all of one size; at least one. Values in [0, 1] of full scale.
+    pub frames: Vec<Arc<Plane>>,
+    /// A name for each frame (file name, or page number).
+    pub frame_names: Vec<String>,
+    /// The file's value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files.
+    pub full_scale: f32,
+    /// The smallest difference that the files can hold, in [0, 1] units: 1/255 for 8 bit; 0 when unknown (float).
+    pub quantisation_step: f32,
+    /// The files or folders it was opened from; empty for synthetic bursts.
+    pub sources: Vec<PathBuf>,
+}
+
+impl Burst {
+    /// A burst from planes in memory.
+    ///
+    /// # Panics
+    /// When there is no frame or the sizes differ: a mistake of the caller; files are checked by the opener.
+    pub fn from_planes(name: impl Into<String>, frames: Vec<Plane>) -> Self {
+        assert!(!frames.is_empty(), "a burst has at least one frame");
+        assert!(frames.iter().all(|f| f.size() == frames[0].size()), "all frames of a burst have one size");
+        Self {
+            name: name.into(),
+            frame_names: (0..frames.len()).map(|t| format!("frame {t}")).collect(),
+            frames: frames.into_iter().map(Arc::new).collect(),
+            full_scale: 1.0,
+            quantisation_step: 0.0,
+            sources: Vec::new(),
+        }
+    }
+
+    /// Number of frames, N.
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether there is no frame, which no opener and no constructor allows.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// (columns, rows) of each frame.
+    pub fn size(&self) -> (usize, usize) {
+        self.frames[0].size()
+    }
+}

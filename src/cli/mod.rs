@@ -1,0 +1,1 @@
+//! The commands: what the window can compute, a command can.

@@ -1,0 +1,165 @@
+//! What the detector answers: features, their descriptors, and the tally of what was rejected where.
+
+use super::slope_grid::{Slope, SlopeGrid};
+
+/// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feature {
+    /// Column at `t0`, input pixels; the centre of the first pixel is 0.
+    pub u: f32,
+    /// Row at `t0`, input pixels.
+    pub v: f32,
+    /// Scale σ, input pixels.
+    pub sigma: f32,
+    /// Radians, from +u towards +v, in (−π, π].
+    pub orientation: f32,
+    /// Apparent motion, pixels per frame, refined between the grid's slopes.
+    pub slope: Slope,
+    /// The interpolated DoG value with its sign, fraction of full scale; bright blobs are negative.
+    pub response: f32,
+    /// |response| over the standard deviation of the noise in D at its octave and level; infinite for a noiseless burst.
+    pub snr: f32,
+    /// Octave in which it was found; −1 is the doubled image.
+    pub octave: i32,
+    /// Level within the octave at which it was found, 0 … levels−1.
+    pub level: i32,
+    /// Running index of the grid's slope at which it was found.
+    pub slope_index: usize,
+    /// Whether that slope is on the rim of the grid, so that the true motion may lie outside.
+    pub at_slope_limit: bool,
+}
+
+/// A 128-element descriptor: 4×4 cells (rows of cells from the top in the feature's own frame, u fastest) × 8 orientations,
+/// L1-root normalised, ×512, clamped to 255, in UBC/COLMAP's order.
+pub type Descriptor = [u8; 128];
+
+/// The tests a sample of D goes through, in order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Test {
+    /// |D| below (0.8 of) the peak threshold.
+    PeakThreshold,
+    /// |D| below the noise gate.
+    NoiseGate,
+    /// A neighbour in the image at its own slope and level is as strong.
+    SpaceExtremum,
+    /// A neighbour at an adjacent level is as strong.
+    ScaleExtremum,
+    /// A neighbour at another slope is as strong.
+    SlopeExtremum,
+    /// The quadratic fit did not settle.
+    Refinement,
+    /// The interpolated |D| is below the peak threshold.
+    InterpolatedContrast,
+    /// The principal curvatures differ too much.
+    Edge,
+    /// The refined place is outside the image or the refined scale outside the octave.
+    Outside,
+    /// Weaker than the strongest `max_features`.
+    MaxFeatures,
+}
+
+impl Test {
+    /// All tests, in order.
+    pub const ALL: [Self; 10] = [
+        Self::PeakThreshold,
+        Self::NoiseGate,
+        Self::SpaceExtremum,
+        Self::ScaleExtremum,
+        Self::SlopeExtremum,
+        Self::Refinement,
+        Self::InterpolatedContrast,
+        Self::Edge,
+        Self::Outside,
+        Self::MaxFeatures,
+    ];
+
+    /// Why a sample failed this test, as a person would say it.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::PeakThreshold => "below the peak threshold",
+            Self::NoiseGate => "below the noise gate",
+            Self::SpaceExtremum => "not an extremum in space",
+            Self::ScaleExtremum => "not an extremum in scale",
+            Self::SlopeExtremum => "not an extremum in slope",
+            Self::Refinement => "refinement did not converge",
+            Self::InterpolatedContrast => "interpolated contrast below the threshold",
+            Self::Edge => "on an edge",
+            Self::Outside => "outside the image or the scales",
+            Self::MaxFeatures => "weaker than the strongest kept",
+        }
+    }
+}
+
+/// How many samples each test rejected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    /// Samples of D that were examined: pixels × levels × slopes over all octaves.
+    pub samples: u64,
+    /// Samples that each test rejected, in the order of [`Test::ALL`].
+    pub rejected: [u64; 10],
+    /// Keypoints that passed every test (before they were split by orientation).
+    pub kept: u64,
+}
+
+impl Tally {
+    /// Samples that `test` rejected.
+    pub fn rejected_by(&self, test: Test) -> u64 {
+        self.rejected[test as usize]
+    }
+
+    /// Counts `count` samples as rejected by `test`.
+    pub fn reject(&mut self, test: Test, count: u64) {
+        self.rejected[test as usize] += count;
+    }
+
+    /// Adds another tally.
+    pub fn merge(&mut self, other: &Self) {
+        self.samples += other.samples;
+        self.kept += other.kept;
+        for (mine, theirs) in self.rejected.iter_mut().zip(other.rejected) {
+            *mine += theirs;
+        }
+    }
+}
+
+/// Seconds spent in each stage of a detection, by the wall clock.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct StageTimes {
+    /// Estimating the noise.
+    pub noise_secs: f32,
+    /// Stacking, filtering and searching.
+    pub search_secs: f32,
+    /// Orientations and descriptors.
+    pub describe_secs: f32,
+}
+
+impl StageTimes {
+    /// All stages together.
+    pub fn total_secs(&self) -> f32 {
+        self.noise_secs + self.search_secs + self.describe_secs
+    }
+}
+
+/// The answer of the detector.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detection {
+    /// Features, strongest first (by |response|·1, ties by place).
+    pub features: Vec<Feature>,
+    /// One descriptor for each feature, in the same order.
+    pub descriptors: Vec<Descriptor>,
+    /// What was rejected where.
+    pub tally: Tally,
+    /// Standard deviation of one frame's noise, fraction of full scale.
+    pub frame_noise: f32,
+    /// The noise gate's factor that was used (derived, if it was automatic).
+    pub noise_gate_factor: f32,
+    /// The slopes that were searched.
+    pub slopes: SlopeGrid,
+    /// Indices of the frames that took part.
+    pub frames_used: std::ops::Range<usize>,
+    /// Octaves that were searched.
+    pub octaves: std::ops::Range<i32>,
+    /// Time by stage.
+    pub times: StageTimes,
+}

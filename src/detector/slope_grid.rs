@@ -1,0 +1,234 @@
+//! The grid of slopes that the search tries.
+//!
+//! A slope λ = (λu, λv) is an apparent motion in pixels of the input image per frame. The grid is the product of two axes,
+//! `u` and `v`, turned as a whole by `direction_deg`: with one value on the `v` axis it is a line through the slope plane (BuFF 1D),
+//! horizontal by default and in any direction when turned; with several values on both axes it is BuFF 2D.
+
+use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+
+/// An apparent motion, in pixels of the input image per frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Slope {
+    /// To the right.
+    pub u: f32,
+    /// Down.
+    pub v: f32,
+}
+
+impl Slope {
+    /// The slope (u, v), in pixels per frame.
+    pub const fn new(u: f32, v: f32) -> Self {
+        Self { u, v }
+    }
+
+    /// Length, in pixels per frame.
+    pub fn magnitude(self) -> f32 {
+        self.u.hypot(self.v)
+    }
+}
+
+/// Equally spaced slopes on one axis: `count` values from `min` to `max`, both included.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SlopeAxis {
+    /// First slope, pixels per frame.
+    pub min: f32,
+    /// Last slope, pixels per frame; at least `min`.
+    pub max: f32,
+    /// How many, at least 1; a single one lies at the middle of `min` and `max`.
+    pub count: usize,
+}
+
+impl SlopeAxis {
+    /// The axis that holds only the slope 0.
+    pub const ZERO: Self = Self { min: 0.0, max: 0.0, count: 1 };
+
+    /// The axis of `count` slopes over `range`.
+    pub fn new(range: RangeInclusive<f32>, count: usize) -> Self {
+        Self { min: *range.start(), max: *range.end(), count }
+    }
+
+    /// Distance between neighbours in pixels per frame; 0 for a single slope.
+    pub fn step(&self) -> f32 {
+        if self.count > 1 { (self.max - self.min) / (self.count - 1) as f32 } else { 0.0 }
+    }
+
+    /// The `index`-th slope of the axis; indices between the slopes are allowed.
+    pub fn value(&self, index: f32) -> f32 {
+        if self.count > 1 { self.min + index * self.step() } else { 0.5 * (self.min + self.max) }
+    }
+}
+
+impl std::fmt::Display for SlopeAxis {
+    /// `MIN:MAX:COUNT`, as the command line takes it.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}:{}", self.min, self.max, self.count)
+    }
+}
+
+impl std::str::FromStr for SlopeAxis {
+    type Err = String;
+
+    /// Reads `MIN:MAX:COUNT` (or a single number, which is that one slope).
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |s: &str| {
+            s.trim().parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(|| format!("'{s}' is not a number"))
+        };
+        let parts: Vec<&str> = text.split(':').collect();
+        match parts.as_slice() {
+            [one] => {
+                let value = number(one)?;
+                Ok(Self { min: value, max: value, count: 1 })
+            }
+            [min, max, count] => Ok(Self {
+                min: number(min)?,
+                max: number(max)?,
+                count: count.trim().parse().map_err(|_| format!("'{count}' is not a count of slopes"))?,
+            }),
+            _ => Err(format!("'{text}' is not MIN:MAX:COUNT, such as -3:3:7")),
+        }
+    }
+}
+
+/// The slopes that are searched: the product of two axes, turned by a direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SlopeGrid {
+    /// Slopes along the first axis (to the right when `direction_deg` is 0).
+    pub u: SlopeAxis,
+    /// Slopes along the second axis (down when `direction_deg` is 0).
+    pub v: SlopeAxis,
+    /// Turns the whole grid from +u towards +v (clockwise on screen), in degrees.
+    pub direction_deg: f32,
+}
+
+impl Default for SlopeGrid {
+    /// The paper's seven slopes, horizontal, over ±3 pixels per frame.
+    fn default() -> Self {
+        Self::line(-3.0..=3.0, 7)
+    }
+}
+
+impl SlopeGrid {
+    /// BuFF 1D: `count` horizontal slopes over `range` (pixels per frame).
+    pub fn line(range: RangeInclusive<f32>, count: usize) -> Self {
+        Self { u: SlopeAxis::new(range, count), v: SlopeAxis::ZERO, direction_deg: 0.0 }
+    }
+
+    /// BuFF 1D along any direction: degrees from +u towards +v.
+    pub fn line_along(direction_deg: f32, range: RangeInclusive<f32>, count: usize) -> Self {
+        Self { direction_deg, ..Self::line(range, count) }
+    }
+
+    /// BuFF 2D: the product of slopes to the right and slopes down.
+    pub fn plane(u: RangeInclusive<f32>, count_u: usize, v: RangeInclusive<f32>, count_v: usize) -> Self {
+        Self { u: SlopeAxis::new(u, count_u), v: SlopeAxis::new(v, count_v), direction_deg: 0.0 }
+    }
+
+    /// The grid that holds one slope.
+    pub fn single(slope: Slope) -> Self {
+        Self {
+            u: SlopeAxis { min: slope.u, max: slope.u, count: 1 },
+            v: SlopeAxis { min: slope.v, max: slope.v, count: 1 },
+            direction_deg: 0.0,
+        }
+    }
+
+    /// How many slopes there are, Mu·Mv.
+    pub fn len(&self) -> usize {
+        self.u.count * self.v.count
+    }
+
+    /// Whether there is no slope, which validation rejects.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether both axes have more than one slope (BuFF 2D).
+    pub fn is_plane(&self) -> bool {
+        self.u.count > 1 && self.v.count > 1
+    }
+
+    /// The slope at grid coordinates (`i` along the first axis, `j` along the second); coordinates between the grid's slopes are allowed.
+    pub fn at(&self, i: f32, j: f32) -> Slope {
+        let (a, b) = (self.u.value(i), self.v.value(j));
+        if self.direction_deg == 0.0 {
+            return Slope::new(a, b);
+        }
+        let (sin, cos) = f64::from(self.direction_deg).to_radians().sin_cos();
+        let (a, b) = (f64::from(a), f64::from(b));
+        // Rounding away the last bits keeps a line turned by 90° exactly vertical.
+        let tidy = |x: f64| ((x * 1e6).round() / 1e6) as f32;
+        Slope::new(tidy(a * cos - b * sin), tidy(a * sin + b * cos))
+    }
+
+    /// The slope with running index `index` = `j·Mu + i`.
+    ///
+    /// # Panics
+    /// Never; indices past the end give slopes outside the grid.
+    pub fn slope(&self, index: usize) -> Slope {
+        let (i, j) = self.coordinates(index);
+        self.at(i as f32, j as f32)
+    }
+
+    /// Grid coordinates (i, j) of a running index.
+    pub fn coordinates(&self, index: usize) -> (usize, usize) {
+        (index % self.u.count.max(1), index / self.u.count.max(1))
+    }
+
+    /// All slopes in running order, first axis fastest.
+    pub fn slopes(&self) -> impl Iterator<Item = Slope> + '_ {
+        (0..self.len()).map(|index| self.slope(index))
+    }
+
+    /// Whether grid coordinates are on the rim, where a neighbouring slope is missing. An axis with one slope has no rim.
+    pub fn on_rim(&self, i: usize, j: usize) -> bool {
+        (self.u.count > 1 && (i == 0 || i + 1 == self.u.count))
+            || (self.v.count > 1 && (j == 0 || j + 1 == self.v.count))
+    }
+
+    /// The largest motion between neighbouring frames of any slope of the grid, in pixels.
+    pub fn max_magnitude(&self) -> f32 {
+        self.slopes().map(Slope::magnitude).fold(0.0, f32::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_horizontal_and_runs_from_min_to_max() {
+        let grid = SlopeGrid::line(-3.0..=3.0, 7);
+        let slopes: Vec<_> = grid.slopes().collect();
+        assert_eq!(slopes.len(), 7);
+        assert_eq!(slopes[0], Slope::new(-3.0, 0.0));
+        assert_eq!(slopes[4], Slope::new(1.0, 0.0));
+        assert!(grid.on_rim(0, 0) && grid.on_rim(6, 0) && !grid.on_rim(3, 0));
+    }
+
+    #[test]
+    fn a_turned_line_goes_down() {
+        let grid = SlopeGrid::line_along(90.0, -1.0..=1.0, 3);
+        assert_eq!(grid.slope(2), Slope::new(0.0, 1.0));
+    }
+
+    #[test]
+    fn a_plane_counts_its_first_axis_fastest() {
+        let grid = SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=2.0, 2);
+        assert!(grid.is_plane());
+        assert_eq!(grid.slope(0), Slope::new(-1.0, 0.0));
+        assert_eq!(grid.slope(5), Slope::new(1.0, 2.0));
+        assert_eq!(grid.coordinates(4), (1, 1));
+    }
+
+    #[test]
+    fn axes_read_what_they_write_and_refuse_the_rest() {
+        let axis: SlopeAxis = "-3:3:7".parse().expect("valid");
+        assert_eq!(axis.to_string().parse(), Ok(axis));
+        assert_eq!("2.5".parse::<SlopeAxis>().expect("valid").value(0.0), 2.5);
+        for bad in ["", "1:2", "a:b:c", "1:2:3:4", "1:2:-3", "nan:1:2"] {
+            assert!(bad.parse::<SlopeAxis>().is_err(), "{bad}");
+        }
+    }
+}

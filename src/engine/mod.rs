@@ -1,0 +1,1 @@
+//! Background workers: requests in, answers out; the latest request wins. Knows no window.

@@ -1,0 +1,131 @@
+//! Progress out, cancellation in: the one handle that long work carries.
+//!
+//! A [`Monitor`] is cheap to clone; clones share the cancel flag and the listener. Long loops call [`Monitor::check`] once
+//! per strip, slope or file and return at once when it fails, without a partial result. Progress is a stage's name and the
+//! fraction of it that is done; it may be reported from any thread.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The work was cancelled; there is no result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+/// How far a piece of work is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// What is being done, as a person would say it, such as "Searching octave 1".
+    pub stage: Stage,
+    /// Fraction of the whole work done, 0 … 1.
+    pub fraction: f32,
+}
+
+/// The stages of long work, in the order in which they happen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Reading and decoding files.
+    Open,
+    /// Estimating the noise of a frame.
+    Noise,
+    /// Smoothing and stacking frames, filtering over scales and searching one octave.
+    Search {
+        /// The octave being searched; −1 is the doubled image.
+        octave: i32,
+    },
+    /// Orientations and descriptors.
+    Describe,
+    /// Making a synthetic burst.
+    Synth,
+    /// Writing files.
+    Write,
+}
+
+impl std::fmt::Display for Stage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Open => f.write_str("Opening frames"),
+            Self::Noise => f.write_str("Estimating noise"),
+            Self::Search { octave } => write!(f, "Searching octave {octave}"),
+            Self::Describe => f.write_str("Describing features"),
+            Self::Synth => f.write_str("Making the burst"),
+            Self::Write => f.write_str("Writing files"),
+        }
+    }
+}
+
+type Listener = Arc<dyn Fn(Progress) + Send + Sync>;
+
+/// The handle that carries progress out and cancellation in. The default one reports to nobody and is never cancelled.
+#[derive(Clone, Default)]
+pub struct Monitor {
+    cancel: Arc<AtomicBool>,
+    listener: Option<Listener>,
+}
+
+impl std::fmt::Debug for Monitor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Monitor")
+            .field("cancelled", &self.is_cancelled())
+            .field("listens", &self.listener.is_some())
+            .finish()
+    }
+}
+
+impl Monitor {
+    /// A monitor that tells `listener` of progress, from whichever thread does the work.
+    pub fn with_listener(listener: impl Fn(Progress) + Send + Sync + 'static) -> Self {
+        Self { cancel: Arc::default(), listener: Some(Arc::new(listener)) }
+    }
+
+    /// Asks the work to stop. It returns [`Cancelled`] at its next check.
+    pub fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether [`Self::cancel`] was called on this monitor or a clone of it.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// To be called inside loops, at least every few milliseconds.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the work was asked to stop.
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// Reports progress; `fraction` (of the whole work, 0 … 1) is clamped.
+    pub fn report(&self, stage: Stage, fraction: f32) {
+        if let Some(listener) = &self.listener {
+            listener(Progress { stage, fraction: fraction.clamp(0.0, 1.0) });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clones_share_the_cancel_flag() {
+        let monitor = Monitor::default();
+        let clone = monitor.clone();
+        assert_eq!(monitor.check(), Ok(()));
+        clone.cancel();
+        assert_eq!(monitor.check(), Err(Cancelled));
+    }
+
+    #[test]
+    fn the_listener_hears_clamped_progress() {
+        let heard = Arc::new(std::sync::Mutex::new(Vec::new()));
+        let sink = heard.clone();
+        let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p));
+        monitor.report(Stage::Search { octave: -1 }, 1.5);
+        let heard = heard.lock().expect("not poisoned");
+        assert_eq!(heard.len(), 1);
+        assert_eq!(heard[0].fraction, 1.0);
+        assert_eq!(heard[0].stage.to_string(), "Searching octave -1");
+    }
+}

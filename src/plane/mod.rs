@@ -1,0 +1,100 @@
+//! One float image, and what can be done to it without knowing what it shows.
+//!
+//! A [`Plane`] is a rectangle of `f32` in row-major order without padding: the value at column `u` and row `v` is
+//! `data[v·width + u]`. Frames, motion-stack images, Gaussian levels and DoG responses are all planes.
+
+/// A float image, row-major, without padding between rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plane {
+    width: usize,
+    height: usize,
+    data: Vec<f32>,
+}
+
+impl Plane {
+    /// A plane of zeros of `width × height` pixels. Either may be 0.
+    pub fn zeros(width: usize, height: usize) -> Self {
+        Self { width, height, data: vec![0.0; width * height] }
+    }
+
+    /// Takes `data` as the pixels, row by row.
+    ///
+    /// # Panics
+    /// When `data.len() != width * height`: a mistake of the caller, not of any input.
+    pub fn from_vec(width: usize, height: usize, data: Vec<f32>) -> Self {
+        assert_eq!(data.len(), width * height, "a plane's data must have width × height values");
+        Self { width, height, data }
+    }
+
+    /// The plane whose value at column `u`, row `v` is `f(u, v)`.
+    pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Self {
+        let mut data = Vec::with_capacity(width * height);
+        for v in 0..height {
+            for u in 0..width {
+                data.push(f(u, v));
+            }
+        }
+        Self { width, height, data }
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// (columns, rows).
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// All pixels, row by row.
+    pub fn data(&self) -> &[f32] {
+        &self.data
+    }
+
+    /// All pixels, row by row, to be changed.
+    pub fn data_mut(&mut self) -> &mut [f32] {
+        &mut self.data
+    }
+
+    /// The pixels, row by row, without the plane.
+    pub fn into_vec(self) -> Vec<f32> {
+        self.data
+    }
+
+    /// Row `v`, `width` values.
+    ///
+    /// # Panics
+    /// When `v >= height`.
+    pub fn row(&self, v: usize) -> &[f32] {
+        &self.data[v * self.width..(v + 1) * self.width]
+    }
+
+    /// Row `v`, to be changed.
+    ///
+    /// # Panics
+    /// When `v >= height`.
+    pub fn row_mut(&mut self, v: usize) -> &mut [f32] {
+        &mut self.data[v * self.width..(v + 1) * self.width]
+    }
+
+    /// The value at column `u`, row `v`.
+    ///
+    /// # Panics
+    /// When outside.
+    pub fn at(&self, u: usize, v: usize) -> f32 {
+        assert!(u < self.width && v < self.height, "({u}, {v}) is outside {}×{}", self.width, self.height);
+        self.data[v * self.width + u]
+    }
+
+    /// The value at column `u`, row `v`, or `None` outside.
+    pub fn get(&self, u: i64, v: i64) -> Option<f32> {
+        let (u, v) = (usize::try_from(u).ok()?, usize::try_from(v).ok()?);
+        (u < self.width && v < self.height).then(|| self.data[v * self.width + u])
+    }
+}
