@@ -4,7 +4,11 @@
 //! `data[v·width + u]`. Frames, motion-stack images, Gaussian levels and DoG responses are all planes.
 
 pub mod blur;
+pub mod colour_map;
+pub mod display;
 pub mod rows;
+pub mod sample;
+pub mod statistics;
 
 /// A float image, row-major, without padding between rows.
 #[derive(Debug, Clone, PartialEq)]
