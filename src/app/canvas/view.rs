@@ -36,6 +36,11 @@ pub struct View {
 }
 
 impl View {
+    /// A view of `zoom` with `centre_image` = (u, v) in the middle.
+    pub fn new(zoom: Zoom, centre_image: [f32; 2]) -> Self {
+        Self { zoom, centre_image, fit_points_per_pixel: 0.0 }
+    }
+
     /// The whole image.
     pub fn fit() -> Self {
         Self::default()
