@@ -2,4 +2,5 @@
 
 pub mod canvas;
 pub mod gpu;
+pub mod histogram;
 pub mod offscreen;
