@@ -3,6 +3,11 @@
 //! A [`Plane`] is a rectangle of `f32` in row-major order without padding: the value at column `u` and row `v` is
 //! `data[v·width + u]`. Frames, motion-stack images, Gaussian levels and DoG responses are all planes.
 
+pub mod colour_map;
+pub mod display;
+pub mod sample;
+pub mod statistics;
+
 /// A float image, row-major, without padding between rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {

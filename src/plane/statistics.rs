@@ -1,0 +1,299 @@
+//! What values a plane holds, in whole or in a rectangle of it: range, mean, percentiles, histogram.
+//!
+//! Values that are not finite are counted but take no part. Everything works in parallel over rows and answers within a few
+//! milliseconds for a camera picture, so that a window can ask while the hand still moves.
+
+use super::Plane;
+use rayon::prelude::*;
+
+/// A rectangle of pixels: columns `u.start … u.end − 1` and rows `v.start … v.end − 1`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Region {
+    /// Columns.
+    pub u: std::ops::Range<usize>,
+    /// Rows.
+    pub v: std::ops::Range<usize>,
+}
+
+impl Region {
+    /// All of a plane.
+    pub fn whole(plane: &Plane) -> Self {
+        Self { u: 0..plane.width(), v: 0..plane.height() }
+    }
+
+    /// The part of this region that lies inside `plane`; may be empty.
+    #[must_use]
+    pub fn within(&self, plane: &Plane) -> Self {
+        let cut = |r: &std::ops::Range<usize>, size: usize| r.start.min(size)..r.end.min(size).max(r.start.min(size));
+        Self { u: cut(&self.u, plane.width()), v: cut(&self.v, plane.height()) }
+    }
+
+    /// Number of pixels.
+    pub fn len(&self) -> usize {
+        self.u.len() * self.v.len()
+    }
+
+    /// Whether it holds no pixel.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The finite values of `region` (cut to the plane), row by row in parallel.
+fn rows<'a>(plane: &'a Plane, region: &Region) -> impl IndexedParallelIterator<Item = &'a [f32]> {
+    let region = region.within(plane);
+    let columns = region.u;
+    region.v.into_par_iter().with_min_len(16).map(move |v| &plane.row(v)[columns.clone()])
+}
+
+/// Count, range and mean of the finite values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Finite values.
+    pub count: usize,
+    /// Values that are NaN or infinite.
+    pub not_finite: usize,
+    /// Smallest finite value; +∞ when there is none.
+    pub min: f32,
+    /// Largest finite value; −∞ when there is none.
+    pub max: f32,
+    /// Mean of the finite values; NaN when there is none.
+    pub mean: f64,
+}
+
+impl Summary {
+    /// (smallest, largest), when there is a finite value.
+    pub fn range(&self) -> Option<(f32, f32)> {
+        (self.count > 0).then_some((self.min, self.max))
+    }
+}
+
+/// Count, range and mean of the finite values of `region`. The same bits for any number of threads.
+pub fn summary(plane: &Plane, region: &Region) -> Summary {
+    // Sums are made per row and then added in order, so that the mean does not depend on how rows were shared out.
+    let per_row: Vec<(usize, usize, f32, f32, f64)> = rows(plane, region)
+        .map(|row| {
+            row.iter().fold((0, 0, f32::INFINITY, f32::NEG_INFINITY, 0.0), |(n, bad, low, high, sum), &x| {
+                if x.is_finite() {
+                    (n + 1, bad, low.min(x), high.max(x), sum + f64::from(x))
+                } else {
+                    (n, bad + 1, low, high, sum)
+                }
+            })
+        })
+        .collect();
+    let mut all = Summary { count: 0, not_finite: 0, min: f32::INFINITY, max: f32::NEG_INFINITY, mean: 0.0 };
+    for (count, bad, low, high, sum) in per_row {
+        all.count += count;
+        all.not_finite += bad;
+        all.min = all.min.min(low);
+        all.max = all.max.max(high);
+        all.mean += sum;
+    }
+    all.mean /= all.count as f64;
+    all
+}
+
+/// The exact percentiles of the finite values of `region`, one for each of `percents` (0 … 100); `None` when there is no finite value.
+///
+/// The p-th percentile is the value of rank round(p/100·(n − 1)) among the n sorted values. Found by counting the upper and then the
+/// lower half of an order-preserving integer key: two passes over the data for each percentile, however the values are spread.
+pub fn percentiles(plane: &Plane, region: &Region, percents: &[f32]) -> Option<Vec<f32>> {
+    let upper = count_keys(plane, region, |key| Some(key >> 16));
+    let count: u64 = upper.iter().sum();
+    if count == 0 {
+        return None;
+    }
+    let find = |counts: &[u64], rank: u64| {
+        let mut before = 0;
+        for (i, &n) in counts.iter().enumerate() {
+            if before + n > rank {
+                return (i as u32, rank - before);
+            }
+            before += n;
+        }
+        unreachable!("a rank is smaller than the count")
+    };
+    let percentile = |percent: &f32| {
+        let fraction = f64::from(percent.clamp(0.0, 100.0)) / 100.0;
+        let (high, rank) = find(&upper, (fraction * (count - 1) as f64).round() as u64);
+        let lower = count_keys(plane, region, |key| (key >> 16 == high).then_some(key & 0xffff));
+        value_of_key(high << 16 | find(&lower, rank).0)
+    };
+    Some(percents.iter().map(percentile).collect())
+}
+
+/// Counts the finite values of `region` by what `bin` makes of their keys (below 65536; `None` leaves out).
+fn count_keys(plane: &Plane, region: &Region, bin: impl Fn(u32) -> Option<u32> + Sync) -> Vec<u64> {
+    const BINS: usize = 1 << 16;
+    let add = |mut a: Vec<u64>, b: Vec<u64>| {
+        if a.is_empty() {
+            return b;
+        }
+        for (x, y) in a.iter_mut().zip(b) {
+            *x += y;
+        }
+        a
+    };
+    let counts = rows(plane, region)
+        .fold(Vec::new, |mut counts, row| {
+            if counts.is_empty() {
+                counts = vec![0u64; BINS];
+            }
+            for bin in row.iter().filter(|x| x.is_finite()).filter_map(|&x| bin(key_of_value(x))) {
+                counts[bin as usize] += 1;
+            }
+            counts
+        })
+        .reduce(Vec::new, add);
+    if counts.is_empty() { vec![0; BINS] } else { counts }
+}
+
+/// An unsigned key that orders like the value.
+fn key_of_value(value: f32) -> u32 {
+    let bits = value.to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+/// The value of a key.
+fn value_of_key(key: u32) -> f32 {
+    f32::from_bits(if key >> 31 == 1 { key & !(1 << 31) } else { !key })
+}
+
+/// How many values fall into each of equal bins over [min, max].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Histogram {
+    /// Lower end of the first bin.
+    pub min: f32,
+    /// Upper end of the last bin, which holds `max` itself too.
+    pub max: f32,
+    /// One count for each bin.
+    pub counts: Vec<u64>,
+    /// Values below `min`, −∞ included.
+    pub below: u64,
+    /// Values above `max`, +∞ included.
+    pub above: u64,
+    /// Values that are not a number.
+    pub nan: u64,
+}
+
+impl Histogram {
+    /// Width of a bin, in the values' unit.
+    pub fn bin_width(&self) -> f32 {
+        (self.max - self.min) / self.counts.len() as f32
+    }
+
+    /// (lower end, upper end) of bin `i`.
+    pub fn bin_range(&self, i: usize) -> (f32, f32) {
+        let edge = |i: usize| self.min + (self.max - self.min) * i as f32 / self.counts.len() as f32;
+        (edge(i), edge(i + 1))
+    }
+}
+
+/// The histogram of the values of `region` in `bins` equal bins over [min, max].
+///
+/// # Panics
+/// When `bins` is 0 or not `min < max`: a mistake of the caller.
+pub fn histogram(plane: &Plane, region: &Region, min: f32, max: f32, bins: usize) -> Histogram {
+    assert!(bins > 0 && min < max, "a histogram needs bins and a range");
+    let scale = bins as f64 / (f64::from(max) - f64::from(min));
+    let empty = || Histogram { min, max, counts: vec![0; bins], below: 0, above: 0, nan: 0 };
+    rows(plane, region)
+        .fold(empty, |mut histogram, row| {
+            for &x in row {
+                if x.is_nan() {
+                    histogram.nan += 1;
+                } else if x < min {
+                    histogram.below += 1;
+                } else if x > max {
+                    histogram.above += 1;
+                } else {
+                    let bin = ((f64::from(x) - f64::from(min)) * scale) as usize;
+                    histogram.counts[bin.min(bins - 1)] += 1;
+                }
+            }
+            histogram
+        })
+        .reduce(empty, |mut a, b| {
+            for (x, y) in a.counts.iter_mut().zip(b.counts) {
+                *x += y;
+            }
+            (a.below, a.above, a.nan) = (a.below + b.below, a.above + b.above, a.nan + b.nan);
+            a
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn plane_of(values: &[f32]) -> Plane {
+        Plane::from_vec(values.len(), 1, values.to_vec())
+    }
+
+    #[test]
+    fn summary_leaves_out_what_is_not_finite() {
+        let plane = plane_of(&[1.0, f32::NAN, 3.0, f32::INFINITY, -2.0]);
+        let s = summary(&plane, &Region::whole(&plane));
+        assert_eq!((s.count, s.not_finite, s.min, s.max), (3, 2, -2.0, 3.0));
+        assert!((s.mean - 2.0 / 3.0).abs() < 1e-12);
+        let none = plane_of(&[f32::NAN]);
+        assert_eq!(summary(&none, &Region::whole(&none)).range(), None);
+        assert_eq!(percentiles(&none, &Region::whole(&none), &[50.0]), None);
+    }
+
+    #[test]
+    fn a_region_restricts_and_is_cut_to_the_plane() {
+        let plane = Plane::from_fn(10, 10, |u, v| (u + 10 * v) as f32);
+        let region = Region { u: 2..4, v: 3..5 };
+        assert_eq!(summary(&plane, &region).range(), Some((32.0, 43.0)));
+        let beyond = Region { u: 8..100, v: 9..100 };
+        assert_eq!(beyond.within(&plane).len(), 2);
+        assert!(Region { u: 20..30, v: 0..1 }.within(&plane).is_empty());
+        assert_eq!(summary(&plane, &Region { u: 20..30, v: 0..1 }).count, 0);
+    }
+
+    #[test]
+    fn an_outlier_does_not_blur_percentiles() {
+        let mut values: Vec<f32> = (0..1000).map(|i| i as f32 * 1e-6).collect();
+        values.push(1e30);
+        let plane = plane_of(&values);
+        let p = percentiles(&plane, &Region::whole(&plane), &[0.0, 50.0, 100.0]).unwrap();
+        assert_eq!(p, vec![0.0, 500.0 * 1e-6, 1e30]);
+    }
+
+    #[test]
+    fn histogram_edges() {
+        let plane = plane_of(&[0.0, 0.24, 0.25, 1.0, -0.1, 1.1, f32::NAN]);
+        let h = histogram(&plane, &Region::whole(&plane), 0.0, 1.0, 4);
+        assert_eq!(h.counts, vec![2, 1, 0, 1]);
+        assert_eq!((h.below, h.above, h.nan), (1, 1, 1));
+        assert_eq!(h.bin_range(1), (0.25, 0.5));
+    }
+
+    proptest! {
+        #[test]
+        fn percentiles_are_those_of_the_sorted_values(
+            values in prop::collection::vec(prop_oneof![any::<f32>(), -1f32..1.0], 1..200), percent in 0f32..100.0
+        ) {
+            let plane = plane_of(&values);
+            let mut sorted: Vec<f32> = values.iter().copied().filter(|x| x.is_finite()).collect();
+            sorted.sort_by(f32::total_cmp);
+            let found = percentiles(&plane, &Region::whole(&plane), &[percent]);
+            if sorted.is_empty() {
+                prop_assert_eq!(found, None);
+            } else {
+                let rank = (f64::from(percent) / 100.0 * (sorted.len() - 1) as f64).round() as usize;
+                prop_assert_eq!(found.unwrap()[0].to_bits(), sorted[rank].to_bits());
+            }
+        }
+
+        #[test]
+        fn every_value_is_counted_once(values in prop::collection::vec(any::<f32>(), 0..200), bins in 1usize..50) {
+            let plane = plane_of(&values);
+            let h = histogram(&plane, &Region::whole(&plane), -1.0, 2.0, bins);
+            prop_assert_eq!(h.counts.iter().sum::<u64>() + h.below + h.above + h.nan, values.len() as u64);
+        }
+    }
+}
