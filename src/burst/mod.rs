@@ -1,6 +1,21 @@
 //! A burst: frames of one size, in time order, as `f32` in [0, 1] of the file's full scale.
 //!
-//! Everything that knows file formats is in this room; the detector sees only the frames.
+//! Everything that knows file formats is in this room; the detector sees only the frames. [`find_bursts`] says which bursts an input names,
+//! [`Burst::open_with`] opens one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
+
+mod decode;
+mod error;
+mod limits;
+mod luma;
+mod open;
+mod progress;
+mod source;
+
+pub use error::OpenError;
+pub use limits::Limits;
+pub use luma::LUMA_WEIGHTS;
+pub use open::OpenOptions;
+pub use source::{BurstSource, find_bursts, supported_extensions};
 
 use crate::plane::Plane;
 use std::path::PathBuf;
@@ -15,7 +30,7 @@ pub struct Burst {
     pub frames: Vec<Arc<Plane>>,
     /// A name for each frame (file name, or page number).
     pub frame_names: Vec<String>,
-    /// The file's value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files.
+    /// The file's value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest magnitude for others.
     pub full_scale: f32,
     /// The smallest difference that the files can hold, in [0, 1] units: 1/255 for 8 bit; 0 when unknown (float).
     pub quantisation_step: f32,

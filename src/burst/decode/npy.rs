@@ -1,0 +1,196 @@
+//! `.npy` arrays: a stack `[frames, rows, columns]` or one frame `[rows, columns]`, of any integer or float type in either byte order, in C or
+//! Fortran order. Booleans become 0 and 1.
+
+use super::npy_header::{self, Dtype, NpyHeader};
+use super::{Expected, FileScale, RawFrame, frame_from_data, read_failure};
+use crate::burst::error::OpenError;
+use crate::burst::limits::Limits;
+use crate::burst::progress::{Ticker, in_order};
+use crate::monitor::Monitor;
+use crate::plane::Plane;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// Bytes that are read and converted at once: a multiple of every value's size, and small enough for the cache.
+const BLOCK_BYTES: usize = 1 << 18;
+
+pub(super) fn frame(path: &Path, file: File, expected: Expected<'_>, limits: &Limits) -> Result<RawFrame, OpenError> {
+    let header = npy_header::read(path, reopened(path, &file)?, limits)?;
+    if header.frames != 1 {
+        return Err(OpenError::StackAmongFrames { path: path.into(), frames: header.frames });
+    }
+    expected.check(path, (header.width, header.height))?;
+    let mut frames = stack(path, file, limits, &Ticker::quiet(&Monitor::default()))?;
+    Ok(frames.remove(0))
+}
+
+pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
+    let header = npy_header::read(path, reopened(path, &file)?, limits)?;
+    let planes = if header.fortran_order {
+        read_fortran(path, file, &header, ticker)?
+    } else {
+        in_order(header.frames, |t| {
+            let frame = read_frame(path, &header, t, ticker)?;
+            ticker.tick();
+            Ok(frame)
+        })?
+    };
+    let size = (header.width, header.height);
+    let frames = planes.into_iter().enumerate();
+    frames
+        .map(|(t, values)| match range(header.dtype) {
+            Some(full_scale) => {
+                Ok(RawFrame { plane: Plane::from_vec(size.0, size.1, values), scale: FileScale::Range(full_scale) })
+            }
+            None => frame_from_data(path, t, size, values, is_integer(header.dtype)),
+        })
+        .collect()
+}
+
+/// A second handle, because the header's reader consumes one.
+fn reopened(path: &Path, file: &File) -> Result<File, OpenError> {
+    file.try_clone().map_err(|e| OpenError::from_io(path, &e))
+}
+
+/// The largest value of the types whose range is the full scale.
+fn range(dtype: Dtype) -> Option<f32> {
+    match dtype {
+        Dtype::Bool => Some(1.0),
+        Dtype::U8 => Some(255.0),
+        Dtype::U16 => Some(65535.0),
+        Dtype::I8 => Some(127.0),
+        Dtype::I16 => Some(32767.0),
+        _ => None,
+    }
+}
+
+fn is_integer(dtype: Dtype) -> bool {
+    !matches!(dtype, Dtype::F16 | Dtype::F32 | Dtype::F64)
+}
+
+/// Frame `t` of an array in C order.
+fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, OpenError> {
+    let fail = |e: std::io::Error| read_failure(path, "NPY", &e);
+    let count = header.width * header.height;
+    let bytes = count * header.dtype.size();
+    let mut file = File::open(path).map_err(fail)?;
+    file.seek(SeekFrom::Start(header.data_offset + (t * bytes) as u64)).map_err(fail)?;
+    let mut values = Vec::with_capacity(count);
+    let mut block = vec![0u8; BLOCK_BYTES.min(bytes)];
+    let mut left = bytes;
+    while left > 0 {
+        ticker.check()?;
+        let block = &mut block[..BLOCK_BYTES.min(left)];
+        file.read_exact(block).map_err(fail)?;
+        convert(block, header, &mut values);
+        left -= block.len();
+    }
+    Ok(values)
+}
+
+/// All frames of an array in Fortran order, where the frame index runs fastest and the column slowest.
+fn read_fortran(
+    path: &Path,
+    mut file: File,
+    header: &NpyHeader,
+    ticker: &Ticker<'_>,
+) -> Result<Vec<Vec<f32>>, OpenError> {
+    let fail = |e: std::io::Error| read_failure(path, "NPY", &e);
+    let (frames, height, width) = (header.frames, header.height, header.width);
+    let mut planes = vec![vec![0.0f32; width * height]; frames];
+    file.seek(SeekFrom::Start(header.data_offset)).map_err(fail)?;
+    let mut left = frames * height * width * header.dtype.size();
+    let mut block = vec![0u8; BLOCK_BYTES.min(left)];
+    let mut values = Vec::new();
+    let (mut t, mut v, mut u) = (0, 0, 0);
+    while left > 0 {
+        ticker.check()?;
+        let block = &mut block[..BLOCK_BYTES.min(left)];
+        file.read_exact(block).map_err(fail)?;
+        values.clear();
+        convert(block, header, &mut values);
+        for &value in &values {
+            planes[t][v * width + u] = value;
+            t += 1;
+            if t == frames {
+                (t, v) = (0, v + 1);
+                if v == height {
+                    (v, u) = (0, u + 1);
+                }
+            }
+        }
+        left -= block.len();
+    }
+    (0..frames).for_each(|_| ticker.tick());
+    Ok(planes)
+}
+
+/// Appends the values of `bytes`, divided by the type's range if it has one.
+fn convert(bytes: &[u8], header: &NpyHeader, values: &mut Vec<f32>) {
+    let divisor = range(header.dtype).unwrap_or(1.0);
+    macro_rules! from {
+        ($type:ty) => {{
+            const SIZE: usize = size_of::<$type>();
+            let (chunks, _) = bytes.as_chunks::<SIZE>();
+            if header.big_endian {
+                values.extend(chunks.iter().map(|c| <$type>::from_be_bytes(*c) as f32 / divisor));
+            } else {
+                values.extend(chunks.iter().map(|c| <$type>::from_le_bytes(*c) as f32 / divisor));
+            }
+        }};
+    }
+    match header.dtype {
+        Dtype::Bool => values.extend(bytes.iter().map(|b| f32::from(u8::from(*b != 0)))),
+        Dtype::U8 => from!(u8),
+        Dtype::U16 => from!(u16),
+        Dtype::U32 => from!(u32),
+        Dtype::U64 => from!(u64),
+        Dtype::I8 => from!(i8),
+        Dtype::I16 => from!(i16),
+        Dtype::I32 => from!(i32),
+        Dtype::I64 => from!(i64),
+        Dtype::F32 => from!(f32),
+        Dtype::F64 => from!(f64),
+        Dtype::F16 => {
+            let (chunks, _) = bytes.as_chunks::<2>();
+            let bits = |c: &[u8; 2]| if header.big_endian { u16::from_be_bytes(*c) } else { u16::from_le_bytes(*c) };
+            values.extend(chunks.iter().map(|c| f32_from_half(bits(c))));
+        }
+    }
+}
+
+/// The value of an IEEE 754 half-precision number, exactly.
+fn f32_from_half(bits: u16) -> f32 {
+    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff));
+    sign * match exponent {
+        0 => fraction * 2f32.powi(-24),
+        31 if fraction == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1.0 + fraction / 1024.0) * 2f32.powi(exponent - 15),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::f32_from_half;
+
+    #[test]
+    fn half_precision_is_exact() {
+        let cases = [
+            (0x0000, 0.0),
+            (0x3c00, 1.0),
+            (0xc000, -2.0),
+            (0x7bff, 65504.0),
+            (0x0001, 5.960_464_5e-8),
+            (0x0400, 6.103_515_6e-5),
+            (0x3555, 0.333_251_95),
+            (0x7c00, f32::INFINITY),
+        ];
+        for (bits, value) in cases {
+            assert_eq!(f32_from_half(bits), value, "{bits:#06x}");
+        }
+        assert!(f32_from_half(0x7c01).is_nan());
+    }
+}

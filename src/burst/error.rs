@@ -1,0 +1,219 @@
+//! Why a burst could not be opened: each message names the file, says what is wrong and what would be right.
+
+use crate::monitor::Cancelled;
+use std::path::{Path, PathBuf};
+
+/// Why there is no burst. Nothing else has changed: a burst that was open stays as it is.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OpenError {
+    /// It was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// No input was named.
+    #[error("nothing to open: name a folder of frames, image files, a multi-page TIFF or a .npy stack")]
+    NothingGiven,
+    /// There is no such file or folder.
+    #[error("there is no such file or folder; check the spelling: {}", path.display())]
+    NotFound {
+        /// What was asked for.
+        path: PathBuf,
+    },
+    /// Neither a regular file nor a folder, such as a device or a pipe.
+    #[error("this is neither a regular file nor a folder; save the frames to files first: {}", path.display())]
+    NotAFile {
+        /// What was asked for.
+        path: PathBuf,
+    },
+    /// A folder without any picture, and without subfolders that have some.
+    #[error(
+        "this folder holds no pictures, nor do its subfolders; a burst is a folder of {} files: {}",
+        super::supported_extensions().join(", "), path.display()
+    )]
+    NoPictures {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The system would not let it be read.
+    #[error("cannot read this: {reason}: {}", path.display())]
+    Read {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// A file of no bytes.
+    #[error("this file is empty (0 bytes); copy it again or remove it: {}", path.display())]
+    EmptyFile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The first bytes are those of no kind that can be opened.
+    #[error(
+        "this is not a picture of a kind that can be opened ({}); convert it to PNG or TIFF, or remove it: {}",
+        super::supported_extensions().join(", "), path.display()
+    )]
+    UnknownKind {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is of a known kind, but truncated or damaged.
+    #[error("this {kind} file is truncated or damaged ({reason}); copy it again or remove it: {}", path.display())]
+    Corrupt {
+        /// The file.
+        path: PathBuf,
+        /// The file format, such as "PNG".
+        kind: &'static str,
+        /// What the decoder says.
+        reason: String,
+    },
+    /// The file is sound, but holds something that cannot be opened.
+    #[error("this {kind} file cannot be opened: {reason}: {}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// The file format, such as "TIFF".
+        kind: &'static str,
+        /// What it holds, and what would be right.
+        reason: String,
+    },
+    /// Two frames differ in size.
+    #[error(
+        "all frames of a burst have one size, but this one is {}×{}: {}, and this one is {}×{}: {}; crop them alike or remove the odd one",
+        first_size.0, first_size.1, first.display(), size.0, size.1, path.display()
+    )]
+    DifferentSizes {
+        /// The first frame's file.
+        first: PathBuf,
+        /// Its (columns, rows).
+        first_size: (usize, usize),
+        /// The frame that differs.
+        path: PathBuf,
+        /// Its (columns, rows).
+        size: (usize, usize),
+    },
+    /// The bias frame does not fit the burst.
+    #[error(
+        "the bias frame is {}×{}, but the frames are {}×{}; take it with the same camera settings: {}",
+        bias_size.0, bias_size.1, frame_size.0, frame_size.1, path.display()
+    )]
+    BiasSize {
+        /// The bias file.
+        path: PathBuf,
+        /// Its (columns, rows).
+        bias_size: (usize, usize),
+        /// The frames' (columns, rows).
+        frame_size: (usize, usize),
+    },
+    /// Integer frames of 8 or 16 bit together with frames of float or 32-bit values, which have no unit in common.
+    #[error(
+        "frames of 8 or 16 bit and frames of float or 32-bit values have no unit in common; save all frames alike: {} and {}",
+        first.display(), path.display()
+    )]
+    MixedSamples {
+        /// The first frame's file.
+        first: PathBuf,
+        /// The frame that differs.
+        path: PathBuf,
+    },
+    /// A value that is not a number, infinite, or too large for 32-bit float.
+    #[error(
+        "frame {frame} has {value} at pixel ({u}, {v}); replace what is not a finite number, by 0 or a neighbour's value: {}",
+        path.display()
+    )]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// Index of the frame within the file, from 0.
+        frame: usize,
+        /// Column.
+        u: usize,
+        /// Row.
+        v: usize,
+        /// The value: NaN or ±infinity.
+        value: f32,
+    },
+    /// A frame without pixels.
+    #[error("this file's frames have no pixels ({width}×{height}); write it again or remove it: {}", path.display())]
+    ZeroSize {
+        /// The file.
+        path: PathBuf,
+        /// Columns.
+        width: u64,
+        /// Rows.
+        height: u64,
+    },
+    /// An array of the wrong dimensions.
+    #[error("this array has the shape {shape:?}; a stack is [frames, rows, columns], one frame is [rows, columns]: {}", path.display())]
+    NpyShape {
+        /// The file.
+        path: PathBuf,
+        /// Its shape.
+        shape: Vec<u64>,
+    },
+    /// Larger than the [`Limits`](super::Limits).
+    #[error("this is too large: {found}, and the limit is {limit}; {remedy}: {}", path.display())]
+    BeyondLimit {
+        /// The file or folder.
+        path: PathBuf,
+        /// What it has.
+        found: String,
+        /// What is allowed.
+        limit: String,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// Folders and files together.
+    #[error(
+        "open either folders or files, not both: {} is a folder and {} is a file", folder.display(), file.display()
+    )]
+    MixedInput {
+        /// The first folder.
+        folder: PathBuf,
+        /// The first file.
+        file: PathBuf,
+    },
+    /// Several files are the frames of a burst, but one of them is a stack of its own.
+    #[error("several files are taken as the frames of one burst, but this one holds {frames} frames itself; open it alone: {}", path.display())]
+    StackAmongFrames {
+        /// The stack.
+        path: PathBuf,
+        /// How many frames it holds.
+        frames: usize,
+    },
+    /// One burst was wanted and there are several.
+    #[error("there are {} bursts here, open one of them: {}", names.len(), list_of(names))]
+    SeveralBursts {
+        /// Their names, in natural order.
+        names: Vec<String>,
+    },
+    /// The value that shall become 1.0 is not a positive number.
+    #[error("the full scale is the file's value that becomes 1.0; it must be a positive number, not {value}")]
+    FullScale {
+        /// What was given.
+        value: f32,
+    },
+}
+
+fn list_of(names: &[String]) -> String {
+    let mut text = names.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
+    if names.len() > 8 {
+        text.push_str(", …");
+    }
+    text
+}
+
+impl OpenError {
+    /// The error of a file or folder that the system would not let us read.
+    pub(super) fn from_io(path: &Path, error: &std::io::Error) -> Self {
+        match error.kind() {
+            std::io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
+            _ => Self::Read { path: path.into(), reason: error.to_string() },
+        }
+    }
+
+    /// Whether it is the user's cancel rather than a failure.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Cancelled(_))
+    }
+}

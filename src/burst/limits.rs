@@ -1,0 +1,84 @@
+//! How large a burst may be. Declared sizes are checked against this before any pixel is allocated, so that a damaged or
+//! hostile file cannot take the machine's memory.
+
+use super::error::OpenError;
+use std::path::Path;
+
+/// Upper bounds for what is opened. The defaults are far above any real burst and below what would stop a workstation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Longest side of a frame, pixels. Default 32768.
+    pub max_side_px: usize,
+    /// Pixels of one frame. Default 2²⁸ (16384×16384).
+    pub max_pixels: u64,
+    /// Number of frames. Default 4096.
+    pub max_frames: usize,
+    /// Memory of all frames together as `f32`, bytes. Default 16 GiB.
+    pub max_bytes: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { max_side_px: 32_768, max_pixels: 1 << 28, max_frames: 4096, max_bytes: 16 << 30 }
+    }
+}
+
+impl Limits {
+    /// Checks the declared size of one frame of the file `path`.
+    pub(super) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), OpenError> {
+        if width == 0 || height == 0 {
+            return Err(OpenError::ZeroSize { path: path.into(), width, height });
+        }
+        if width.max(height) > self.max_side_px as u64 || width.saturating_mul(height) > self.max_pixels {
+            return Err(OpenError::BeyondLimit {
+                path: path.into(),
+                found: format!("its frames are {width}×{height} pixels"),
+                limit: format!("{} pixels a side and {} pixels in all", self.max_side_px, self.max_pixels),
+                remedy: "crop or shrink the frames",
+            });
+        }
+        self.check_burst(path, 1, width, height)
+    }
+
+    /// Checks how many frames there are, and the memory that they need together.
+    pub(super) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), OpenError> {
+        if frames > self.max_frames as u64 {
+            return Err(OpenError::BeyondLimit {
+                path: path.into(),
+                found: format!("it has {frames} frames"),
+                limit: format!("{} frames", self.max_frames),
+                remedy: "split it into shorter bursts",
+            });
+        }
+        let bytes = frames.saturating_mul(width).saturating_mul(height).saturating_mul(4);
+        if bytes > self.max_bytes {
+            return Err(OpenError::BeyondLimit {
+                path: path.into(),
+                found: format!("{frames} × {width}×{height} pixels need {} MiB", bytes >> 20),
+                limit: format!("{} MiB", self.max_bytes >> 20),
+                remedy: "open fewer frames, or crop or shrink them",
+            });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_hold_at_their_edge_and_never_overflow() {
+        let limits = Limits { max_side_px: 100, max_pixels: 5000, max_frames: 3, max_bytes: 40_000 };
+        let path = Path::new("a.png");
+        assert_eq!(limits.check_frame(path, 100, 50), Ok(()));
+        assert!(limits.check_frame(path, 101, 1).is_err());
+        assert!(limits.check_frame(path, 100, 51).is_err());
+        assert!(matches!(limits.check_frame(path, 0, 9), Err(OpenError::ZeroSize { .. })));
+        assert_eq!(limits.check_burst(path, 2, 100, 50), Ok(()));
+        assert!(limits.check_burst(path, 3, 100, 50).is_err());
+        assert!(limits.check_burst(path, 4, 1, 1).is_err());
+        assert!(limits.check_frame(path, u64::MAX, u64::MAX).is_err());
+        assert!(limits.check_burst(path, u64::MAX, u64::MAX, u64::MAX).is_err());
+    }
+}

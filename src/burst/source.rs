@@ -1,0 +1,175 @@
+//! What an input names: one burst, or several.
+//!
+//! A folder that holds pictures is a burst. A folder that holds none, but has subfolders that do, is a dataset: each of
+//! those subfolders is a burst. A multi-page TIFF or a `.npy` stack alone is a burst; several stacks, given together or lying in
+//! one folder, are several bursts. Several single pictures are the frames of one burst.
+//!
+//! A folder is read in natural order (`frame_2` before `frame_10`). Files that are named one by one keep the order in which they
+//! are named, so that frames can be put in order by hand.
+
+use super::decode;
+use super::error::OpenError;
+use std::cmp::Ordering;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// One burst among an input: its name, and the paths to hand to [`Burst::open_with`](super::Burst::open_with).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BurstSource {
+    /// The folder's or the stack's name without its extension. Unique within one answer of [`find_bursts`].
+    pub name: String,
+    /// A folder, a stack, or the frames in time order.
+    pub paths: Vec<PathBuf>,
+}
+
+/// The endings (lower case, without a dot) of files that are taken for pictures in a folder.
+pub fn supported_extensions() -> &'static [&'static str] {
+    &["png", "tif", "tiff", "npy", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"]
+}
+
+/// The bursts that `inputs` name, in natural order (folders and stacks that are named one by one keep their order). Reads folders and the
+/// headers of possible stacks, no pixels.
+///
+/// # Errors
+/// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
+pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
+    if inputs.is_empty() {
+        return Err(OpenError::NothingGiven);
+    }
+    let (mut folders, mut files) = (Vec::new(), Vec::new());
+    for path in inputs {
+        let metadata = std::fs::metadata(path).map_err(|e| OpenError::from_io(path, &e))?;
+        if metadata.is_dir() {
+            folders.push(path.clone());
+        } else if metadata.is_file() {
+            files.push(path.clone());
+        } else {
+            return Err(OpenError::NotAFile { path: path.clone() });
+        }
+    }
+    if let (Some(folder), Some(file)) = (folders.first(), files.first()) {
+        return Err(OpenError::MixedInput { folder: folder.clone(), file: file.clone() });
+    }
+    let mut sources = Vec::new();
+    for folder in &folders {
+        let found = bursts_of_folder(folder, true)?;
+        if found.is_empty() {
+            return Err(OpenError::NoPictures { path: folder.clone() });
+        }
+        sources.extend(found);
+    }
+    if !files.is_empty() {
+        sources.extend(bursts_of_files(files)?);
+    }
+    make_names_unique(&mut sources);
+    Ok(sources)
+}
+
+/// The pictures of a folder, in natural order. Hidden files and files of other kinds are left out.
+pub(super) fn pictures_of_folder(folder: &Path) -> Result<Vec<PathBuf>, OpenError> {
+    Ok(list(folder)?.0)
+}
+
+fn bursts_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Vec<BurstSource>, OpenError> {
+    let (pictures, subfolders) = list(folder)?;
+    if pictures.len() > 1 && pictures.iter().all(|p| is_stack(p)) {
+        return Ok(pictures.into_iter().map(stack_source).collect());
+    }
+    if !pictures.is_empty() {
+        return Ok(vec![BurstSource { name: folder_name(folder), paths: vec![folder.into()] }]);
+    }
+    let mut sources = Vec::new();
+    if look_into_subfolders {
+        for subfolder in subfolders {
+            sources.extend(bursts_of_folder(&subfolder, false)?);
+        }
+    }
+    Ok(sources)
+}
+
+fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstSource>, OpenError> {
+    if let [single] = &files[..] {
+        return Ok(vec![stack_source(single.clone())]);
+    }
+    let stacks = files.iter().filter(|f| is_stack(f)).count();
+    if stacks == files.len() {
+        return Ok(files.into_iter().map(stack_source).collect());
+    }
+    if stacks > 0 {
+        let path = files.iter().find(|f| is_stack(f)).expect("there is at least one stack").clone();
+        let frames = decode::frame_count(&path).unwrap_or(2);
+        return Err(OpenError::StackAmongFrames { path, frames });
+    }
+    let parent = files[0].parent().unwrap_or(Path::new(""));
+    let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
+    let name = if together { folder_name(parent) } else { stem(&files[0]) };
+    Ok(vec![BurstSource { name, paths: files }])
+}
+
+/// Whether the file holds more than one frame. A file that cannot be read is none: opening it says what is wrong.
+fn is_stack(path: &Path) -> bool {
+    decode::frame_count(path).is_ok_and(|frames| frames > 1)
+}
+
+fn stack_source(path: PathBuf) -> BurstSource {
+    BurstSource { name: stem(&path), paths: vec![path] }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "burst".into(), |s| s.to_string_lossy().into_owned())
+}
+
+/// The name of a folder, also of `.` or `a/..`.
+pub(super) fn folder_name(folder: &Path) -> String {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let named = |p: &Path| p.file_name().map(|s| s.to_string_lossy().into_owned());
+    named(folder).or_else(|| named(&std::fs::canonicalize(folder).ok()?)).unwrap_or_else(|| "burst".into())
+}
+
+/// Pictures and subfolders of a folder, each in natural order.
+fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), OpenError> {
+    let (mut pictures, mut subfolders) = (Vec::new(), Vec::new());
+    let entries = std::fs::read_dir(folder).map_err(|e| OpenError::from_io(folder, &e))?;
+    for entry in entries {
+        let entry = entry.map_err(|e| OpenError::from_io(folder, &e))?;
+        if entry.file_name().to_string_lossy().starts_with('.') {
+            continue;
+        }
+        let path = entry.path();
+        // Follows links. A link to nowhere that is named like a picture counts as one, so that opening names it.
+        match std::fs::metadata(&path) {
+            Ok(metadata) if metadata.is_dir() => subfolders.push(path),
+            _ if has_picture_extension(&path) => pictures.push(path),
+            _ => {}
+        }
+    }
+    pictures.sort_by(|a, b| natural_order(a, b));
+    subfolders.sort_by(|a, b| natural_order(a, b));
+    Ok((pictures, subfolders))
+}
+
+fn has_picture_extension(path: &Path) -> bool {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    extension.is_some_and(|e| supported_extensions().contains(&&*e))
+}
+
+/// Natural order of file names; names that differ only in leading zeros are told apart by their bytes, so that the order never depends on the
+/// file system.
+pub(super) fn natural_order(a: &Path, b: &Path) -> Ordering {
+    let name = |p: &Path| p.file_name().unwrap_or_default().to_os_string();
+    alphanumeric_sort::compare_os_str(name(a), name(b)).then_with(|| a.cmp(b))
+}
+
+/// Numbers the second and later bursts of one name, so that their exports do not overwrite each other (letter case does not tell files apart everywhere).
+fn make_names_unique(sources: &mut [BurstSource]) {
+    let mut taken = HashSet::new();
+    for source in sources {
+        let mut name = source.name.clone();
+        let mut number = 2;
+        while !taken.insert(name.to_lowercase()) {
+            name = format!("{}-{number}", source.name);
+            number += 1;
+        }
+        source.name = name;
+    }
+}
