@@ -1,34 +1,25 @@
 //! The core: from the frames of a burst to features.
+//!
+//! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
+//! (Gaussian levels and their differences D, strip by strip) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
+//! samples) → [`describe`] (orientation, descriptor). [`noise`] says how large D must be to be more than noise. [`pipeline`] puts them together, and
+//! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
+pub mod describe;
 pub mod feature;
 pub mod motion;
+pub mod noise;
+pub mod octave;
 pub mod params;
+pub mod pipeline;
+pub mod refine;
+pub mod scale_space;
+pub mod search;
 pub mod slope_grid;
+mod slope_window;
 pub mod view;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{DetectorParams, FrameRange, Interpolation, Method, NoiseGate, ParamDoc, ParamError, SlopeNeighbours};
+pub use pipeline::{DetectError, detect};
 pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};
-
-use crate::burst::Burst;
-use crate::monitor::{Cancelled, Monitor};
-
-/// Why there is no detection.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum DetectError {
-    /// A parameter makes no sense for this burst.
-    #[error(transparent)]
-    Param(#[from] ParamError),
-    /// It was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-/// Finds the features of a burst.
-///
-/// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
-pub fn detect(burst: &Burst, params: &DetectorParams, _monitor: &Monitor) -> Result<Detection, DetectError> {
-    params.validate_for(burst.len(), burst.size())?;
-    unimplemented!("written in the core's own branch")
-}

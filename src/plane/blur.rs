@@ -1,0 +1,233 @@
+//! Separable Gaussian blur, row by row.
+//!
+//! Numerics. A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉ and normalised to sum 1, as in VLFeat (`vl_imsmooth`); beyond the
+//! image the nearest pixel is repeated. One output row is made in two passes: the rows above and below are combined (vertical pass), then the
+//! combined row is convolved with itself shifted (horizontal pass); symmetric taps are added before they are multiplied. Each output row is
+//! computed by itself in a fixed order, so strips and threads cannot change a bit.
+
+use super::Plane;
+use super::rows::{RowSource, Rows};
+use crate::monitor::{Cancelled, Monitor};
+use multiversion::multiversion;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A symmetric, normalised Gaussian kernel: its centre tap and the taps to one side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GaussianKernel {
+    half: Vec<f32>,
+}
+
+impl GaussianKernel {
+    /// The kernel of standard deviation `sigma` in pixels (0 or less gives the identity), cut at ⌈4σ⌉.
+    pub fn new(sigma: f64) -> Self {
+        Self::with_cut(sigma, 4.0)
+    }
+
+    /// The kernel of standard deviation `sigma` in pixels, cut at ⌈`cut`·σ⌉; `cut` in standard deviations.
+    pub fn with_cut(sigma: f64, cut: f64) -> Self {
+        if sigma <= 0.0 {
+            return Self { half: vec![1.0] };
+        }
+        let radius = (cut * sigma).ceil().max(1.0) as usize;
+        let taps: Vec<f64> = (0..=radius).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect();
+        let sum = taps[0] + 2.0 * taps[1..].iter().sum::<f64>();
+        Self { half: taps.iter().map(|t| (t / sum) as f32).collect() }
+    }
+
+    /// Taps to each side of the centre.
+    pub fn radius(&self) -> usize {
+        self.half.len() - 1
+    }
+
+    /// The centre tap and those to one side.
+    pub fn half(&self) -> &[f32] {
+        &self.half
+    }
+}
+
+/// Pixels that one step of the inner loops makes: small enough for registers, long enough to hide latencies.
+const BLOCK: usize = 64;
+
+/// The vertical pass: `out = half[0]·centre + Σ half[k]·(above[k−1] + below[k−1])`.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn combine_rows(centre: &[f32], pairs: &[(&[f32], &[f32])], half: &[f32], out: &mut [f32]) {
+    let width = out.len();
+    let mut start = 0;
+    while start + BLOCK <= width {
+        let mut acc = [0.0f32; BLOCK];
+        let c: &[f32; BLOCK] = centre[start..start + BLOCK].try_into().expect("a block");
+        for i in 0..BLOCK {
+            acc[i] = half[0] * c[i];
+        }
+        for (&(above, below), &tap) in pairs.iter().zip(&half[1..]) {
+            let a: &[f32; BLOCK] = above[start..start + BLOCK].try_into().expect("a block");
+            let b: &[f32; BLOCK] = below[start..start + BLOCK].try_into().expect("a block");
+            for i in 0..BLOCK {
+                acc[i] += tap * (a[i] + b[i]);
+            }
+        }
+        out[start..start + BLOCK].copy_from_slice(&acc);
+        start += BLOCK;
+    }
+    for u in start..width {
+        let mut acc = half[0] * centre[u];
+        for (&(above, below), &tap) in pairs.iter().zip(&half[1..]) {
+            acc += tap * (above[u] + below[u]);
+        }
+        out[u] = acc;
+    }
+}
+
+/// The horizontal pass over `padded`, which has `radius` repeated pixels at each end of `out.len()` real ones.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn convolve_row(padded: &[f32], half: &[f32], out: &mut [f32]) {
+    let width = out.len();
+    let radius = half.len() - 1;
+    let mut start = 0;
+    while start + BLOCK <= width {
+        let mut acc = [0.0f32; BLOCK];
+        let at = start + radius;
+        let c: &[f32; BLOCK] = padded[at..at + BLOCK].try_into().expect("a block");
+        for i in 0..BLOCK {
+            acc[i] = half[0] * c[i];
+        }
+        for k in 1..=radius {
+            let a: &[f32; BLOCK] = padded[at - k..at - k + BLOCK].try_into().expect("a block");
+            let b: &[f32; BLOCK] = padded[at + k..at + k + BLOCK].try_into().expect("a block");
+            for i in 0..BLOCK {
+                acc[i] += half[k] * (a[i] + b[i]);
+            }
+        }
+        out[start..start + BLOCK].copy_from_slice(&acc);
+        start += BLOCK;
+    }
+    for u in start..width {
+        let at = u + radius;
+        let mut acc = half[0] * padded[at];
+        for k in 1..=radius {
+            acc += half[k] * (padded[at - k] + padded[at + k]);
+        }
+        out[u] = acc;
+    }
+}
+
+/// Blurs row `v` of an image of `height` rows into `out`. `source` must hold rows `v ± radius`, clamped to the image. `padded` is scratch space.
+pub fn blur_row(
+    source: &impl RowSource,
+    height: usize,
+    kernel: &GaussianKernel,
+    v: usize,
+    padded: &mut Vec<f32>,
+    out: &mut [f32],
+) {
+    let radius = kernel.radius();
+    if radius == 0 {
+        out.copy_from_slice(source.source_row(v));
+        return;
+    }
+    let width = out.len();
+    if padded.len() < width + 2 * radius {
+        padded.resize(width + 2 * radius, 0.0);
+    }
+    let padded = &mut padded[..width + 2 * radius];
+    // At most 2·⌈4σ⌉ pairs; σ of one blur stays below about 8 octave pixels.
+    let mut pairs: Vec<(&[f32], &[f32])> = Vec::with_capacity(radius);
+    for k in 1..=radius {
+        pairs.push((source.source_row(v.saturating_sub(k)), source.source_row((v + k).min(height - 1))));
+    }
+    combine_rows(source.source_row(v), &pairs, kernel.half(), &mut padded[radius..radius + width]);
+    let (first, last) = (padded[radius], padded[radius + width - 1]);
+    padded[..radius].fill(first);
+    padded[radius + width..].fill(last);
+    convolve_row(padded, kernel.half(), out);
+}
+
+/// Blurs rows `range` of an image of `height` rows into `out`, which is reset to them. `source` must hold `range` widened by the kernel's
+/// radius and clamped to the image.
+pub fn blur_rows(
+    source: &impl RowSource,
+    width: usize,
+    height: usize,
+    kernel: &GaussianKernel,
+    range: Range<usize>,
+    padded: &mut Vec<f32>,
+    out: &mut Rows,
+) {
+    out.reset(width, range.clone());
+    for v in range {
+        blur_row(source, height, kernel, v, padded, out.row_mut(v));
+    }
+}
+
+/// The whole image blurred by `kernel`, rows in parallel.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel, monitor: &Monitor) -> Result<Plane, Cancelled> {
+    let (width, height) = plane.size();
+    let mut out = Plane::zeros(width, height);
+    if width == 0 || height == 0 {
+        return Ok(out);
+    }
+    out.data_mut().par_chunks_mut(width).enumerate().try_for_each_init(Vec::new, |padded, (v, row)| {
+        monitor.check()?;
+        blur_row(plane, height, kernel, v, padded, row);
+        Ok(())
+    })?;
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_sum_to_one_and_reach_four_sigma() {
+        for sigma in [0.3, 1.0, 1.6, 3.09] {
+            let kernel = GaussianKernel::new(sigma);
+            let sum = kernel.half()[0] + 2.0 * kernel.half()[1..].iter().sum::<f32>();
+            assert!((sum - 1.0).abs() < 1e-6);
+            assert_eq!(kernel.radius(), (4.0 * sigma).ceil() as usize);
+        }
+        assert_eq!(GaussianKernel::new(0.0).half(), &[1.0]);
+    }
+
+    #[test]
+    fn a_constant_stays_and_a_point_becomes_the_kernel() {
+        let flat = Plane::from_fn(150, 20, |_, _| 0.25);
+        let kernel = GaussianKernel::new(1.5);
+        let blurred = gaussian_blur(&flat, &kernel, &Monitor::default()).expect("not cancelled");
+        assert!(blurred.data().iter().all(|x| (x - 0.25).abs() < 1e-6));
+
+        let point = Plane::from_fn(150, 41, |u, v| f32::from(u == 70 && v == 20));
+        let blurred = gaussian_blur(&point, &kernel, &Monitor::default()).expect("not cancelled");
+        for (du, dv) in [(0, 0), (1, 0), (0, 3), (4, 2), (6, 6)] {
+            let expected = kernel.half()[du] * kernel.half()[dv];
+            assert!((blurred.at(70 + du, 20 - dv) - expected).abs() < 1e-8);
+            assert!((blurred.at(70 - du, 20 + dv) - expected).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn strips_give_the_bits_of_the_whole() {
+        let plane = Plane::from_fn(97, 60, |u, v| ((u * 7 + v * 13) % 31) as f32 / 31.0);
+        let kernel = GaussianKernel::new(2.2);
+        let whole = gaussian_blur(&plane, &kernel, &Monitor::default()).expect("not cancelled");
+        let (mut padded, mut strip) = (Vec::new(), Rows::default());
+        for start in (0..60).step_by(7) {
+            let range = start..(start + 7).min(60);
+            blur_rows(&plane, 97, 60, &kernel, range.clone(), &mut padded, &mut strip);
+            for v in range {
+                assert_eq!(strip.row(v), whole.row(v));
+            }
+        }
+    }
+
+    #[test]
+    fn cancelling_stops_a_blur() {
+        let monitor = Monitor::default();
+        monitor.cancel();
+        assert_eq!(gaussian_blur(&Plane::zeros(8, 8), &GaussianKernel::new(1.0), &monitor), Err(Cancelled));
+    }
+}
