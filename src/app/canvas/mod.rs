@@ -1,0 +1,263 @@
+//! The canvas: one picture that can be panned and zoomed, and what is drawn over it.
+//!
+//! Positions are in pixels of the input image (`pos_image`: the centre of the first pixel is (0, 0), it covers −0.5 … 0.5) or in points of the
+//! window (`pos_ui`). `ui_from_image` leads from the one to the other. A picture of another octave is laid over the image where its pixels
+//! belong, so that switching the kind of picture never moves what one looks at.
+//!
+//! The wheel (with or without Ctrl) and pinching zoom at the pointer, dragging with the primary or the middle button pans, a double click fits.
+//!
+//! ```no_run
+//! # use burstscope::app::canvas::{Canvas, Picture, View, overlay};
+//! # fn example(ui: &mut egui::Ui, picture: &Picture, view: &mut View, features: &[burstscope::Feature]) {
+//! # let display = burstscope::plane::display::Display::default();
+//! let output = Canvas::new("Motion-stack image").picture(Some(picture)).display(&display).full_scale(255.0).show(ui, view);
+//! let scale = overlay::ColourScale::of(overlay::ColourBy::SlopeDirection, features);
+//! overlay::draw_features(&output, features, &overlay::OverlayStyle::new(&scale, 10));
+//! if output.response.clicked() {
+//!     let clicked = output.pointer_ui.and_then(|pos| overlay::feature_at(features, None, output.ui_from_image, pos));
+//! }
+//! # }
+//! ```
+
+pub mod overlay;
+mod picture;
+mod readout;
+mod transform;
+mod values;
+mod view;
+
+pub use picture::Picture;
+pub use readout::{Readout, number, readout};
+pub use transform::RectTransform;
+pub use values::{GRID_MIN_POINTS, VALUE_MIN_POINTS, readable_on};
+pub use view::{MAX_POINTS_PER_PIXEL, View, Zoom};
+
+use crate::app::gpu::{Gpu, PicturePaint};
+use crate::plane::display::Display;
+use egui::{Align2, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui, Vec2};
+
+/// A picture that can be panned and zoomed; see the module's example.
+#[must_use = "a canvas is drawn by `show`"]
+pub struct Canvas<'a> {
+    name: &'a str,
+    picture: Option<&'a Picture>,
+    display: Display,
+    size: Option<Vec2>,
+    dim: bool,
+    full_scale: f32,
+    values: bool,
+    pixel_grid: bool,
+    empty_text: &'a str,
+}
+
+/// What a canvas tells about this frame, and what overlays draw with.
+pub struct CanvasOutput {
+    /// Clicks, hovering, drags. Its rectangle is the canvas.
+    pub response: Response,
+    /// Draws over the picture, clipped to the canvas.
+    pub painter: Painter,
+    /// From image pixels to points of the window.
+    pub ui_from_image: RectTransform,
+    /// From points of the window to image pixels.
+    pub image_from_ui: RectTransform,
+    /// What of the image plane the canvas shows, in image pixels; may reach beyond the image.
+    pub visible_image: Rect,
+    /// The pointer, in points, while it is over the canvas.
+    pub pointer_ui: Option<Pos2>,
+    /// The pointer, in image pixels, while it is over the canvas and over the picture.
+    pub hover_image: Option<Pos2>,
+    /// Pixels of the screen for each pixel of the image: 1.0 is "100 %".
+    pub screen_px_per_pixel: f32,
+}
+
+impl<'a> Canvas<'a> {
+    /// A canvas called `name`, for screen readers and tests; no two on screen may share a name.
+    pub fn new(name: &'a str) -> Self {
+        Self {
+            name,
+            picture: None,
+            display: Display::default(),
+            size: None,
+            dim: false,
+            full_scale: 1.0,
+            values: true,
+            pixel_grid: false,
+            empty_text: "No picture",
+        }
+    }
+
+    /// What to show; without a picture the canvas shows its empty text.
+    pub fn picture(mut self, picture: Option<&'a Picture>) -> Self {
+        self.picture = picture;
+        self
+    }
+
+    /// Range, gamma and colours. Changing them uploads nothing.
+    pub fn display(mut self, display: &Display) -> Self {
+        self.display = display.sanitised();
+        self
+    }
+
+    /// Size in points; by default all the room there is.
+    pub fn size(mut self, size: Vec2) -> Self {
+        self.size = Some(size);
+        self
+    }
+
+    /// Shows the picture dimmed and with less colour: it is stale, a newer one is being made.
+    pub fn dim(mut self, dim: bool) -> Self {
+        self.dim = dim;
+        self
+    }
+
+    /// The file's value of 1.0, in which values are drawn into large pixels. 1 by default.
+    pub fn full_scale(mut self, full_scale: f32) -> Self {
+        self.full_scale = full_scale;
+        self
+    }
+
+    /// Whether values are drawn into pixels that are large enough; yes by default.
+    pub fn values(mut self, values: bool) -> Self {
+        self.values = values;
+        self
+    }
+
+    /// Whether lines are drawn between pixels that are large enough; no by default.
+    pub fn pixel_grid(mut self, pixel_grid: bool) -> Self {
+        self.pixel_grid = pixel_grid;
+        self
+    }
+
+    /// What to say where there is no picture.
+    pub fn empty_text(mut self, text: &'a str) -> Self {
+        self.empty_text = text;
+        self
+    }
+
+    /// Draws the canvas and lets the pointer move `view`.
+    pub fn show(self, ui: &mut Ui, view: &mut View) -> CanvasOutput {
+        let size = self.size.unwrap_or_else(|| ui.available_size()).max(Vec2::splat(16.0));
+        let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        // Without a picture any size will do; nothing is drawn with it.
+        let image_size = self.picture.map_or((1, 1), |p| p.image_size);
+        if self.picture.is_some() {
+            view.settle(rect, image_size, pixels_per_point);
+            navigate(ui, &response, rect, view);
+        }
+        let mut settled = *view;
+        let ui_from_image = settled.settle(rect, image_size, pixels_per_point);
+        if self.picture.is_some() {
+            *view = settled;
+        }
+        let image_from_ui = ui_from_image.inverse();
+        let painter = ui.painter_at(rect);
+        let pointer_ui = response.hover_pos().or_else(|| response.interact_pointer_pos()).filter(|&p| rect.contains(p));
+        let output = CanvasOutput {
+            painter,
+            ui_from_image,
+            image_from_ui,
+            visible_image: image_from_ui.rect(rect),
+            pointer_ui,
+            hover_image: pointer_ui
+                .map(|p| image_from_ui.pos(p))
+                .filter(|&p| self.picture.is_some_and(|picture| picture.rect_image().contains(p))),
+            screen_px_per_pixel: ui_from_image.scale() * pixels_per_point,
+            response: response.clone(),
+        };
+        if ui.is_rect_visible(rect) {
+            self.draw(ui, &output);
+        }
+        let enabled = ui.is_enabled();
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, enabled, self.name));
+        if self.picture.is_some() {
+            let cursor = if response.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
+            response = response.on_hover_and_drag_cursor(cursor);
+        }
+        CanvasOutput { response, ..output }
+    }
+
+    fn draw(&self, ui: &Ui, output: &CanvasOutput) {
+        let rect = output.response.rect;
+        let backdrop = backdrop(ui);
+        output.painter.rect_filled(rect, 0.0, backdrop);
+        let Some(picture) = self.picture else {
+            message(ui, &output.painter, rect, self.empty_text);
+            return;
+        };
+        let Some(gpu) = Gpu::of(ui.ctx()) else {
+            message(
+                ui,
+                &output.painter,
+                rect,
+                "Pictures cannot be drawn: this window has no graphics card to draw with.",
+            );
+            return;
+        };
+        if let Some(obstacle) = gpu.obstacle(picture.id, picture.plane.size()) {
+            message(ui, &output.painter, rect, &obstacle);
+            return;
+        }
+        let dim = ui.ctx().animate_bool_with_time(output.response.id.with("dim"), self.dim, 0.15);
+        let paint = PicturePaint {
+            pane: output.response.id,
+            id: picture.id,
+            plane: picture.plane.clone(),
+            ui_from_picture: picture.ui_from_picture(output.ui_from_image),
+            display: self.display,
+            dim,
+            backdrop,
+        };
+        output.painter.add(paint.into_shape(rect));
+        if self.pixel_grid {
+            values::draw_grid(&output.painter, picture, output.ui_from_image, output.visible_image);
+        }
+        if self.values {
+            values::draw_values(
+                &output.painter,
+                picture,
+                &self.display,
+                output.ui_from_image,
+                output.visible_image,
+                self.full_scale,
+            );
+        }
+    }
+}
+
+/// A neutral grey around the picture, so that the surround does not tint what one sees.
+fn backdrop(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_gray(20) } else { Color32::from_gray(206) }
+}
+
+/// A sentence in the middle of the canvas.
+fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
+    let font = TextStyle::Body.resolve(ui.style());
+    let width = (rect.width() - 32.0).clamp(40.0, 460.0);
+    let mut job = egui::text::LayoutJob::simple(text.to_owned(), font, ui.visuals().weak_text_color(), width);
+    job.halign = egui::Align::Center;
+    let galley = painter.layout_job(job);
+    let pos = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size()).center_top();
+    painter.galley(pos, galley, ui.visuals().weak_text_color());
+}
+
+/// Lets the pointer move the view.
+fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View) {
+    if response.double_clicked() {
+        view.set_fit();
+    }
+    if response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle) {
+        view.pan(response.drag_delta());
+    }
+    // `contains_pointer` looks at layers too: a window above the canvas keeps its wheel.
+    if response.contains_pointer()
+        && let Some(pointer) = ui.input(|i| i.pointer.hover_pos())
+    {
+        /// Points of scrolling that zoom by a factor of e; a wheel's notch gives about 40 to 50 points.
+        const POINTS_PER_E_FOLD: f32 = 220.0;
+        let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));
+        view.zoom_at(pointer, zoom * (scroll.y / POINTS_PER_E_FOLD).exp(), rect);
+        // A second axis, or the wheel with Shift, moves sideways.
+        view.pan(Vec2::new(scroll.x, 0.0));
+    }
+}

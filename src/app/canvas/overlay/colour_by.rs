@@ -1,0 +1,248 @@
+//! What the colour of a feature tells, and the legend that says so. The one place where features get their colours.
+
+use crate::detector::feature::Feature;
+use crate::plane::colour_map::{ColourMap, direction_colour};
+use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use serde::{Deserialize, Serialize};
+
+/// What the colour of a feature tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ColourBy {
+    /// The apparent motion: hue for its direction, saturation for its length.
+    #[default]
+    SlopeDirection,
+    /// The horizontal part of the apparent motion.
+    SlopeU,
+    /// The vertical part of the apparent motion.
+    SlopeV,
+    /// The scale σ, in logarithmic steps.
+    Scale,
+    /// The DoG value with its sign: bright blobs are negative.
+    Response,
+}
+
+impl ColourBy {
+    /// All choices, in the order of a picker.
+    pub const ALL: [Self; 5] = [Self::SlopeDirection, Self::SlopeU, Self::SlopeV, Self::Scale, Self::Response];
+
+    /// The name that a person reads, in sentence case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SlopeDirection => "Slope (direction and magnitude)",
+            Self::SlopeU => "Slope u",
+            Self::SlopeV => "Slope v",
+            Self::Scale => "Scale",
+            Self::Response => "Response",
+        }
+    }
+
+    /// The unit of the numbers at a legend.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::SlopeDirection | Self::SlopeU | Self::SlopeV => "px/frame",
+            Self::Scale => "px",
+            Self::Response => "of full scale",
+        }
+    }
+
+    /// The map and the part of it that is used: ends too dark to be seen over a dark picture are left out.
+    fn map(self) -> (ColourMap, f32, f32) {
+        match self {
+            Self::SlopeDirection | Self::SlopeU | Self::SlopeV => (ColourMap::Turbo, 0.08, 0.92),
+            Self::Scale => (ColourMap::Viridis, 0.3, 1.0),
+            Self::Response => (ColourMap::BlueWhiteRed, 0.12, 0.88),
+        }
+    }
+}
+
+/// A [`ColourBy`] with the range of values that its colours span, so that the same colour means the same until the next detection.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColourScale {
+    /// What the colour tells.
+    pub by: ColourBy,
+    /// The value of the first colour, in the quantity's unit; unused (0) by [`ColourBy::SlopeDirection`].
+    pub min: f32,
+    /// The value of the last colour; the length of full saturation for [`ColourBy::SlopeDirection`].
+    pub max: f32,
+    /// 256 colours from min to max.
+    table: Vec<Color32>,
+}
+
+impl ColourScale {
+    /// The scale that spans `features`: all of them for slopes and σ, ± the largest magnitude for the response.
+    pub fn of(by: ColourBy, features: &[Feature]) -> Self {
+        let range = |value: fn(&Feature) -> f32| {
+            features.iter().map(value).filter(|x| x.is_finite()).fold(None, |range: Option<(f32, f32)>, x| {
+                Some(range.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
+            })
+        };
+        let (min, max) = match by {
+            ColourBy::SlopeDirection => (0.0, range(|f| f.slope.magnitude()).map_or(1.0, |r| r.1)),
+            ColourBy::SlopeU => range(|f| f.slope.u).unwrap_or((-1.0, 1.0)),
+            ColourBy::SlopeV => range(|f| f.slope.v).unwrap_or((-1.0, 1.0)),
+            ColourBy::Scale => range(|f| f.sigma).unwrap_or((1.0, 16.0)),
+            ColourBy::Response => {
+                let limit = range(|f| f.response.abs()).map_or(0.1, |r| r.1);
+                (-limit, limit)
+            }
+        };
+        Self::with_range(by, min, max)
+    }
+
+    /// A scale over a range of one's own; made usable when it is empty.
+    pub fn with_range(by: ColourBy, min: f32, max: f32) -> Self {
+        let (min, max) = match by {
+            ColourBy::Scale => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
+            ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
+            ColourBy::SlopeU | ColourBy::SlopeV if max <= min => (min - 0.5, min + 0.5),
+            _ => (min, if max > min { max } else { min + 1e-6 }),
+        };
+        let (map, first, last) = by.map();
+        let lut = map.lut();
+        let table = (0..256)
+            .map(|i| {
+                let t = first + (last - first) * i as f32 / 255.0;
+                let [r, g, b] = lut[(t * 255.0).round() as usize];
+                Color32::from_rgb(r, g, b)
+            })
+            .collect();
+        Self { by, min, max, table }
+    }
+
+    /// The colour of `feature`.
+    pub fn colour(&self, feature: &Feature) -> Color32 {
+        match self.by {
+            ColourBy::SlopeDirection => {
+                let slope = feature.slope;
+                let [r, g, b] = direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max);
+                Color32::from_rgb(r, g, b)
+            }
+            ColourBy::SlopeU => self.along(feature.slope.u),
+            ColourBy::SlopeV => self.along(feature.slope.v),
+            ColourBy::Scale => self.along(feature.sigma),
+            ColourBy::Response => self.along(feature.response),
+        }
+    }
+
+    /// The colour of a value on the bar.
+    fn along(&self, value: f32) -> Color32 {
+        let t = if self.by == ColourBy::Scale {
+            (value.max(1e-6) / self.min).ln() / (self.max / self.min).ln()
+        } else {
+            (value - self.min) / (self.max - self.min)
+        };
+        self.table[(t.clamp(0.0, 1.0) * 255.0).round() as usize]
+    }
+
+    /// Draws the legend: a wheel for directions, a bar with its end values for everything else.
+    pub fn legend_ui(&self, ui: &mut Ui) -> Response {
+        let response = if self.by == ColourBy::SlopeDirection { self.wheel_ui(ui) } else { self.bar_ui(ui) };
+        let text = match self.by {
+            ColourBy::SlopeDirection => format!("Legend: slope up to {} px/frame", super::super::number(self.max, 3)),
+            by => format!(
+                "Legend: {} from {} to {} {}",
+                by.name().to_lowercase(),
+                super::super::number(self.min, 3),
+                super::super::number(self.max, 3),
+                by.unit()
+            ),
+        };
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+        response.on_hover_text(text)
+    }
+
+    fn wheel_ui(&self, ui: &mut Ui) -> Response {
+        const RADIUS_POINTS: f32 = 26.0;
+        let small = egui::TextStyle::Small.resolve(ui.style());
+        let colour = ui.visuals().text_color();
+        let length = format!("{} px/frame", super::super::number(self.max, 3));
+        let galley = ui.painter().layout_no_wrap(length, small.clone(), colour);
+        let size = vec2(2.0 * RADIUS_POINTS + 8.0 + galley.size().x, 2.0 * RADIUS_POINTS + 2.0);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+        let centre = rect.left_center() + vec2(RADIUS_POINTS, 0.0);
+        let mut mesh = Mesh::default();
+        const SECTORS: u32 = 72;
+        mesh.colored_vertex(centre, rgb(direction_colour(0.0, 0.0)));
+        for i in 0..=SECTORS {
+            let angle = i as f32 * std::f32::consts::TAU / SECTORS as f32;
+            mesh.colored_vertex(centre + RADIUS_POINTS * Vec2::angled(angle), rgb(direction_colour(angle, 1.0)));
+            if i > 0 {
+                mesh.add_triangle(0, i, i + 1);
+            }
+        }
+        ui.painter().add(Shape::mesh(mesh));
+        // Covers the polygon's rough rim.
+        ui.painter().circle_stroke(centre, RADIUS_POINTS, Stroke::new(1.5, ui.visuals().weak_text_color()));
+        let arrow = Stroke::new(1.0, Color32::from_black_alpha(160));
+        ui.painter().line_segment([centre, centre + vec2(RADIUS_POINTS - 1.0, 0.0)], arrow);
+        ui.painter().galley(pos2(centre.x + RADIUS_POINTS + 7.0, centre.y - 0.5 * galley.size().y), galley, colour);
+        response
+    }
+
+    fn bar_ui(&self, ui: &mut Ui) -> Response {
+        let small = egui::TextStyle::Small.resolve(ui.style());
+        let colour = ui.visuals().text_color();
+        let width = ui.available_width().clamp(90.0, 180.0);
+        let text_height = ui.text_style_height(&egui::TextStyle::Small);
+        let (rect, response) = ui.allocate_exact_size(vec2(width, 12.0 + text_height + 3.0), Sense::hover());
+        let bar = Rect::from_min_size(rect.min, vec2(width, 11.0));
+        let mut mesh = Mesh::default();
+        for (i, &c) in self.table.iter().enumerate() {
+            let x = bar.left() + bar.width() * i as f32 / 255.0;
+            mesh.colored_vertex(pos2(x, bar.top()), c);
+            mesh.colored_vertex(pos2(x, bar.bottom()), c);
+            if i > 0 {
+                let n = 2 * i as u32;
+                mesh.add_triangle(n - 2, n - 1, n);
+                mesh.add_triangle(n - 1, n, n + 1);
+            }
+        }
+        ui.painter().add(Shape::mesh(mesh));
+        ui.painter().rect_stroke(bar, 2.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
+        let y = bar.bottom() + 3.0;
+        let number = |x| super::super::number(x, 3);
+        ui.painter().text(pos2(bar.left(), y), egui::Align2::LEFT_TOP, number(self.min), small.clone(), colour);
+        ui.painter().text(pos2(bar.right(), y), egui::Align2::RIGHT_TOP, number(self.max), small.clone(), colour);
+        let unit = ui.visuals().weak_text_color();
+        ui.painter().text(pos2(bar.center().x, y), egui::Align2::CENTER_TOP, self.by.unit(), small, unit);
+        response
+    }
+}
+
+fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::feature;
+    use super::*;
+
+    #[test]
+    fn scales_span_the_features() {
+        let features = [feature(0.0, 0.0, 2.0, (-1.0, 0.5), -0.1), feature(5.0, 5.0, 8.0, (3.0, 0.5), 0.05)];
+        assert_eq!(ColourScale::of(ColourBy::SlopeU, &features).max, 3.0);
+        assert_eq!(ColourScale::of(ColourBy::Scale, &features).min, 2.0);
+        assert_eq!(ColourScale::of(ColourBy::Response, &features).min, -0.1);
+        for by in ColourBy::ALL {
+            let scale = ColourScale::of(by, &features);
+            if by == ColourBy::SlopeV {
+                assert_eq!(scale.colour(&features[0]), scale.colour(&features[1]));
+            } else {
+                assert_ne!(scale.colour(&features[0]), scale.colour(&features[1]), "{by:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_feature_and_odd_numbers_still_give_a_colour() {
+        for by in ColourBy::ALL {
+            let empty = ColourScale::of(by, &[]);
+            assert!(empty.max > empty.min, "{by:?}");
+            let odd = feature(0.0, 0.0, f32::NAN, (f32::NAN, f32::INFINITY), f32::NAN);
+            empty.colour(&odd);
+            ColourScale::of(by, &[odd]).colour(&odd);
+        }
+    }
+}

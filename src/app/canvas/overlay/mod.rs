@@ -1,0 +1,180 @@
+//! Features over a picture: circles of true scale, orientation, motion over the burst.
+//!
+//! The circle's radius is √2·σ, the radius of the blob that answers most strongly at scale σ. The tick points along the orientation. The arrow
+//! runs from where the feature is in the first frame to where it is in the last. Features whose slope lies on the rim of the searched grid have a
+//! dashed circle: their true motion may lie outside.
+
+mod colour_by;
+mod hit;
+mod strokes;
+
+pub use colour_by::{ColourBy, ColourScale};
+pub use hit::feature_at;
+
+use super::CanvasOutput;
+use crate::detector::feature::Feature;
+use egui::{Color32, Pos2, Shape, pos2};
+use strokes::Strokes;
+
+/// How features are drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct OverlayStyle<'a> {
+    /// What their colours tell.
+    pub scale: &'a ColourScale,
+    /// Frames of the burst that were used, N: the arrow spans N − 1 steps.
+    pub frames: usize,
+    /// One flag for each feature, `false` leaves it out; `None` shows all.
+    pub shown: Option<&'a [bool]>,
+    /// Index of the selected feature.
+    pub selected: Option<usize>,
+    /// Index of the feature under the pointer.
+    pub hovered: Option<usize>,
+    /// Whether the features belong to older parameters or another picture, and are drawn dimmed.
+    pub stale: bool,
+    /// Whether circles are drawn.
+    pub circles: bool,
+    /// Whether orientation ticks are drawn.
+    pub orientations: bool,
+    /// Whether arrows of motion are drawn.
+    pub motion: bool,
+}
+
+impl<'a> OverlayStyle<'a> {
+    /// Everything shown, nothing selected, for a burst of `frames` frames.
+    pub fn new(scale: &'a ColourScale, frames: usize) -> Self {
+        Self {
+            scale,
+            frames,
+            shown: None,
+            selected: None,
+            hovered: None,
+            stale: false,
+            circles: true,
+            orientations: true,
+            motion: true,
+        }
+    }
+}
+
+/// Radius of a feature's circle, √2·σ, in image pixels.
+pub fn circle_radius_image(feature: &Feature) -> f32 {
+    std::f32::consts::SQRT_2 * feature.sigma
+}
+
+/// Where a feature is in the first and in the last of `frames` frames, in image pixels.
+pub fn motion_image(feature: &Feature, frames: usize) -> (Pos2, Pos2) {
+    let half_span = 0.5 * frames.saturating_sub(1) as f32;
+    let (du, dv) = (half_span * feature.slope.u, half_span * feature.slope.v);
+    (pos2(feature.u - du, feature.v - dv), pos2(feature.u + du, feature.v + dv))
+}
+
+/// Whether feature `i` is to be shown.
+fn is_shown(shown: Option<&[bool]>, i: usize) -> bool {
+    shown.is_none_or(|flags| flags.get(i).copied().unwrap_or(true))
+}
+
+/// Above this number of visible features the dark edge around the lines is left out: it would only darken the crowd.
+const MAX_WITH_EDGE: usize = 1500;
+
+/// Circles smaller than this, in points, are drawn at this size, so that a feature never vanishes.
+const MIN_RADIUS_POINTS: f32 = 1.5;
+
+/// Draws `features` over the canvas that answered `output`. What lies outside costs nothing; thousands draw at display rate.
+pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
+    let pixels_per_point = output.painter.pixels_per_point();
+    let visible: Vec<usize> = (0..features.len())
+        .filter(|&i| is_shown(style.shown, i) && is_visible(output, &features[i], style.frames))
+        .collect();
+    let opacity = if style.stale { 0.35 } else { 0.95 };
+    let mut strokes = Strokes::new(pixels_per_point);
+    if visible.len() <= MAX_WITH_EDGE && !style.stale {
+        for &i in &visible {
+            let edge = Color32::from_black_alpha(90);
+            draw_one(&mut strokes, output, &features[i], style, Line { width: 3.2, colour: edge });
+        }
+    }
+    for &i in &visible {
+        let colour = style.scale.colour(&features[i]).gamma_multiply(opacity);
+        draw_one(&mut strokes, output, &features[i], style, Line { width: 1.4, colour });
+    }
+    // What is pointed at and what is selected lie above all others.
+    for (highlight, width) in [(style.hovered, 2.0), (style.selected, 2.6)] {
+        let Some(feature) = highlight.filter(|&i| is_shown(style.shown, i)).and_then(|i| features.get(i)) else {
+            continue;
+        };
+        for (extra, colour) in
+            [(4.5, Color32::from_black_alpha(150)), (2.4, Color32::WHITE), (0.0, style.scale.colour(feature))]
+        {
+            draw_one(&mut strokes, output, feature, style, Line { width: width + extra, colour });
+        }
+    }
+    let mesh = strokes.into_mesh();
+    if !mesh.is_empty() {
+        output.painter.add(Shape::mesh(mesh));
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Line {
+    width: f32,
+    colour: Color32,
+}
+
+fn draw_one(strokes: &mut Strokes, output: &CanvasOutput, feature: &Feature, style: &OverlayStyle<'_>, line: Line) {
+    let t = output.ui_from_image;
+    let centre = t.pos(pos2(feature.u, feature.v));
+    let radius = (circle_radius_image(feature) * t.scale()).max(MIN_RADIUS_POINTS);
+    if style.motion {
+        let (first, last) = motion_image(feature, style.frames);
+        let (first, last) = (t.pos(first), t.pos(last));
+        if first.distance(last) > 3.0 {
+            strokes.arrow(first, last, 0.8 * line.width, line.colour.gamma_multiply(0.85));
+        }
+    }
+    if style.circles {
+        strokes.circle(centre, radius, line.width, line.colour, feature.at_slope_limit);
+    }
+    if style.orientations && radius > 4.0 {
+        strokes.line(centre, centre + radius * egui::Vec2::angled(feature.orientation), line.width, line.colour);
+    }
+}
+
+/// Whether anything of the feature may fall into the canvas.
+fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
+    let (first, last) = motion_image(feature, frames);
+    let reach = circle_radius_image(feature) + 4.0 / output.ui_from_image.scale();
+    let bounds = egui::Rect::from_two_pos(first, last)
+        .union(egui::Rect::from_center_size(pos2(feature.u, feature.v), egui::Vec2::splat(2.0 * reach)));
+    bounds.is_finite() && bounds.intersects(output.visible_image)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::slope_grid::Slope;
+
+    /// A feature with what matters here.
+    pub(super) fn feature(u: f32, v: f32, sigma: f32, slope: (f32, f32), response: f32) -> Feature {
+        Feature {
+            u,
+            v,
+            sigma,
+            orientation: 0.3,
+            slope: Slope::new(slope.0, slope.1),
+            response,
+            snr: 5.0,
+            octave: 0,
+            level: 0,
+            slope_index: 0,
+            at_slope_limit: false,
+        }
+    }
+
+    #[test]
+    fn motion_spans_the_burst_about_the_middle() {
+        let (first, last) = motion_image(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), 5);
+        assert_eq!((first, last), (pos2(96.0, 52.0), pos2(104.0, 48.0)));
+        let (first, last) = motion_image(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), 1);
+        assert_eq!(first, last);
+    }
+}

@@ -1,0 +1,135 @@
+//! Anti-aliased circles and lines, thousands of them in one mesh.
+//!
+//! egui could draw each as a shape of its own; one mesh for all saves it the sorting and stroking and keeps a full window at display rate.
+
+use egui::{Color32, Mesh, Pos2, Vec2};
+
+/// Collects strokes into one mesh.
+pub struct Strokes {
+    mesh: Mesh,
+    /// Width of the soft edge: one pixel of the screen, in points.
+    feather: f32,
+}
+
+impl Strokes {
+    /// For a screen with `pixels_per_point`.
+    pub fn new(pixels_per_point: f32) -> Self {
+        Self { mesh: Mesh::default(), feather: 1.0 / pixels_per_point }
+    }
+
+    /// All strokes so far.
+    pub fn into_mesh(self) -> Mesh {
+        self.mesh
+    }
+
+    /// The four places across a stroke, as (distance from its middle, whether it is opaque there).
+    fn profile(&self, width: f32) -> [(f32, bool); 4] {
+        let solid = 0.5 * (width - self.feather).max(0.0);
+        let soft = solid + self.feather;
+        [(-soft, false), (-solid, true), (solid, true), (soft, false)]
+    }
+
+    /// Two rows of four vertices become three bands of two triangles.
+    fn join(&mut self, a: u32, b: u32) {
+        for band in 0..3 {
+            self.mesh.add_triangle(a + band, a + band + 1, b + band);
+            self.mesh.add_triangle(a + band + 1, b + band, b + band + 1);
+        }
+    }
+
+    /// A circle line. With `dashed` every other piece is left out.
+    pub fn circle(&mut self, centre: Pos2, radius: f32, width: f32, colour: Color32, dashed: bool) {
+        let table = unit_circle(radius);
+        let profile = self.profile(width);
+        let first = self.mesh.vertices.len() as u32;
+        for &direction in table {
+            for (offset, opaque) in profile {
+                let colour = if opaque { colour } else { Color32::TRANSPARENT };
+                self.mesh.colored_vertex(centre + (radius + offset).max(0.0) * direction, colour);
+            }
+        }
+        let pieces = table.len() as u32;
+        // Dashes of equal length: as many as divide the circle.
+        let per_dash = (pieces / 16).max(1);
+        for i in 0..pieces {
+            if !dashed || (i / per_dash).is_multiple_of(2) {
+                self.join(first + 4 * i, first + 4 * ((i + 1) % pieces));
+            }
+        }
+    }
+
+    /// A straight line.
+    pub fn line(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32) {
+        let along = to - from;
+        if along.length_sq() < 1e-6 {
+            return;
+        }
+        let across = along.normalized().rot90();
+        let profile = self.profile(width);
+        let first = self.mesh.vertices.len() as u32;
+        for end in [from, to] {
+            for (offset, opaque) in profile {
+                self.mesh.colored_vertex(end + offset * across, if opaque { colour } else { Color32::TRANSPARENT });
+            }
+        }
+        self.join(first, first + 4);
+    }
+
+    /// A line with an arrow head at `to`.
+    pub fn arrow(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32) {
+        self.line(from, to, width, colour);
+        let along = to - from;
+        let head = (0.35 * along.length()).min(5.0);
+        let back = -head * along.normalized();
+        let turn = egui::emath::Rot2::from_angle(0.5);
+        self.line(to, to + turn * back, width, colour);
+        self.line(to, to + turn.inverse() * back, width, colour);
+    }
+}
+
+/// Directions around a circle, enough of them for `radius` in points to look round.
+fn unit_circle(radius: f32) -> &'static [Vec2] {
+    use std::sync::LazyLock;
+    static TABLES: LazyLock<[Vec<Vec2>; 5]> = LazyLock::new(|| {
+        [8, 16, 32, 64, 128]
+            .map(|n| (0..n).map(|i| Vec2::angled(i as f32 * std::f32::consts::TAU / n as f32)).collect())
+    });
+    let index = match radius {
+        r if r < 3.0 => 0,
+        r if r < 12.0 => 1,
+        r if r < 50.0 => 2,
+        r if r < 200.0 => 3,
+        _ => 4,
+    };
+    &TABLES[index]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::pos2;
+
+    #[test]
+    fn meshes_are_valid_and_where_they_should_be() {
+        let mut strokes = Strokes::new(2.0);
+        strokes.circle(pos2(50.0, 60.0), 20.0, 1.5, Color32::RED, false);
+        strokes.circle(pos2(50.0, 60.0), 0.5, 1.5, Color32::RED, true);
+        strokes.arrow(pos2(0.0, 0.0), pos2(30.0, 0.0), 1.0, Color32::GREEN);
+        strokes.line(pos2(1.0, 1.0), pos2(1.0, 1.0), 1.0, Color32::GREEN);
+        let mesh = strokes.into_mesh();
+        assert!(mesh.is_valid());
+        assert!(mesh.vertices.iter().all(|v| v.pos.is_finite()));
+        let bounds = mesh.calc_bounds();
+        assert!((bounds.max.x - 71.0).abs() < 1.0 && (bounds.max.y - 81.0).abs() < 1.0, "{bounds:?}");
+    }
+
+    #[test]
+    fn dashes_leave_out_about_half() {
+        let triangles = |dashed| {
+            let mut strokes = Strokes::new(1.0);
+            strokes.circle(pos2(0.0, 0.0), 30.0, 1.5, Color32::RED, dashed);
+            strokes.into_mesh().indices.len()
+        };
+        assert_eq!(2 * triangles(true), triangles(false));
+    }
+}

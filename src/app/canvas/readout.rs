@@ -1,0 +1,123 @@
+//! The value under the pointer, for the status bar.
+
+use super::Picture;
+use egui::Pos2;
+
+/// A place of the image and the value that a picture has there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Readout {
+    /// Column of the place, image pixels.
+    pub u: f32,
+    /// Row of the place, image pixels.
+    pub v: f32,
+    /// Column and row of the picture's own pixel, which differ from (u, v) in other octaves.
+    pub pixel: (usize, usize),
+    /// The value as a fraction of full scale.
+    pub value: f32,
+    /// The file's value that is 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files.
+    pub full_scale: f32,
+    /// Image pixels from one pixel of the picture to the next.
+    pub image_from_picture_scale: f32,
+}
+
+/// The value of `picture` at `pos_image`, without interpolation; `None` beside the picture. `full_scale` is the burst's.
+pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Readout> {
+    let pixel = picture.pixel_at(pos_image)?;
+    Some(Readout {
+        u: pos_image.x,
+        v: pos_image.y,
+        pixel,
+        value: picture.plane.at(pixel.0, pixel.1),
+        full_scale,
+        image_from_picture_scale: picture.image_from_picture_scale,
+    })
+}
+
+impl Readout {
+    /// The value in the file's unit.
+    pub fn file_value(&self) -> f32 {
+        self.value * self.full_scale
+    }
+}
+
+impl std::fmt::Display for Readout {
+    /// For example `u 12.3  v 45.6    0.01235 = 809.4 of 65535`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "u {:.1}  v {:.1}", self.u, self.v)?;
+        if self.image_from_picture_scale != 1.0 {
+            write!(f, "  (pixel {}, {})", self.pixel.0, self.pixel.1)?;
+        }
+        write!(f, "    {}", number(self.value, 4))?;
+        if self.full_scale != 1.0 {
+            write!(f, " = {} of {}", number(self.file_value(), 4), number(self.full_scale, 6))?;
+        }
+        Ok(())
+    }
+}
+
+/// A number with `digits` significant digits, without trailing zeros, as people read values: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
+pub fn number(value: f32, digits: usize) -> String {
+    if value.is_nan() {
+        return "NaN".to_owned();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 { "∞" } else { "−∞" }.to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    let text = if (-4..7).contains(&magnitude) {
+        let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
+        let fixed = format!("{value:.decimals$}");
+        if fixed.contains('.') { fixed.trim_end_matches('0').trim_end_matches('.').to_owned() } else { fixed }
+    } else {
+        let scientific = format!("{value:.*e}", digits.saturating_sub(1));
+        match scientific.split_once('e') {
+            Some((mantissa, exponent)) if mantissa.contains('.') => {
+                format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
+            }
+            _ => scientific,
+        }
+    };
+    text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::Plane;
+    use egui::pos2;
+    use std::sync::Arc;
+
+    #[test]
+    fn numbers_as_people_read_them() {
+        let cases = [
+            (0.0, "0"),
+            (0.5, "0.5"),
+            (0.0123456, "0.01235"),
+            (1.0, "1"),
+            (1234.5678, "1235"),
+            (65535.0, "65535"),
+            (-0.25, "−0.25"),
+            (3.2e-7, "3.2e−7"),
+            (f32::NAN, "NaN"),
+            (f32::NEG_INFINITY, "−∞"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(number(value, 4), text, "{value}");
+        }
+    }
+
+    #[test]
+    fn a_readout_tells_place_and_value_in_both_units() {
+        let plane = Arc::new(Plane::from_fn(4, 4, |u, v| (u + 4 * v) as f32 / 255.0));
+        let picture = Picture::new(plane.clone(), "frame");
+        let r = readout(&picture, pos2(1.2, 1.9), 255.0).unwrap();
+        assert_eq!((r.pixel, r.file_value().round()), ((1, 2), 9.0));
+        assert_eq!(r.to_string(), "u 1.2  v 1.9    0.03529 = 9 of 255");
+        assert_eq!(readout(&picture, pos2(4.0, 0.0), 255.0), None);
+        let octave = Picture::of_octave(plane, 1, (8, 8), "DoG");
+        assert!(readout(&octave, pos2(4.0, 2.0), 1.0).unwrap().to_string().contains("pixel 2, 1"));
+    }
+}

@@ -1,0 +1,252 @@
+//! Which part of the image a canvas shows, and how large.
+
+use super::transform::RectTransform;
+use egui::{Pos2, Rect, Vec2, pos2};
+use serde::{Deserialize, Serialize};
+
+/// The largest zoom, in points per image pixel.
+pub const MAX_POINTS_PER_PIXEL: f32 = 128.0;
+
+/// Empty points around an image that is fitted.
+const FIT_MARGIN_POINTS: f32 = 6.0;
+
+/// How large a [`View`] shows the image.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Zoom {
+    /// As large as the whole image fits; follows the size of the canvas.
+    #[default]
+    Fit,
+    /// Points of the window for each pixel of the image.
+    PointsPerPixel(f32),
+}
+
+/// Which part of the image a canvas shows, and how large. It knows the input image's pixels only, so that frames, motion-stack images and DoG
+/// responses of any octave share one view. Several canvases that share a `View` pan and zoom together.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct View {
+    /// How large.
+    pub zoom: Zoom,
+    /// The place of the image in the middle of the canvas, (u, v) in image pixels. Follows the image while it is fitted.
+    pub centre_image: [f32; 2],
+    /// What the last canvas made of [`Zoom::Fit`]; 0 before the first frame.
+    #[serde(skip)]
+    fit_points_per_pixel: f32,
+}
+
+impl View {
+    /// A view of `zoom` with `centre_image` = (u, v) in the middle.
+    pub fn new(zoom: Zoom, centre_image: [f32; 2]) -> Self {
+        Self { zoom, centre_image, fit_points_per_pixel: 0.0 }
+    }
+
+    /// The whole image.
+    pub fn fit() -> Self {
+        Self::default()
+    }
+
+    /// Shows the whole image from now on.
+    pub fn set_fit(&mut self) {
+        self.zoom = Zoom::Fit;
+    }
+
+    /// Whether the whole image is shown.
+    pub fn is_fit(&self) -> bool {
+        self.zoom == Zoom::Fit
+    }
+
+    /// One image pixel for each pixel of the screen, about the same centre. `pixels_per_point` is the screen's.
+    pub fn set_one_to_one(&mut self, pixels_per_point: f32) {
+        self.zoom = Zoom::PointsPerPixel(1.0 / pixels_per_point);
+    }
+
+    /// Zooms by `factor` (above 1: larger) about the middle of the canvas.
+    pub fn zoom_by(&mut self, factor: f32) {
+        self.zoom = Zoom::PointsPerPixel(self.limited(self.points_per_pixel() * factor));
+    }
+
+    /// Brings `pos_image` into the middle, with at least `min_points_per_pixel`.
+    pub fn look_at(&mut self, pos_image: Pos2, min_points_per_pixel: f32) {
+        self.zoom = Zoom::PointsPerPixel(self.limited(self.points_per_pixel().max(min_points_per_pixel)));
+        self.centre_image = pos_image.into();
+    }
+
+    /// Points of the window for each pixel of the image, as last shown.
+    pub fn points_per_pixel(&self) -> f32 {
+        match self.zoom {
+            Zoom::Fit if self.fit_points_per_pixel > 0.0 => self.fit_points_per_pixel,
+            Zoom::Fit => 1.0,
+            Zoom::PointsPerPixel(zoom) => zoom,
+        }
+    }
+
+    /// Zooms by `factor` so that the place under `pointer_ui` stays under it. `rect_ui` is the canvas.
+    pub fn zoom_at(&mut self, pointer_ui: Pos2, factor: f32, rect_ui: Rect) {
+        let before = self.points_per_pixel();
+        let after = self.limited(before * factor);
+        if !(factor.is_finite() && factor > 0.0) || after == before {
+            return;
+        }
+        let from_centre = pointer_ui - rect_ui.center();
+        self.move_centre(from_centre / before - from_centre / after);
+        self.zoom = Zoom::PointsPerPixel(after);
+    }
+
+    /// Moves the image with the hand, by `delta_ui` points. A fitted image becomes a free one.
+    pub fn pan(&mut self, delta_ui: Vec2) {
+        if delta_ui != Vec2::ZERO {
+            let zoom = self.points_per_pixel();
+            self.zoom = Zoom::PointsPerPixel(zoom);
+            self.move_centre(-delta_ui / zoom);
+        }
+    }
+
+    fn move_centre(&mut self, delta_image: Vec2) {
+        self.centre_image = [self.centre_image[0] + delta_image.x, self.centre_image[1] + delta_image.y];
+    }
+
+    /// From the whole image (or 1 point a pixel, if that is smaller) to [`MAX_POINTS_PER_PIXEL`].
+    fn limited(&self, points_per_pixel: f32) -> f32 {
+        let fit = if self.fit_points_per_pixel > 0.0 { self.fit_points_per_pixel } else { 1.0 };
+        points_per_pixel.clamp((0.5 * fit).min(1.0), MAX_POINTS_PER_PIXEL.max(fit))
+    }
+
+    /// Fits the view to this frame's canvas `rect_ui` and image of `image_size` = (columns, rows), keeps the middle of the canvas on the image,
+    /// and answers `ui_from_image`.
+    pub fn settle(&mut self, rect_ui: Rect, image_size: (usize, usize), pixels_per_point: f32) -> RectTransform {
+        let (width, height) = (image_size.0.max(1) as f32, image_size.1.max(1) as f32);
+        let room = (rect_ui.size() - Vec2::splat(2.0 * FIT_MARGIN_POINTS)).max(Vec2::splat(1.0));
+        self.fit_points_per_pixel = (room.x / width).min(room.y / height).min(MAX_POINTS_PER_PIXEL);
+        let last = pos2(width - 1.0, height - 1.0);
+        match &mut self.zoom {
+            Zoom::Fit => self.centre_image = [0.5 * last.x, 0.5 * last.y],
+            Zoom::PointsPerPixel(zoom) => {
+                // What comes from a session file may be anything.
+                let wanted = if zoom.is_finite() { *zoom } else { self.fit_points_per_pixel };
+                self.zoom = Zoom::PointsPerPixel(self.limited(wanted));
+                for (x, end) in self.centre_image.iter_mut().zip([last.x, last.y]) {
+                    *x = if x.is_finite() { x.clamp(-0.5, end + 0.5) } else { 0.5 * end };
+                }
+            }
+        }
+        let transform = RectTransform::new(self.centre_image.into(), rect_ui.center(), self.points_per_pixel());
+        snapped(transform, pixels_per_point)
+    }
+}
+
+/// Moves the picture by less than half a pixel of the screen so that pixel borders fall on the screen's, when all of them can: at 1:1 and at
+/// whole multiples. Otherwise a border in the middle of a screen pixel would flicker between its two neighbours.
+fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
+    let px_per_pixel = transform.scale() * pixels_per_point;
+    if px_per_pixel < 0.999 || (px_per_pixel - px_per_pixel.round()).abs() > 1e-3 {
+        return transform;
+    }
+    let centre = transform.anchor_from();
+    let border_ui = transform.pos(pos2(centre.x.floor() - 0.5, centre.y.floor() - 0.5));
+    let on_screen = |x: f32| (x * pixels_per_point).round() / pixels_per_point;
+    transform.shifted(Pos2::new(on_screen(border_ui.x), on_screen(border_ui.y)) - border_ui)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SIZE: (usize, usize) = (1600, 1200);
+
+    fn canvas() -> Rect {
+        Rect::from_min_size(pos2(30.0, 40.0), Vec2::new(800.0, 600.0))
+    }
+
+    #[test]
+    fn fit_shows_the_whole_image_in_the_middle() {
+        let mut view = View::fit();
+        let ui_from_image = view.settle(canvas(), SIZE, 1.0);
+        let whole = ui_from_image.rect(Rect::from_min_max(pos2(-0.5, -0.5), pos2(1599.5, 1199.5)));
+        assert!(canvas().contains_rect(whole), "{whole:?}");
+        assert!((whole.center() - canvas().center()).length() < 1e-2);
+        assert!(whole.width() > 780.0);
+    }
+
+    #[test]
+    fn one_to_one_borders_fall_on_the_screens_pixels() {
+        for pixels_per_point in [1.0, 1.5, 2.0] {
+            let mut view = View { centre_image: [700.3, 500.7], ..View::fit() };
+            view.set_one_to_one(pixels_per_point);
+            let ui_from_image = view.settle(canvas(), SIZE, pixels_per_point);
+            let border = ui_from_image.pos(pos2(99.5, 49.5)) * pixels_per_point;
+            assert!(
+                (border.x - border.x.round()).abs() < 2e-2 && (border.y - border.y.round()).abs() < 2e-2,
+                "{border:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn zoom_has_limits_and_the_image_stays_reachable() {
+        let mut view = View::fit();
+        view.settle(canvas(), SIZE, 1.0);
+        for _ in 0..100 {
+            view.zoom_at(canvas().center(), 2.0, canvas());
+        }
+        assert_eq!(view.points_per_pixel(), MAX_POINTS_PER_PIXEL);
+        for _ in 0..100 {
+            view.zoom_at(canvas().center(), 0.5, canvas());
+        }
+        let fit = View::fit().settle(canvas(), SIZE, 1.0).scale();
+        assert!(view.points_per_pixel() <= fit && view.points_per_pixel() > 0.4 * fit);
+        view.pan(Vec2::new(1e7, -1e7));
+        view.settle(canvas(), SIZE, 1.0);
+        assert_eq!(view.centre_image, [-0.5, 1199.5]);
+    }
+
+    #[test]
+    fn a_session_file_cannot_break_a_view() {
+        let mut view = View { zoom: Zoom::PointsPerPixel(f32::NAN), centre_image: [f32::NAN, 1e30], ..View::fit() };
+        let ui_from_image = view.settle(canvas(), SIZE, 1.0);
+        assert!(ui_from_image.pos(pos2(3.0, 4.0)).is_finite());
+        let text = toml::to_string(&view).unwrap();
+        let back: View = toml::from_str(&text).unwrap();
+        assert_eq!((back.zoom, back.centre_image), (view.zoom, view.centre_image));
+    }
+
+    #[test]
+    fn looking_at_a_place_brings_it_to_the_middle() {
+        let mut view = View::fit();
+        view.settle(canvas(), SIZE, 1.0);
+        view.look_at(pos2(300.0, 200.0), 4.0);
+        let ui_from_image = view.settle(canvas(), SIZE, 1.0);
+        assert!((ui_from_image.pos(pos2(300.0, 200.0)) - canvas().center()).length() < 1.0);
+        assert_eq!(view.points_per_pixel(), 4.0);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_under_the_pointer_stays_there(
+            x in 30f32..830.0, y in 40f32..640.0, factors in prop::collection::vec(0.7f32..1.5, 1..12)
+        ) {
+            let mut view = View::fit();
+            view.settle(canvas(), SIZE, 1.0);
+            let pointer = pos2(x, y);
+            let unsnapped = |view: &View| {
+                RectTransform::new(view.centre_image.into(), canvas().center(), view.points_per_pixel())
+            };
+            let before = unsnapped(&view).inverse().pos(pointer);
+            for factor in factors {
+                view.zoom_at(pointer, factor, canvas());
+            }
+            let after = unsnapped(&view).pos(before);
+            prop_assert!((after - pointer).length() < 0.05, "{after:?} instead of {pointer:?}");
+        }
+
+        #[test]
+        fn panning_moves_the_image_with_the_hand(dx in -50f32..50.0, dy in -50f32..50.0) {
+            let mut view = View { zoom: Zoom::PointsPerPixel(3.3), centre_image: [800.0, 600.0], ..View::fit() };
+            let before = view.settle(canvas(), SIZE, 1.0).pos(pos2(810.0, 610.0));
+            view.pan(Vec2::new(dx, dy));
+            let after = view.settle(canvas(), SIZE, 1.0).pos(pos2(810.0, 610.0));
+            prop_assert!((after - before - Vec2::new(dx, dy)).length() < 0.05);
+        }
+    }
+}

@@ -1,0 +1,358 @@
+//! What stays on the card between frames: the pipeline, the colour maps, the pictures and one bind group for each pane.
+
+use super::PictureId;
+use super::layout::Layout;
+use super::texture::PictureTexture;
+use crate::plane::Plane;
+use crate::plane::colour_map::ColourMap;
+use std::collections::HashMap;
+use std::num::NonZeroU64;
+use std::sync::{Arc, Mutex};
+
+/// Pictures stay on the card until they take more than this; then those not seen for longest go.
+const BUDGET_BYTES: u64 = 512 << 20;
+
+/// Panes not drawn for this many frames lose their bind group.
+const PANE_LIFETIME_FRAMES: u64 = 600;
+
+/// What the device can hold, as far as pictures are concerned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DeviceLimits {
+    /// Longest side of a texture, in pixels.
+    pub max_side: u32,
+    /// Most layers of a texture array.
+    pub max_layers: u32,
+}
+
+impl DeviceLimits {
+    /// Those of `device`.
+    pub fn of(device: &wgpu::Device) -> Self {
+        let limits = device.limits();
+        Self { max_side: limits.max_texture_dimension_2d, max_layers: limits.max_texture_array_layers }
+    }
+}
+
+/// Why pictures could not be brought to the card.
+pub type Failures = Arc<Mutex<HashMap<PictureId, String>>>;
+
+/// The shader's uniforms; field by field those of `picture.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Uniforms {
+    /// A place of the framebuffer, in pixels of the screen.
+    pub origin_px: [f32; 2],
+    /// The place of the picture that is shown there, in its pixels.
+    pub anchor_picture: [f32; 2],
+    /// What a dimmed picture fades towards, sRGB in [0, 1].
+    pub backdrop: [f32; 3],
+    /// Pixels of the picture in one pixel of the screen.
+    pub picture_px_per_px: f32,
+    /// Columns, rows.
+    pub size: [u32; 2],
+    /// Columns, rows of one array layer.
+    pub tile: [u32; 2],
+    /// Tiles side by side.
+    pub tiles_across: u32,
+    /// The level to read.
+    pub level: u32,
+    /// Row of the colour map in the table.
+    pub lut_row: u32,
+    /// 1: diverging map; 2: the target converts from linear light.
+    pub flags: u32,
+    /// Lower end of the value range.
+    pub range_min: f32,
+    /// 1 / width of the value range.
+    pub range_scale: f32,
+    /// 1 / gamma.
+    pub exponent: f32,
+    /// 0: as it is; 1: dimmed.
+    pub dim: f32,
+}
+
+struct Resident {
+    texture: PictureTexture,
+    last_used_frame: u64,
+}
+
+struct Pane {
+    buffer: wgpu::Buffer,
+    bind_group: wgpu::BindGroup,
+    picture: PictureId,
+    last_used_frame: u64,
+}
+
+/// Everything the paint callbacks share. Lives in egui's callback resources.
+pub struct PictureRenderer {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    lut: wgpu::TextureView,
+    limits: DeviceLimits,
+    target_is_srgb: bool,
+    pictures: HashMap<PictureId, Resident>,
+    panes: HashMap<u64, Pane>,
+    failures: Failures,
+    frame: u64,
+    frame_open: bool,
+    uploads: u64,
+}
+
+impl PictureRenderer {
+    /// Makes the pipeline and the table of colour maps.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: wgpu::TextureFormat, limits: DeviceLimits) -> Self {
+        let layout = bind_group_layout(device);
+        Self {
+            pipeline: pipeline(device, &layout, target),
+            lut: lut_texture(device, queue),
+            layout,
+            limits,
+            target_is_srgb: target.is_srgb(),
+            pictures: HashMap::new(),
+            panes: HashMap::new(),
+            failures: Failures::default(),
+            frame: 0,
+            frame_open: false,
+            uploads: 0,
+        }
+    }
+
+    /// Where failed uploads are noted.
+    pub fn failures(&self) -> Failures {
+        self.failures.clone()
+    }
+
+    /// How many pictures were brought to the card so far.
+    pub fn uploads(&self) -> u64 {
+        self.uploads
+    }
+
+    /// Bytes of the pictures on the card.
+    pub fn resident_bytes(&self) -> u64 {
+        self.pictures.values().map(|p| p.texture.layout.bytes()).sum()
+    }
+
+    /// Makes sure that the picture is on the card and that the pane's bind group shows it. `uniforms` are filled in by the caller, except for
+    /// what depends on how the picture lies in its texture.
+    pub(super) fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pane: u64,
+        (id, plane): (PictureId, &Plane),
+        mut uniforms: Uniforms,
+    ) {
+        self.frame_open = true;
+        let Some(layout) = self.ensure_picture(device, queue, id, plane) else {
+            self.panes.remove(&pane);
+            return;
+        };
+        uniforms.size = layout.size.into();
+        uniforms.tile = layout.tile.into();
+        uniforms.tiles_across = layout.tiles.0;
+        uniforms.level = layout.level_for(uniforms.picture_px_per_px);
+        uniforms.flags |= if self.target_is_srgb { 2 } else { 0 };
+
+        let view = &self.pictures[&id].texture.view;
+        let pane = self.panes.entry(pane).or_insert_with(|| {
+            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("burstscope pane"),
+                size: size_of::<Uniforms>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let bind_group = bind_group(device, &self.layout, &buffer, view, &self.lut);
+            Pane { buffer, bind_group, picture: id, last_used_frame: 0 }
+        });
+        if pane.picture != id {
+            pane.bind_group = bind_group(device, &self.layout, &pane.buffer, view, &self.lut);
+            pane.picture = id;
+        }
+        pane.last_used_frame = self.frame;
+        queue.write_buffer(&pane.buffer, 0, bytemuck::bytes_of(&uniforms));
+    }
+
+    fn ensure_picture(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        id: PictureId,
+        plane: &Plane,
+    ) -> Option<Layout> {
+        if let Some(resident) = self.pictures.get_mut(&id) {
+            resident.last_used_frame = self.frame;
+            return Some(resident.texture.layout);
+        }
+        let mut failures = self.failures.lock().ok()?;
+        if failures.contains_key(&id) {
+            return None;
+        }
+        let texture = Layout::new(plane.size(), self.limits)
+            .and_then(|layout| PictureTexture::upload(device, queue, plane, layout));
+        match texture {
+            Ok(texture) => {
+                let layout = texture.layout;
+                self.uploads += 1;
+                self.pictures.insert(id, Resident { texture, last_used_frame: self.frame });
+                Some(layout)
+            }
+            Err(message) => {
+                failures.insert(id, message);
+                None
+            }
+        }
+    }
+
+    /// Ends the frame, once, after all panes were prepared: what is over the budget and was not seen in this frame goes, oldest first.
+    pub(super) fn end_frame(&mut self) {
+        if !std::mem::take(&mut self.frame_open) {
+            return;
+        }
+        let frame = self.frame;
+        let mut bytes = self.resident_bytes();
+        if bytes > BUDGET_BYTES {
+            let mut unseen: Vec<(u64, PictureId)> = self
+                .pictures
+                .iter()
+                .filter(|(_, p)| p.last_used_frame < frame)
+                .map(|(&id, p)| (p.last_used_frame, id))
+                .collect();
+            unseen.sort_unstable();
+            for (_, id) in unseen {
+                if bytes <= BUDGET_BYTES {
+                    break;
+                }
+                bytes -= self.pictures.remove(&id).map_or(0, |p| p.texture.layout.bytes());
+                // A bind group would keep the texture's memory.
+                self.panes.retain(|_, pane| pane.picture != id);
+            }
+        }
+        self.panes.retain(|_, pane| frame - pane.last_used_frame < PANE_LIFETIME_FRAMES);
+        self.frame += 1;
+    }
+
+    /// Draws the pane into the viewport that egui has set.
+    pub(super) fn paint(&self, pane: u64, pass: &mut wgpu::RenderPass<'static>) {
+        if let Some(pane) = self.panes.get(&pane) {
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &pane.bind_group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+}
+
+fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let texture = |binding, view_dimension| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension,
+            multisampled: false,
+        },
+        count: None,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("burstscope picture"),
+        entries: &[
+            wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    // wgpu checks the shader's structure against this size when the pipeline is made.
+                    min_binding_size: NonZeroU64::new(size_of::<Uniforms>() as u64),
+                },
+                count: None,
+            },
+            texture(1, wgpu::TextureViewDimension::D2Array),
+            texture(2, wgpu::TextureViewDimension::D2),
+        ],
+    })
+}
+
+fn bind_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    uniforms: &wgpu::Buffer,
+    picture: &wgpu::TextureView,
+    lut: &wgpu::TextureView,
+) -> wgpu::BindGroup {
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("burstscope pane"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
+            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(lut) },
+        ],
+    })
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    target: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let module = device.create_shader_module(wgpu::include_wgsl!("picture.wgsl"));
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("burstscope picture"),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("burstscope picture"),
+        layout: Some(&pipeline_layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vs_main"),
+            buffers: &[],
+            compilation_options: Default::default(),
+        },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fs_main"),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: target,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+            compilation_options: Default::default(),
+        }),
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// All colour maps in one texture: 256 columns, one row for each map in the order of [`ColourMap::ALL`].
+fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
+    let mut bytes = Vec::with_capacity(256 * 4 * ColourMap::ALL.len());
+    for [r, g, b] in ColourMap::ALL.into_iter().flat_map(ColourMap::lut) {
+        bytes.extend_from_slice(&[r, g, b, 255]);
+    }
+    let size = wgpu::Extent3d { width: 256, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("burstscope colour maps"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    queue.write_texture(
+        texture.as_image_copy(),
+        &bytes,
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256 * 4), rows_per_image: None },
+        size,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// Row of `map` in the table.
+pub(super) fn lut_row(map: ColourMap) -> u32 {
+    ColourMap::ALL.iter().position(|&m| m == map).unwrap_or(0) as u32
+}

@@ -1,0 +1,200 @@
+//! The card's pictures against the CPU's.
+
+use super::*;
+use crate::app::canvas::{Canvas, Picture, View, Zoom};
+use crate::app::offscreen::Offscreen;
+use crate::plane::Plane;
+use crate::plane::colour_map::ColourMap;
+use crate::plane::display::{Display, NAN_COLOUR};
+use egui::{Vec2, vec2};
+use image::RgbaImage;
+use std::sync::Arc;
+
+/// The card may round differently once on the way to 8 bits and once in the gamma.
+const TOLERANCE: i32 = 2;
+
+fn offscreen(size: Vec2, pixels_per_point: f32) -> Offscreen {
+    Offscreen::new(size, pixels_per_point, AdapterChoice::Software).expect("tests need mesa-vulkan-drivers")
+}
+
+/// Shows `picture` over the whole window.
+fn draw(window: &mut Offscreen, picture: &Picture, display: &Display, view: &mut View, dim: bool) -> RgbaImage {
+    for _ in 0..2 {
+        window.frame(Vec::new(), |ui| {
+            let size = ui.ctx().content_rect().size();
+            ui.scope_builder(egui::UiBuilder::new().max_rect(ui.ctx().content_rect()), |ui| {
+                let canvas = Canvas::new("Picture").picture(Some(picture)).display(display).dim(dim).values(false);
+                canvas.size(size).show(ui, view);
+            });
+        });
+    }
+    window.image().expect("the card draws")
+}
+
+fn one_to_one(picture: &Picture, pixels_per_point: f32) -> View {
+    let (width, height) = picture.plane.size();
+    let centre = [0.5 * (width as f32 - 1.0), 0.5 * (height as f32 - 1.0)];
+    View::new(Zoom::PointsPerPixel(1.0 / pixels_per_point), centre)
+}
+
+fn assert_close(found: [u8; 4], wanted: [u8; 3], place: &str) {
+    for c in 0..3 {
+        let difference = (i32::from(found[c]) - i32::from(wanted[c])).abs();
+        assert!(difference <= TOLERANCE, "{place}: the card shows {found:?}, the CPU {wanted:?}");
+    }
+}
+
+#[test]
+fn the_card_shows_the_colours_of_the_cpu() {
+    let plane = Plane::from_fn(64, 48, |u, v| match (u, v) {
+        (3, 4) => f32::NAN,
+        (5, 6) => f32::INFINITY,
+        (7, 8) => f32::NEG_INFINITY,
+        _ => (u + 64 * v) as f32 / (64.0 * 48.0) * 1.3 - 0.15,
+    });
+    let picture = Picture::new(Arc::new(plane), "ramp");
+    let mut window = offscreen(vec2(64.0, 48.0), 1.0);
+    let mut uploads = 0;
+    for map in ColourMap::ALL {
+        for gamma in [0.45, 1.0, 2.2] {
+            for (min, max) in [(0.0, 1.0), (0.2, 0.6), (-0.4, 0.4)] {
+                let display = Display { min, max, gamma, map, symmetric: false };
+                let image = draw(&mut window, &picture, &display, &mut one_to_one(&picture, 1.0), false);
+                for (u, v, pixel) in image.enumerate_pixels() {
+                    let wanted = display.colour(picture.plane.at(u as usize, v as usize));
+                    assert_close(pixel.0, wanted, &format!("{display:?} at ({u}, {v})"));
+                }
+                assert_eq!(image.get_pixel(3, 4).0[..3], NAN_COLOUR);
+                let renderer = window.render_state().renderer.read();
+                uploads = renderer.callback_resources.get::<PictureRenderer>().unwrap().uploads();
+            }
+        }
+    }
+    assert_eq!(uploads, 1, "changing the exposure must upload nothing");
+}
+
+#[test]
+fn magnified_pixels_are_crisp_and_where_the_transform_says() {
+    let picture = Picture::new(Arc::new(Plane::from_fn(16, 12, |u, v| ((u * 7 + v * 5) % 11) as f32 / 10.0)), "blocks");
+    let pixels_per_point = 1.5;
+    let mut window = offscreen(vec2(120.0, 90.0), pixels_per_point);
+    let mut view = View::fit();
+    let display = Display::default();
+    let image = draw(&mut window, &picture, &display, &mut view, false);
+    let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(120.0, 90.0));
+    let ui_from_image = view.settle(rect, picture.image_size, pixels_per_point);
+    let image_from_ui = ui_from_image.inverse();
+    let mut inside = 0;
+    for (x, y, pixel) in image.enumerate_pixels() {
+        let pos_ui = (vec2(x as f32 + 0.5, y as f32 + 0.5) / pixels_per_point).to_pos2();
+        let pos_image = image_from_ui.pos(pos_ui);
+        let from_border = |p: f32| ((p + 0.5) - (p + 0.5).round()).abs();
+        if from_border(pos_image.x).min(from_border(pos_image.y)) < 1e-3 {
+            continue; // Rounding decides there.
+        }
+        if let Some((u, v)) = picture.pixel_at(pos_image) {
+            assert_close(pixel.0, display.colour(picture.plane.at(u, v)), &format!("({x}, {y})"));
+            inside += 1;
+        }
+    }
+    assert!(inside > 10_000, "{inside}");
+}
+
+#[test]
+fn small_pictures_are_averaged_not_thinned_out() {
+    // Bright single pixels: thinning out would lose or exaggerate them.
+    let plane = Plane::from_fn(256, 192, |u, v| if u % 8 == 3 && v % 8 == 5 { 1.0 } else { 0.0 });
+    let picture = Picture::new(Arc::new(plane), "dots");
+    for factor in [2usize, 4, 8] {
+        let size = vec2(256.0, 192.0) / factor as f32;
+        let mut window = offscreen(size, 1.0);
+        let mut view = one_to_one(&picture, 1.0);
+        view.zoom = Zoom::PointsPerPixel(1.0 / factor as f32);
+        let display = Display { max: 1.0 / 8.0, ..Display::default() };
+        let image = draw(&mut window, &picture, &display, &mut view, false);
+        for (x, y, pixel) in image.enumerate_pixels() {
+            let mut sum = 0.0;
+            for v in 0..factor {
+                for u in 0..factor {
+                    sum += picture.plane.at(x as usize * factor + u, y as usize * factor + v);
+                }
+            }
+            let mean = sum / (factor * factor) as f32;
+            assert_close(pixel.0, display.colour(mean), &format!("1:{factor} at ({x}, {y})"));
+        }
+    }
+}
+
+#[test]
+fn any_reduction_keeps_the_mean_of_a_noisy_picture() {
+    let noise = |u: usize, v: usize| ((u * 7919 + v * 104_729 + u * v * 31) % 1000) as f32 / 1000.0;
+    let plane = Plane::from_fn(301, 203, noise);
+    let mean = plane.data().iter().sum::<f32>() / plane.data().len() as f32;
+    let picture = Picture::new(Arc::new(plane), "noise");
+    for size in [vec2(190.0, 130.0), vec2(77.0, 60.0), vec2(40.0, 30.0)] {
+        let mut window = offscreen(size, 1.0);
+        let mut view = View::fit();
+        let image = draw(&mut window, &picture, &Display::default(), &mut view, false);
+        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+        let shown = view.settle(rect, picture.image_size, 1.0).rect(picture.rect_image()).shrink(1.0);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (x, y, pixel) in image.enumerate_pixels() {
+            if shown.contains(egui::pos2(x as f32 + 0.5, y as f32 + 0.5)) {
+                sum += f32::from(pixel.0[0]) / 255.0;
+                count += 1.0;
+            }
+        }
+        assert!((sum / count - mean).abs() < 0.01, "{size:?}: {} instead of {mean}", sum / count);
+    }
+}
+
+#[test]
+fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
+    let mut window = offscreen(vec2(64.0, 48.0), 1.0);
+    // A renderer that believes in small textures.
+    let limits = DeviceLimits { max_side: 128, max_layers: 64 };
+    {
+        let state = window.render_state();
+        let small = PictureRenderer::new(&state.device, &state.queue, state.target_format, limits);
+        state.renderer.write().callback_resources.insert(small);
+    }
+    let plane = Plane::from_fn(400, 300, |u, v| ((u * 3 + v * 2) % 256) as f32 / 255.0);
+    assert!(layout::Layout::new(plane.size(), limits).unwrap().layers() > 8);
+    let picture = Picture::new(Arc::new(plane), "large");
+    let display = Display::default();
+    for centre in [(128usize, 128usize), (200, 150), (350, 260)] {
+        let mut view = View::new(Zoom::PointsPerPixel(1.0), [centre.0 as f32 - 0.5, centre.1 as f32 - 0.5]);
+        let image = draw(&mut window, &picture, &display, &mut view, false);
+        for (x, y, pixel) in image.enumerate_pixels() {
+            let (u, v) = (centre.0 - 32 + x as usize, centre.1 - 24 + y as usize);
+            assert_close(pixel.0, display.colour(picture.plane.at(u, v)), &format!("pixel ({u}, {v})"));
+        }
+    }
+    // The coarser levels must find their tiles too.
+    let mut view = View::new(Zoom::PointsPerPixel(0.25), [199.5, 149.5]);
+    let flat = Picture::new(Arc::new(Plane::from_fn(400, 300, |_, _| 0.5)), "flat");
+    let image = draw(&mut window, &flat, &display, &mut view, false);
+    for (_, _, pixel) in image.enumerate_pixels() {
+        assert_close(pixel.0, display.colour(0.5), "1:4");
+    }
+}
+
+#[test]
+fn stale_pictures_are_dimmer_and_paler() {
+    let picture = Picture::new(Arc::new(Plane::from_fn(8, 8, |_, _| 0.9)), "flat");
+    let display = Display { map: ColourMap::Turbo, ..Display::default() };
+    let mut window = offscreen(vec2(32.0, 32.0), 1.0);
+    let mut saturation = |dim: bool| {
+        let image = draw(&mut window, &picture, &display, &mut View::fit(), dim);
+        let [r, g, b, _] = image.get_pixel(16, 16).0;
+        i32::from(r.max(g).max(b)) - i32::from(r.min(g).min(b))
+    };
+    assert!(saturation(true) < saturation(false) / 2);
+}
+
+#[test]
+fn a_picture_that_cannot_be_shown_says_why() {
+    let gpu_limits = DeviceLimits { max_side: 64, max_layers: 1 };
+    let message = layout::Layout::new((1000, 10), gpu_limits).unwrap_err();
+    assert!(message.contains("1000 × 10"), "{message}");
+}
