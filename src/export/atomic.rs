@@ -1,0 +1,118 @@
+//! Files that are written whole or not at all.
+
+use super::error::ExportError;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// What a format writes to: buffered, and able to seek.
+pub type FileWriter<'a> = BufWriter<&'a mut File>;
+
+/// Writes the file `path` by `write`. The bytes go to a temporary file beside it, which takes the place of `path` only when all of them are on disk: should
+/// anything fail, a file that was there is untouched and no other one is left behind. Missing parent folders are made. A link is followed; the new file
+/// has the permissions of the one that it replaces.
+///
+/// # Errors
+/// [`ExportError::Write`] when the system or `write` fails, [`ExportError::NotAFile`] when `path` is a folder or a device.
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>) -> Result<(), ExportError> {
+    let fail = |e: io::Error| ExportError::write(path, &e);
+    let existing = std::fs::metadata(path).ok();
+    if existing.as_ref().is_some_and(|m| !m.is_file()) || path.file_name().is_none() {
+        return Err(ExportError::NotAFile { path: path.into() });
+    }
+    let target = if existing.is_some() { std::fs::canonicalize(path).map_err(fail)? } else { path.to_path_buf() };
+    let folder = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    std::fs::create_dir_all(&folder).map_err(fail)?;
+    let mut temporary = temporary_in(&folder).map_err(fail)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+    write(&mut writer).and_then(|()| writer.flush()).map_err(fail)?;
+    drop(writer);
+    if let Some(existing) = existing {
+        temporary.as_file().set_permissions(existing.permissions()).map_err(fail)?;
+    }
+    temporary.as_file().sync_all().map_err(fail)?;
+    temporary.persist(&target).map_err(|e| fail(e.error))?;
+    Ok(())
+}
+
+/// A temporary file that has the permissions of any other new file (left to itself, the library would make it private).
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".burstscope-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = std::fs::read_dir(folder)
+            .expect("folder")
+            .map(|e| e.expect("entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_failing_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("a.txt");
+        write_whole(&path, |w| w.write_all(b"old")).expect("written");
+        let error = write_whole(&path, |w| {
+            w.write_all(&[b'x'; 1 << 18])?;
+            Err(io::Error::other("disk full"))
+        });
+        assert!(matches!(error, Err(ExportError::Write { ref reason, .. }) if reason == "disk full"), "{error:?}");
+        assert_eq!(std::fs::read(&path).expect("read"), b"old");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_panicking_write_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("a.txt");
+        let panicked = std::panic::catch_unwind(|| write_whole(&path, |_| panic!("on purpose")));
+        assert!(panicked.is_err());
+        assert_eq!(names(folder.path()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn folders_are_made_and_other_things_refused() {
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("a/b/c.txt");
+        write_whole(&path, |w| w.write_all(b"new")).expect("written");
+        assert_eq!(std::fs::read(&path).expect("read"), b"new");
+        assert!(matches!(write_whole(folder.path(), |_| Ok(())), Err(ExportError::NotAFile { .. })));
+        assert!(matches!(write_whole(Path::new("/"), |_| Ok(())), Err(ExportError::NotAFile { .. })));
+        // A file where a folder should be.
+        let error = write_whole(&path.join("d.txt"), |_| Ok(()));
+        assert!(matches!(error, Err(ExportError::Write { .. })), "{error:?}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_permissions_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().expect("folder");
+        let (path, link) = (folder.path().join("a.txt"), folder.path().join("link"));
+        std::fs::write(&path, "old").expect("written");
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
+        std::os::unix::fs::symlink(&path, &link).expect("linked");
+        write_whole(&link, |w| w.write_all(b"new")).expect("written");
+        assert_eq!(std::fs::read(&path).expect("read"), b"new");
+        assert!(std::fs::symlink_metadata(&link).expect("link").is_symlink());
+        assert_eq!(std::fs::metadata(&path).expect("file").permissions().mode() & 0o777, 0o640);
+        // A device is never replaced.
+        assert!(matches!(write_whole(Path::new("/dev/null"), |_| Ok(())), Err(ExportError::NotAFile { .. })));
+    }
+}

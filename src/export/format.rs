@@ -1,0 +1,139 @@
+//! The formats in which features are exported, and the names of their files: what the window's dialog and `--format` share.
+
+use super::colmap::write_colmap;
+use super::csv::write_csv;
+use super::error::ExportError;
+use super::npz::write_npz;
+use crate::detector::Detection;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// A format for features.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ExportFormat {
+    /// A table of the features, `NAME.csv`.
+    Csv,
+    /// Features and descriptors for COLMAP's importer, `NAME.txt`.
+    Colmap,
+    /// Features and descriptors for numpy, `NAME.npz`.
+    Npz,
+}
+
+/// The name of a format that does not exist.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no export format '{0}'; the formats are csv, colmap and npz")]
+pub struct UnknownFormat(pub String);
+
+impl ExportFormat {
+    /// All formats.
+    pub const ALL: [Self; 3] = [Self::Csv, Self::Colmap, Self::Npz];
+
+    /// The ending of its files, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Colmap => "txt",
+            Self::Npz => "npz",
+        }
+    }
+
+    /// What it is, for a dialog or a help text.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Csv => "Table of features (CSV)",
+            Self::Colmap => "Features and descriptors for COLMAP (text)",
+            Self::Npz => "Features and descriptors for numpy (npz)",
+        }
+    }
+
+    /// Writes the features of `detection` to the file `path` in this format.
+    ///
+    /// # Errors
+    /// [`ExportError`] when the file cannot be written; an older one is then untouched.
+    pub fn write(self, path: &Path, detection: &Detection) -> Result<(), ExportError> {
+        match self {
+            Self::Csv => write_csv(path, &detection.features),
+            Self::Colmap => write_colmap(path, &detection.features, &detection.descriptors),
+            Self::Npz => write_npz(path, &detection.features, &detection.descriptors),
+        }
+    }
+}
+
+impl fmt::Display for ExportFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Csv => "csv",
+            Self::Colmap => "colmap",
+            Self::Npz => "npz",
+        })
+    }
+}
+
+impl FromStr for ExportFormat {
+    type Err = UnknownFormat;
+
+    fn from_str(text: &str) -> Result<Self, UnknownFormat> {
+        let named = |f: &Self| f.to_string().eq_ignore_ascii_case(text.trim());
+        Self::ALL.into_iter().find(named).ok_or_else(|| UnknownFormat(text.into()))
+    }
+}
+
+/// Writes the detection of the burst `burst_name` into the folder `folder` (made if missing) in each of `formats`: `NAME.csv`, `NAME.txt` for COLMAP, `NAME.npz`. NAME
+/// is the burst's name made safe by [`safe_file_name`]. Answers the files' paths, one for each format, in the order of `formats`.
+///
+/// # Errors
+/// [`ExportError`] of the first file that cannot be written; those before it are complete.
+pub fn write_detection(
+    folder: &Path,
+    burst_name: &str,
+    detection: &Detection,
+    formats: &[ExportFormat],
+) -> Result<Vec<PathBuf>, ExportError> {
+    let name = safe_file_name(burst_name);
+    let written = formats.iter().map(|format| {
+        let path = folder.join(format!("{name}.{}", format.extension()));
+        format.write(&path, detection)?;
+        Ok(path)
+    });
+    written.collect()
+}
+
+/// The name with everything replaced by `_` that some system does not allow in a file's name. Never empty, never a path.
+pub fn safe_file_name(name: &str) -> String {
+    let forbidden = |c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c);
+    let name: String = name.chars().map(|c| if forbidden(c) { '_' } else { c }).collect();
+    // Windows drops dots and spaces at the end; a dot at the start would hide the file.
+    let name = name.trim_end_matches(['.', ' ']).trim_start_matches(['.', ' ']);
+    if name.is_empty() { "burst".into() } else { name.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_read_as_they_are_shown() {
+        for format in ExportFormat::ALL {
+            assert_eq!(format.to_string().parse(), Ok(format));
+            assert_eq!(format.to_string().to_uppercase().parse(), Ok(format));
+        }
+        let error = "xlsx".parse::<ExportFormat>().expect_err("unknown").to_string();
+        assert!(ExportFormat::ALL.iter().all(|f| error.contains(&f.to_string())), "{error}");
+    }
+
+    #[test]
+    fn no_name_leaves_its_folder() {
+        let cases = [
+            ("slider-far", "slider-far"),
+            ("../../etc/passwd", "_.._etc_passwd"),
+            ("a:b?", "a_b_"),
+            ("..", "burst"),
+            ("", "burst"),
+            (" 夜 1. ", "夜 1"),
+        ];
+        for (name, safe) in cases {
+            assert_eq!(safe_file_name(name), safe);
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Features and descriptors as numpy's `.npz`: `features` `[N, 11]` float32 in the CSV's columns, `descriptors` `[N, 128]` uint8 in UBC order.
+
+use super::atomic::write_whole;
+use super::columns::{COLUMNS, FeatureRow};
+use super::error::ExportError;
+use crate::detector::{Descriptor, Feature};
+use ndarray::ArrayView2;
+use ndarray_npy::NpzWriter;
+use std::io;
+use std::path::Path;
+
+/// Writes features and descriptors. Both arrays are there, with no rows, when nothing was found.
+///
+/// # Errors
+/// [`ExportError`] when the file cannot be written; an older one is then untouched.
+///
+/// # Panics
+/// When there is not one descriptor for each feature: a mistake of the caller.
+pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
+    assert_eq!(features.len(), descriptors.len(), "each feature has one descriptor");
+    let rows: Vec<f32> = features.iter().flat_map(|f| FeatureRow::from(f).values()).collect();
+    let rows = ArrayView2::from_shape((features.len(), COLUMNS.len()), &rows).expect("one row for each feature");
+    let descriptors =
+        ArrayView2::from_shape((descriptors.len(), 128), descriptors.as_flattened()).expect("128 bytes each");
+    write_whole(path, |out| {
+        let mut npz = NpzWriter::new(out);
+        npz.add_array("features", &rows).map_err(io::Error::other)?;
+        npz.add_array("descriptors", &descriptors).map_err(io::Error::other)?;
+        npz.finish().map_err(io::Error::other)?;
+        Ok(())
+    })
+}

@@ -1,0 +1,70 @@
+//! A picture of 8 bit RGB or RGBA, as shown in the window, as PNG.
+
+use super::atomic::write_whole;
+use super::error::ExportError;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Pixels of 8 bit in memory, row by row.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    width: usize,
+    height: usize,
+    color: ExtendedColorType,
+    pixels: &'a [u8],
+}
+
+impl<'a> Picture<'a> {
+    /// Three bytes a pixel: red, green, blue.
+    ///
+    /// # Panics
+    /// When `pixels` are not `width × height × 3`: a mistake of the caller.
+    pub fn rgb(width: usize, height: usize, pixels: &'a [u8]) -> Self {
+        assert_eq!(pixels.len(), width * height * 3, "three bytes for each pixel");
+        Self { width, height, color: ExtendedColorType::Rgb8, pixels }
+    }
+
+    /// Four bytes a pixel: red, green, blue and (straight, not premultiplied) alpha.
+    ///
+    /// # Panics
+    /// When `pixels` are not `width × height × 4`: a mistake of the caller.
+    pub fn rgba(width: usize, height: usize, pixels: &'a [u8]) -> Self {
+        assert_eq!(pixels.len(), width * height * 4, "four bytes for each pixel");
+        Self { width, height, color: ExtendedColorType::Rgba8, pixels }
+    }
+
+    /// (columns, rows).
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// Fails when PNG cannot hold the size.
+    pub(super) fn check_size(&self, path: &Path) -> Result<(), ExportError> {
+        // PNG's own limit is 2³¹ − 1 a side.
+        let fits = |side: usize| (1..=i32::MAX as usize).contains(&side);
+        if fits(self.width) && fits(self.height) {
+            return Ok(());
+        }
+        Err(ExportError::Size { path: path.into(), width: self.width, height: self.height, format: "PNG" })
+    }
+
+    /// Encodes the picture; its size has been checked.
+    pub(super) fn encode_png(&self, out: impl Write) -> io::Result<()> {
+        let written = PngEncoder::new(out).write_image(self.pixels, self.width as u32, self.height as u32, self.color);
+        written.map_err(|e| match e {
+            ImageError::IoError(e) => e,
+            other => io::Error::other(other),
+        })
+    }
+}
+
+/// Writes the picture as PNG.
+///
+/// # Errors
+/// [`ExportError`] when the picture has no pixels or the file cannot be written; an older one is then untouched.
+pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<(), ExportError> {
+    picture.check_size(path)?;
+    write_whole(path, |out| picture.encode_png(out))
+}

@@ -1,0 +1,33 @@
+//! A plane as a TIFF of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy.
+
+use super::atomic::write_whole;
+use super::error::ExportError;
+use crate::plane::Plane;
+use std::io;
+use std::path::Path;
+use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+
+/// Planes of more bytes become BigTIFF, because the offsets of a plain TIFF end at 4 GiB.
+const LARGEST_PLAIN_BYTES: usize = 0xf000_0000;
+
+/// Writes the plane's values as they are.
+///
+/// # Errors
+/// [`ExportError`] when the plane has no pixels or the file cannot be written; an older one is then untouched.
+pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), ExportError> {
+    let (width, height) = plane.size();
+    let unfit = || ExportError::Size { path: path.into(), width, height, format: "TIFF" };
+    let columns = u32::try_from(width).ok().filter(|w| *w > 0).ok_or_else(unfit)?;
+    let rows = u32::try_from(height).ok().filter(|h| *h > 0).ok_or_else(unfit)?;
+    write_whole(path, |out| {
+        let written = if size_of_val(plane.data()) > LARGEST_PLAIN_BYTES {
+            TiffEncoder::new_big(out).and_then(|mut t| t.write_image::<Gray32Float>(columns, rows, plane.data()))
+        } else {
+            TiffEncoder::new(out).and_then(|mut t| t.write_image::<Gray32Float>(columns, rows, plane.data()))
+        };
+        written.map_err(|e| match e {
+            tiff::TiffError::IoError(e) => e,
+            other => io::Error::other(other),
+        })
+    })
+}

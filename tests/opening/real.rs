@@ -1,0 +1,58 @@
+//! Bursts of real cameras, where they are at hand.
+
+use burstscope::burst::{Burst, OpenError, find_bursts};
+use std::path::{Path, PathBuf};
+
+/// The folder of real bursts, or `None` with a line that says so.
+fn data() -> Option<PathBuf> {
+    let beside = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")).to_path_buf();
+    let shared = if beside.is_dir() { Some(beside) } else { std::env::var_os("BURSTSCOPE_SHARED").map(PathBuf::from) };
+    let data = shared.map(|s| s.join("data")).filter(|d| d.is_dir());
+    if data.is_none() {
+        println!("skipped: no folder ../shared/data, and BURSTSCOPE_SHARED does not name one");
+    }
+    data
+}
+
+#[test]
+fn real_bursts_open() {
+    let Some(data) = data() else { return };
+    let cases = [
+        ("buff-demo-1d", 5, (800, 640)),
+        ("buff-demo-2d", 5, (200, 200)),
+        ("slider-far", 60, (240, 180)),
+        ("visp-cube", 40, (384, 288)),
+        ("light-field-shop", 27, (960, 640)),
+    ];
+    for (name, frames, size) in cases {
+        let burst = Burst::open(data.join(name)).expect(name);
+        assert_eq!((burst.name.as_str(), burst.len(), burst.size(), burst.full_scale), (name, frames, size, 255.0));
+        let values = burst.frames.iter().flat_map(|f| f.data());
+        let (least, most) = values.fold((1.0f32, 0.0f32), |(a, b), &v| (a.min(v), b.max(v)));
+        assert!(least >= 0.0 && most <= 1.0 && most - least > 0.05, "{name}: {least} … {most}");
+    }
+    let burst = Burst::open(data.join("slider-far")).expect("opens");
+    assert_eq!(
+        (burst.frame_names[0].as_str(), burst.frame_names[59].as_str()),
+        ("frame_00000008.png", "frame_00000067.png")
+    );
+    // Four channels, all grey: the values are those of the file, exactly.
+    let discs = Burst::open(data.join("buff-demo-2d")).expect("opens");
+    assert!(discs.frames[0].data().iter().all(|v| (v * 255.0).round() / 255.0 == *v));
+}
+
+#[test]
+fn the_data_folder_is_a_dataset() {
+    let Some(data) = data() else { return };
+    let names: Vec<String> = find_bursts(&[data]).expect("bursts").into_iter().map(|s| s.name).collect();
+    assert_eq!(names, ["buff-demo-1d", "buff-demo-2d", "light-field-shop", "slider-far", "visp-cube"]);
+}
+
+#[test]
+fn sensor_raw_files_are_refused_with_a_reason() {
+    let Some(data) = data() else { return };
+    let error = Burst::open(data.join("raw/colorchart.dng")).expect_err("a Bayer mosaic");
+    assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
+    let error = Burst::open(data.join("raw/openisp_test_1920x1080.raw")).expect_err("no header");
+    assert!(matches!(error, OpenError::UnknownKind { .. }), "{error}");
+}
