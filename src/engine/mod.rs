@@ -22,7 +22,7 @@ pub use picture::{Picture, PictureKind, PictureRequest};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
-use crate::detector::{DetectError, Detection, DetectorParams, detect};
+use crate::detector::{Detection, DetectorParams, detect};
 use crate::monitor::Progress;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -132,15 +132,8 @@ impl Engine {
             picture: picture_lane("picture"),
             patch: picture_lane("patch"),
             detect: Lane::new("detect", Duration::ZERO, on_update.clone(), |request: DetectRequest, monitor| {
-                match detect(&request.burst.burst, &request.params, monitor) {
-                    Ok(detection) => Ok(Detected {
-                        burst: request.burst.id,
-                        params: request.params,
-                        detection: Arc::new(detection),
-                    }),
-                    Err(DetectError::Cancelled(_)) => Err(JobError::Cancelled),
-                    Err(error) => Err(JobError::Failed(error.to_string())),
-                }
+                let found = detect(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
+                Ok(Detected { burst: request.burst.id, params: request.params, detection: Arc::new(found) })
             }),
             tasks: task::Tasks::new(on_update),
             cache,

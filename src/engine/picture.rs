@@ -3,7 +3,7 @@
 use super::fault::JobError;
 use super::source::{BurstId, OpenBurst};
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{DetectorParams, Interpolation, Slope};
+use crate::detector::{DetectError, DetectorParams, Interpolation, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use std::sync::Arc;
@@ -114,10 +114,18 @@ impl PictureRequest {
             })?,
             PictureKind::Stack { slope } => Arc::new(stack_view(burst, &self.params, slope, monitor)?),
             PictureKind::Dog { octave, level, slope } => {
-                Arc::new(dog_view(burst, &self.params, slope, octave, level, monitor)?)
+                Arc::new(dog_view(burst, &self.params, slope, octave, level, monitor).map_err(job_error)?)
             }
         };
         Ok(Picture { request: self.clone(), plane })
+    }
+}
+
+/// The engine's error for one of the detector's.
+pub(super) fn job_error(error: DetectError) -> JobError {
+    match error {
+        DetectError::Cancelled(_) => JobError::Cancelled,
+        DetectError::Param(error) => JobError::Failed(error.to_string()),
     }
 }
 
