@@ -173,3 +173,29 @@ fn make_names_unique(sources: &mut [BurstSource]) {
         source.name = name;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn numbers_count_as_numbers() {
+        let mut names = ["frame_10.png", "frame_2.png", "frame_002.png", "frame_1.png", "a.png", "frame_.png"];
+        names.sort_by(|a, b| natural_order(Path::new(a), Path::new(b)));
+        assert_eq!(names, ["a.png", "frame_.png", "frame_1.png", "frame_2.png", "frame_002.png", "frame_10.png"]);
+    }
+
+    proptest! {
+        // Sorting may panic, and would depend on the file system, if this were not a total order.
+        #[test]
+        fn natural_order_is_total(names in prop::array::uniform3("[0-9a_.é٣\u{ff11}-]{0,6}|[0-9]{15,25}")) {
+            let [a, b, c] = names.each_ref().map(Path::new);
+            prop_assert_eq!(natural_order(a, b), natural_order(b, a).reverse());
+            prop_assert_eq!(natural_order(a, b) == Ordering::Equal, a == b);
+            if natural_order(a, b) != Ordering::Greater && natural_order(b, c) != Ordering::Greater {
+                prop_assert_ne!(natural_order(a, c), Ordering::Greater);
+            }
+        }
+    }
+}

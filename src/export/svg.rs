@@ -25,7 +25,7 @@ pub struct LegendEntry {
 /// How a figure is drawn. Lengths named `_px` are in the figure's own pixels, whatever the scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigureOptions {
-    /// Figure pixels for each image pixel. Default 1; taken as 1 unless positive.
+    /// Figure pixels for each image pixel, 1/64 … 64. Default 1.
     pub scale: f32,
     /// Width of all strokes, figure pixels. Default 1.5.
     pub stroke_width_px: f32,
@@ -55,7 +55,8 @@ impl Default for FigureOptions {
     }
 }
 
-/// Writes the figure as SVG 1.1. `color_of` is asked for each feature's colour (red, green, blue). Features with a number that is not finite are left out.
+/// Writes the figure as SVG 1.1. `color_of` is asked for each feature's colour (red, green, blue). Features that lie nowhere
+/// (a number that is not finite, or beyond 10⁹) are left out.
 ///
 /// # Errors
 /// [`ExportError`] when the picture has no pixels or the file cannot be written; an older one is then untouched.
@@ -67,12 +68,13 @@ pub fn write_svg(
     options: &FigureOptions,
 ) -> Result<(), ExportError> {
     picture.check_size(path)?;
-    let scale = if options.scale.is_finite() && options.scale > 0.0 { options.scale } else { 1.0 };
-    let layout = Layout::new(picture.size(), scale, options);
+    let within = |value: f32, least: f32, most: f32| if value.is_nan() { least } else { value.clamp(least, most) };
+    let scale = within(options.scale, 1.0 / 64.0, 64.0);
+    let layout = Layout::new(picture.size(), scale, within(options.font_size_px, 1.0, 1000.0) / scale, options);
     write_whole(path, |out| {
         layout.write_start(out, options)?;
         write_background(out, picture)?;
-        let stroke = options.stroke_width_px.max(0.0) / scale;
+        let stroke = within(options.stroke_width_px, 0.0, 1000.0) / scale;
         writeln!(out, r#"<g id="features" fill="none" stroke-width="{}" stroke-linecap="round">"#, Number(stroke))?;
         for feature in features {
             write_feature(out, feature, color_of(feature), stroke, options)?;
@@ -85,7 +87,9 @@ pub fn write_svg(
 
 /// Where things are, in image pixels: the picture is at (0, 0), the title above it, the legend below.
 struct Layout {
+    /// Width of the whole figure: that of the picture, or more if title or legend need it.
     width: f32,
+    /// Height of the picture.
     height: f32,
     scale: f32,
     /// Height of the letters.
@@ -97,22 +101,24 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(size: (usize, usize), scale: f32, options: &FigureOptions) -> Self {
+    fn new(size: (usize, usize), scale: f32, font: f32, options: &FigureOptions) -> Self {
         let (width, height) = (size.0 as f32, size.1 as f32);
-        let font = options.font_size_px.max(1.0) / scale;
+        // A letter is at most about 0.65 of its height wide on average.
+        let text_width = |text: &str| 0.65 * font * text.chars().count() as f32;
+        let mut full_width = width.max(options.title.as_ref().map_or(0.0, |title| font + text_width(title)));
         let title_height = if options.title.is_some() { 1.8 * font } else { 0.0 };
         let (mut entries, mut left, mut row) = (Vec::new(), 0.5 * font, 0);
         for entry in &options.legend {
-            // A letter is at most about 0.65 of its height wide on average; a swatch and gaps take 2.5.
-            let needed = font * (2.5 + 0.65 * entry.label.chars().count() as f32);
+            let needed = 2.5 * font + text_width(&entry.label); // with the swatch and the gaps
             if left > 0.5 * font && left + needed > width {
                 (left, row) = (0.5 * font, row + 1);
             }
             entries.push((left, row));
             left += needed;
+            full_width = full_width.max(left);
         }
         let legend_height = if entries.is_empty() { 0.0 } else { font * (0.6 + 1.5 * (row + 1) as f32) };
-        Self { width, height, scale, font, title_height, legend_height, entries }
+        Self { width: full_width, height, scale, font, title_height, legend_height, entries }
     }
 
     fn write_start(&self, out: &mut impl Write, options: &FigureOptions) -> io::Result<()> {
@@ -199,7 +205,8 @@ fn write_feature(
 ) -> io::Result<()> {
     let numbers =
         [feature.u, feature.v, feature.sigma, feature.orientation, feature.slope.u, feature.slope.v, feature.response];
-    if numbers.iter().any(|n| !n.is_finite()) {
+    let drawable = |n: f32| n.abs() < 1e9;
+    if !numbers.into_iter().all(drawable) {
         return Ok(());
     }
     let (x, y, radius) = (feature.u + 0.5, feature.v + 0.5, SQRT_2 * feature.sigma.max(0.0));
@@ -218,7 +225,7 @@ fn write_feature(
     }
     let (du, dv) = (feature.slope.u * options.motion_frames, feature.slope.v * options.motion_frames);
     let length = du.hypot(dv);
-    if length.is_finite() && length > 0.0 {
+    if length > 0.0 && drawable(length) {
         let (tip_x, tip_y) = (x + du, y + dv);
         let (along_u, along_v) = (du / length, dv / length);
         // Two barbs, no larger than the arrow itself.

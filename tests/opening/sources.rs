@@ -109,7 +109,7 @@ fn folders_without_a_last_name_have_one() {
     save(&folder.path().join("1.png"), &grey8(2, 1, 0));
     fs::create_dir(folder.path().join("sub")).expect("made");
     let name = folder.path().file_name().expect("named").to_string_lossy().into_owned();
-    assert_eq!(names(&[folder.path().join("sub/..")]), [name.clone()]);
+    assert_eq!(names(&[folder.path().join("sub/..")]), [name.as_str()]);
     assert_eq!(names(&[folder.path().join(".")]), [name]);
 }
 

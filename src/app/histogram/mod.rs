@@ -1,0 +1,413 @@
+//! The histogram of a picture, and everything that decides how its values are shown: range, colour map, gamma.
+//!
+//! The range is never changed behind one's back: it moves when a handle is dragged, a number typed or a button pressed, and stays when the
+//! picture changes, so that pictures can be compared. The axis stays too, as long as range and values fit on it.
+
+mod plot;
+
+use crate::app::canvas::{Picture, number};
+use crate::app::gpu::PictureId;
+use crate::plane::colour_map::ColourMap;
+use crate::plane::display::{Display, GAMMA_RANGE};
+use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
+use egui::{CursorIcon, DragValue, Pos2, Rect, Response, Sense, Slider, Ui, vec2};
+use plot::{Grip, PlotGeometry};
+
+/// Bars of the histogram.
+const BINS: usize = 256;
+
+/// Height of the plot with its strip and labels, in points.
+const PLOT_POINTS: f32 = 118.0;
+
+/// How near the pointer must come to a handle, in points.
+const GRAB_POINTS: f32 = 9.0;
+
+/// What "percentiles" means: the range that leaves out the darkest and the brightest thousandth.
+pub const PERCENTILES: [f32; 2] = [0.1, 99.9];
+
+/// The histogram panel's own memory: keep one for each kind of picture, as each kind has its own range and axis.
+#[derive(Debug, Clone, Default)]
+pub struct HistogramPanel {
+    counted: Option<Counted>,
+    axis: Option<(f32, f32)>,
+    drag: Option<Drag>,
+}
+
+/// A histogram that was counted, and of what.
+#[derive(Debug, Clone)]
+struct Counted {
+    id: PictureId,
+    data_range: Option<(f32, f32)>,
+    axis: (f32, f32),
+    histogram: Histogram,
+}
+
+/// What is being dragged, and the range and pointer value when it began.
+#[derive(Debug, Clone, Copy)]
+struct Drag {
+    grip: Grip,
+    start: Display,
+    start_value: f32,
+}
+
+/// The range of values that "full range" gives: the smallest and the largest value of the picture.
+pub fn full_range(picture: &Picture) -> Option<(f32, f32)> {
+    summary(&picture.plane, &Region::whole(&picture.plane)).range()
+}
+
+/// The range between the [`PERCENTILES`] of the picture's values in `region`.
+pub fn percentile_range(picture: &Picture, region: &Region) -> Option<(f32, f32)> {
+    percentiles(&picture.plane, region, &PERCENTILES).map(|p| (p[0], p[1]))
+}
+
+impl HistogramPanel {
+    /// An empty memory.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Draws the panel for `picture` and lets it change `display`; answers whether it did. `visible` is the part of the image that the canvas
+    /// shows, in image pixels ([`crate::app::canvas::CanvasOutput::visible_image`] of the last frame), for the button that asks for it.
+    pub fn ui(&mut self, ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) -> bool {
+        let before = *display;
+        *display = display.sanitised();
+        if let Some(picture) = picture {
+            self.plot_ui(ui, picture, display);
+        } else {
+            let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), PLOT_POINTS), Sense::hover());
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, false, "Histogram"));
+            ui.painter().rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
+        }
+        range_ui(ui, display);
+        self.buttons_ui(ui, picture, visible, display);
+        ui.add_space(4.0);
+        colours_ui(ui, display);
+        *display != before
+    }
+
+    fn buttons_ui(&mut self, ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) {
+        let mut wanted = None;
+        ui.add_enabled_ui(picture.is_some(), |ui| {
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                let full =
+                    ui.button("Full range").on_hover_text("From the smallest to the largest value of the picture.");
+                let percentile = ui
+                    .button("Percentiles")
+                    .on_hover_text("Leaves out the lowest and the highest 0.1 % of the values.");
+                let region = visible.zip(picture).map(|(rect, picture)| picture.region(rect)).filter(|r| !r.is_empty());
+                let seen = ui
+                    .add_enabled(region.is_some(), egui::Button::new("Visible region"))
+                    .on_hover_text("The same percentiles, of the part of the picture that can be seen.");
+                let Some(picture) = picture else { return };
+                if full.clicked() {
+                    wanted = full_range(picture);
+                } else if percentile.clicked() {
+                    wanted = percentile_range(picture, &Region::whole(&picture.plane));
+                } else if let Some(region) = region.filter(|_| seen.clicked()) {
+                    wanted = percentile_range(picture, &region);
+                }
+                if !display.symmetric
+                    && ui.button("0 – 1").on_hover_text("The full scale of the file: black to saturated.").clicked()
+                {
+                    wanted = Some((0.0, 1.0));
+                }
+            });
+        });
+        if let Some((min, max)) = wanted {
+            *display = display.with_range(min, max);
+            // The new range gets the whole axis to be adjusted on.
+            self.axis = None;
+        }
+    }
+
+    fn plot_ui(&mut self, ui: &mut Ui, picture: &Picture, display: &mut Display) {
+        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), PLOT_POINTS), Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, ui.is_enabled(), "Histogram"));
+        if response.double_clicked() {
+            self.axis = None;
+        }
+        let counted = self.count(picture, display);
+        let geometry = PlotGeometry::new(rect, counted.axis);
+        let counts = counted.histogram.clone();
+        let grip = self.drag_handles(&response, &geometry, display);
+        if ui.is_rect_visible(rect) {
+            plot::draw(ui, &ui.painter_at(rect), &geometry, &counts, display, grip);
+        }
+        let cursor = match grip {
+            Some(Grip::Min | Grip::Max) => CursorIcon::ResizeHorizontal,
+            Some(Grip::Both) if response.dragged() => CursorIcon::Grabbing,
+            Some(Grip::Both) => CursorIcon::Grab,
+            None => CursorIcon::Default,
+        };
+        let response = response.on_hover_and_drag_cursor(cursor);
+        if let Some(pointer) = response.hover_pos().filter(|p| geometry.bars.contains(*p) && !response.dragged()) {
+            let text = bin_text(&counts, geometry.value_at(pointer.x));
+            response.on_hover_text_at_pointer(text);
+        }
+    }
+
+    /// Counts again when the picture or the axis changed.
+    fn count(&mut self, picture: &Picture, display: &Display) -> &Counted {
+        let known = self.counted.take().filter(|c| c.id == picture.id);
+        let data_range = match &known {
+            Some(counted) => counted.data_range,
+            None => full_range(picture),
+        };
+        // While a handle is dragged the axis must not run away under the hand.
+        let axis = match self.axis {
+            Some(axis) if self.drag.is_some() || axis_still_fits(axis, data_range, display) => axis,
+            _ => axis_for(data_range, display),
+        };
+        self.axis = Some(axis);
+        let counted = known.filter(|c| c.axis == axis).unwrap_or_else(|| Counted {
+            id: picture.id,
+            data_range,
+            axis,
+            histogram: histogram(&picture.plane, &Region::whole(&picture.plane), axis.0, axis.1, BINS),
+        });
+        self.counted.insert(counted)
+    }
+
+    /// Moves the range with the pointer; answers which handle the pointer is near or drags.
+    fn drag_handles(&mut self, response: &Response, geometry: &PlotGeometry, display: &mut Display) -> Option<Grip> {
+        if response.drag_started()
+            && let Some(pointer) = response.interact_pointer_pos()
+        {
+            // The press, not the place where it was recognised as a drag, decides what was meant.
+            let press = pointer - response.total_drag_delta().unwrap_or_default();
+            let grip = grip_at(press, geometry, display).unwrap_or_else(|| nearest_end(press, geometry, display));
+            self.drag = Some(Drag { grip, start: *display, start_value: geometry.value_at(press.x) });
+        }
+        if !response.dragged() {
+            self.drag = None;
+        }
+        let Some(pointer) = response.interact_pointer_pos().or(response.hover_pos()) else { return None };
+        let Some(drag) = self.drag else { return grip_at(pointer, geometry, display) };
+        *display = dragged(drag, geometry.value_at(pointer.x), geometry.axis);
+        Some(drag.grip)
+    }
+}
+
+/// The display after the pointer of `drag` has come to `value`.
+fn dragged(drag: Drag, value: f32, axis: (f32, f32)) -> Display {
+    let Drag { grip, start, start_value } = drag;
+    let value = value.clamp(axis.0, axis.1);
+    let moved = value - start_value;
+    // An end never passes the other one.
+    let least = (axis.1 - axis.0) * 1e-3;
+    let narrower = |limit: f32| start.with_range(-limit.max(least), limit.max(least));
+    match (grip, start.symmetric) {
+        (Grip::Min, true) => narrower(-value),
+        (Grip::Max, true) => narrower(value),
+        // Moving a symmetric range as a whole would break its symmetry: it is made wider and narrower instead.
+        (Grip::Both, true) => narrower(start.max + if start_value < 0.0 { -moved } else { moved }),
+        (Grip::Min, false) => start.with_range(value.min(start.max - least), start.max),
+        (Grip::Max, false) => start.with_range(start.min, value.max(start.min + least)),
+        (Grip::Both, false) => start.with_range(start.min + moved, start.max + moved),
+    }
+}
+
+/// What the pointer would grab.
+fn grip_at(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Option<Grip> {
+    let (low, high) = (geometry.x_of(display.min), geometry.x_of(display.max));
+    let (to_low, to_high) = ((pointer.x - low).abs(), (pointer.x - high).abs());
+    // In a narrow range the middle third still moves it as a whole.
+    let reach = GRAB_POINTS.min(0.34 * (high - low).max(3.0));
+    let outside = pointer.x < low || pointer.x > high;
+    let reach = if outside { GRAB_POINTS } else { reach };
+    if to_low.min(to_high) <= reach {
+        Some(if to_low < to_high { Grip::Min } else { Grip::Max })
+    } else {
+        (!outside).then_some(Grip::Both)
+    }
+}
+
+/// The end that a press outside the range takes along.
+fn nearest_end(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Grip {
+    if pointer.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max }
+}
+
+/// An axis that shows all values and the whole range, with a little room.
+fn axis_for(data_range: Option<(f32, f32)>, display: &Display) -> (f32, f32) {
+    let (low, high) =
+        data_range.map_or((display.min, display.max), |(low, high)| (low.min(display.min), high.max(display.max)));
+    let (low, high) = if display.symmetric {
+        let limit = low.abs().max(high.abs());
+        (-limit, limit)
+    } else {
+        (low, high)
+    };
+    let room = 0.04 * (high - low);
+    (low - room, high + room)
+}
+
+/// Whether an axis can stay: it shows the range and the values, and they do not hide in a small part of it.
+fn axis_still_fits(axis: (f32, f32), data_range: Option<(f32, f32)>, display: &Display) -> bool {
+    let needed = axis_for(data_range, display);
+    let holds = |low: f32, high: f32| low >= axis.0 && high <= axis.1;
+    holds(display.min, display.max)
+        && data_range.is_none_or(|(low, high)| holds(low, high))
+        && (needed.1 - needed.0) > 0.4 * (axis.1 - axis.0)
+}
+
+/// What the bar at `value` says.
+fn bin_text(histogram: &Histogram, value: f32) -> String {
+    let t = (value - histogram.min) / (histogram.max - histogram.min);
+    let i = ((t * histogram.counts.len() as f32).max(0.0) as usize).min(histogram.counts.len() - 1);
+    let (from, to) = histogram.bin_range(i);
+    let count = histogram.counts[i];
+    let pixels = if count == 1 { "pixel" } else { "pixels" };
+    format!("{} … {}: {count} {pixels}", number(from, 4), number(to, 4))
+}
+
+/// The numbers of the range.
+fn range_ui(ui: &mut Ui, display: &mut Display) {
+    let speed = f64::from((display.max - display.min) * 0.004);
+    ui.horizontal(|ui| {
+        if display.symmetric {
+            let mut limit = display.max;
+            let label = ui.label("Range ±");
+            if value_ui(ui, &mut limit, speed).labelled_by(label.id).changed() {
+                *display = display.with_range(-limit.abs(), limit.abs());
+            }
+        } else {
+            let (mut min, mut max) = (display.min, display.max);
+            let label = ui.label("Min");
+            if value_ui(ui, &mut min, speed).labelled_by(label.id).changed() {
+                *display = display.with_range(min, max.max(min));
+            }
+            ui.add_space(6.0);
+            let label = ui.label("Max");
+            if value_ui(ui, &mut max, speed).labelled_by(label.id).changed() {
+                *display = display.with_range(min.min(max), max);
+            }
+        }
+    });
+}
+
+/// A number of the range, to be dragged or typed.
+fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
+    let drag = DragValue::new(value)
+        .speed(speed)
+        .update_while_editing(false)
+        .custom_formatter(|x, _| number(x as f32, 4))
+        .custom_parser(|text| {
+            text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
+        });
+    ui.add_sized(vec2(72.0, ui.spacing().interact_size.y), drag).on_hover_text("As a fraction of full scale.")
+}
+
+/// Colour map and gamma.
+fn colours_ui(ui: &mut Ui, display: &mut Display) {
+    egui::Grid::new("colours").num_columns(2).spacing(vec2(8.0, 6.0)).show(ui, |ui| {
+        let label = ui.label("Colour map");
+        let combo = egui::ComboBox::from_id_salt("colour map").selected_text(display.map.name()).width(170.0);
+        let response = combo.show_ui(ui, |ui| {
+            for map in ColourMap::ALL {
+                ui.horizontal(|ui| {
+                    swatch_ui(ui, map);
+                    ui.selectable_value(&mut display.map, map, map.name()).on_hover_text(map.help());
+                });
+            }
+        });
+        response.response.labelled_by(label.id).on_hover_text(display.map.help());
+        ui.end_row();
+        let label = ui.label("Gamma");
+        ui.spacing_mut().slider_width = 110.0;
+        // The slider covers what is useful; numbers beyond it can be typed.
+        let slider = Slider::new(&mut display.gamma, 0.25..=4.0)
+            .logarithmic(true)
+            .max_decimals(2)
+            .clamping(egui::SliderClamping::Never);
+        ui.add(slider).labelled_by(label.id).on_hover_text("Raising it brightens the dark values. 1 is linear.");
+        display.gamma = display.gamma.clamp(*GAMMA_RANGE.start(), *GAMMA_RANGE.end());
+        ui.end_row();
+    });
+}
+
+/// A small bar of a map's colours.
+fn swatch_ui(ui: &mut Ui, map: ColourMap) {
+    let (rect, _) = ui.allocate_exact_size(vec2(44.0, 12.0), Sense::hover());
+    let lut = map.lut();
+    let mut mesh = egui::Mesh::default();
+    for i in 0..32 {
+        let x = |i: usize| rect.left() + rect.width() * i as f32 / 32.0;
+        let [r, g, b] = lut[i * 255 / 31];
+        mesh.add_colored_rect(Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.y_range()), egui::Color32::from_rgb(r, g, b));
+    }
+    ui.painter().add(egui::Shape::mesh(mesh));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::Plane;
+    use proptest::prelude::*;
+    use std::sync::Arc;
+
+    fn drag(grip: Grip, start: Display, start_value: f32) -> Drag {
+        Drag { grip, start, start_value }
+    }
+
+    #[test]
+    fn handles_move_their_end_and_the_middle_moves_both() {
+        let start = Display { min: 0.2, max: 0.6, ..Display::default() };
+        let axis = (0.0, 1.0);
+        let range = |grip, from, to| {
+            let d = dragged(drag(grip, start, from), to, axis);
+            ((d.min * 1e4).round() / 1e4, (d.max * 1e4).round() / 1e4)
+        };
+        assert_eq!(range(Grip::Min, 0.2, 0.3), (0.3, 0.6));
+        assert_eq!(range(Grip::Max, 0.6, 0.9), (0.2, 0.9));
+        assert_eq!(range(Grip::Both, 0.4, 0.5), (0.3, 0.7));
+        assert_eq!(range(Grip::Min, 0.2, 0.9), (0.599, 0.6));
+    }
+
+    #[test]
+    fn a_symmetric_range_stays_symmetric() {
+        let start = Display::symmetric(0.1);
+        for (grip, from, to) in [(Grip::Min, -0.1, -0.05), (Grip::Max, 0.1, 0.05), (Grip::Both, 0.06, 0.01)] {
+            let d = dragged(drag(grip, start, from), to, (-0.2, 0.2));
+            assert_eq!(d.min, -d.max);
+            assert!((d.max - 0.05).abs() < 1e-6, "{grip:?}: {d:?}");
+        }
+    }
+
+    #[test]
+    fn the_axis_stays_while_pictures_change_a_little() {
+        let display = Display { min: 0.0, max: 0.1, ..Display::default() };
+        let axis = axis_for(Some((0.01, 0.09)), &display);
+        assert!(axis_still_fits(axis, Some((0.02, 0.095)), &display));
+        assert!(!axis_still_fits(axis, Some((0.0, 0.2)), &display), "values outside must be seen");
+        let narrow = Display { max: 0.001, ..display };
+        assert!(!axis_still_fits(axis, Some((0.0, 0.001)), &narrow), "a range must not hide in a corner");
+        let symmetric = axis_for(Some((-0.01, 0.05)), &Display::symmetric(0.02));
+        assert_eq!(symmetric.0, -symmetric.1);
+    }
+
+    #[test]
+    fn ranges_of_buttons() {
+        let plane = Plane::from_fn(100, 100, |u, v| if (u, v) == (0, 0) { 1.0 } else { (v as f32) / 1000.0 });
+        let picture = Picture::new(Arc::new(plane), "ramp");
+        assert_eq!(full_range(&picture), Some((0.0, 1.0)));
+        let (low, high) = percentile_range(&picture, &Region::whole(&picture.plane)).unwrap();
+        assert!(low == 0.0 && (high - 0.099).abs() < 1e-6, "{high}");
+        let region = Region { u: 0..100, v: 50..60 };
+        assert_eq!(percentile_range(&picture, &region), Some((0.05, 0.059)));
+    }
+
+    proptest! {
+        #[test]
+        fn dragging_anywhere_keeps_a_usable_range(
+            min in -1f32..1.0, width in 0.001f32..2.0, symmetric in any::<bool>(), from in -2f32..2.0, to in -5f32..5.0, which in 0..3
+        ) {
+            let start = Display { symmetric, ..Display::default() }.with_range(min, min + width);
+            let grip = [Grip::Min, Grip::Max, Grip::Both][which as usize];
+            let axis = axis_for(None, &start);
+            let end = dragged(drag(grip, start, from), to, axis);
+            prop_assert!(end.min < end.max && end.min.is_finite() && end.max.is_finite(), "{end:?}");
+            prop_assert!(!symmetric || end.min == -end.max);
+        }
+    }
+}
