@@ -449,6 +449,11 @@ impl eframe::App for BurstscopeApp {
 }
 
 impl BurstscopeApp {
+    /// Where a place of the image (in pixels) is in the window (in points), as last drawn.
+    pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
+        self.pictures.ui_from_image.map(|t| t.pos(pos_image))
+    }
+
     /// Bursts that were opened before, the latest first.
     pub fn recent(&self) -> &[BurstSource] {
         &self.settings.recent

@@ -16,6 +16,8 @@ pub struct PictureState {
     pub readout: Option<Readout>,
     /// What of the image plane is visible, in image pixels.
     pub visible_image: Option<Rect>,
+    /// From image pixels to points of the window, as last drawn.
+    pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
     scale: Option<(usize, overlay::ColourBy, overlay::ColourScale)>,
 }
@@ -97,6 +99,7 @@ pub fn picture_ui(ui: &mut Ui, model: &mut Model, view: &mut View, state: &mut P
         (Some(shown), Some(pos)) => canvas::readout(shown, pos, full_scale),
         _ => None,
     };
+    state.ui_from_image = Some(output.ui_from_image);
     state.visible_image = state.shown.is_some().then_some(output.visible_image);
     features_ui(ui, model, state, &output);
     if model.look.overlay && model.look.legend && !model.features().is_empty() {
@@ -172,16 +175,16 @@ fn features_ui(ui: &Ui, model: &mut Model, state: &mut PictureState, output: &Ca
 }
 
 fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, rect: Rect) {
+    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
+    let frame = Frame::new().fill(fill).corner_radius(5).inner_margin(Margin::symmetric(8, 6));
+    // A wheel needs more height than a bar; the frame is drawn upwards from the corner.
+    let height = if scale.by == overlay::ColourBy::SlopeDirection { 88.0 } else { 58.0 };
     let corner = rect.left_bottom() + vec2(10.0, -10.0);
-    let room = Rect::from_min_max(corner - vec2(0.0, 110.0), corner + vec2(230.0, 0.0));
-    let builder = UiBuilder::new().max_rect(room).layout(Layout::bottom_up(Align::Min));
-    ui.scope_builder(builder, |ui| {
-        let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
-        Frame::new().fill(fill).corner_radius(5).inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-            ui.with_layout(Layout::top_down(Align::Min), |ui| {
-                ui.label(RichText::new(scale.by.name()).small());
-                scale.legend_ui(ui);
-            });
+    let room = Rect::from_min_max(corner - vec2(0.0, height), corner + vec2(210.0, 0.0));
+    ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
+        frame.show(ui, |ui| {
+            ui.label(RichText::new(scale.by.name()).small());
+            scale.legend_ui(ui);
         });
     });
 }

@@ -26,10 +26,10 @@ impl RangeClass {
         }
     }
 
-    /// Its name in the window.
+    /// Its name within a sentence.
     pub fn label(self) -> &'static str {
         match self {
-            Self::Intensity => "Frames and motion stacks",
+            Self::Intensity => "frames and motion stacks",
             Self::Response => "DoG responses",
         }
     }
