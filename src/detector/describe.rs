@@ -9,6 +9,7 @@
 
 use super::feature::Descriptor;
 use super::octave::Base;
+use super::scale_space::ScaleSpace;
 use crate::plane::Plane;
 use std::f32::consts::TAU;
 
@@ -38,9 +39,16 @@ fn descriptor_radius(sigma: f32) -> i64 {
 }
 
 impl GradientPatch {
-    /// The gradients that orientation and descriptor of a feature at (x, y) with scale `sigma` need, on the level whose σ is `sigma_level`; all in
-    /// octave pixels of an octave of `size`.
-    pub fn around(base: &Base<'_>, size: (usize, usize), x: f32, y: f32, sigma: f32, sigma_level: f64) -> Self {
+    /// The gradients that orientation and descriptor of a feature at (x, y) with scale `sigma` (octave pixels of an octave of `size`) need, on
+    /// Gaussian level `level`.
+    pub fn around(
+        base: &Base<'_>,
+        space: &ScaleSpace,
+        size: (usize, usize),
+        (x, y): (f32, f32),
+        sigma: f32,
+        level: i32,
+    ) -> Self {
         let radius = descriptor_radius(sigma) + 2;
         let span = |centre: f32, n: usize| {
             let middle = (centre + 0.5) as i64;
@@ -48,7 +56,8 @@ impl GradientPatch {
         };
         let (columns, rows) = (span(x, size.0), span(y, size.1));
         let (left, top) = (columns.start, rows.start);
-        Self::of(&base.level_patch(size, columns, rows, sigma_level), (left, top), size)
+        let sigma_level = space.sigma_octave(f64::from(level));
+        Self::of(&base.level_patch(size, columns, rows, sigma_level, space.kernel_cut), (left, top), size)
     }
 
     /// The gradients of a `patch` whose first pixel is (left, top) of an octave of `size`. Central differences, one-sided at the patch's border.

@@ -228,7 +228,7 @@ mod tests {
         let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
         for (first_octave, size) in [(0, (300, 200)), (-1, (600, 400)), (1, (150, 100))] {
             for slope in [Slope::new(0.0, 0.0), Slope::new(0.5, 0.0), Slope::new(1.25, -0.75)] {
-                let space = ScaleSpace::new(3, first_octave);
+                let space = ScaleSpace::new(3, first_octave, 4.0);
                 let offsets = frame_offsets(4, slope, Interpolation::Linear);
                 let base = Base::Frames { frames: &frames, offsets: &offsets, octave: first_octave };
                 let (mut scratch, mut dog) = (StripScratch::default(), DogStrip::default());

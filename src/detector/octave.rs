@@ -87,19 +87,20 @@ impl Base<'_> {
     }
 
     /// The image around a feature at a level whose σ is `sigma_octave` octave pixels: columns `columns`, rows `rows` of the octave, inside the
-    /// octave's `size`. The blur is done in one step, which equals the levels' chain of blurs up to the kernels' cut.
+    /// octave's `size`. Kernels end at `kernel_cut` standard deviations. The blur is done in one step, which equals the levels' chain of blurs up to the kernels' cut.
     pub fn level_patch(
         &self,
         size: (usize, usize),
         columns: Range<usize>,
         rows: Range<usize>,
         sigma_octave: f64,
+        kernel_cut: f64,
     ) -> Plane {
         let from = match self {
             Self::Frames { octave, .. } => super::scale_space::SIGMA_INPUT * 2f64.powi(-octave),
             Self::Level(_) => super::scale_space::SIGMA_BASE,
         };
-        let kernel = GaussianKernel::new((sigma_octave * sigma_octave - from * from).max(0.0).sqrt());
+        let kernel = GaussianKernel::with_cut((sigma_octave * sigma_octave - from * from).max(0.0).sqrt(), kernel_cut);
         let reach = kernel.radius();
         let (wide, tall) = (widened(&columns, reach, size.0), widened(&rows, reach, size.1));
         let mut patch = Plane::zeros(wide.len(), tall.len());

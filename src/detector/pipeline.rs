@@ -87,7 +87,7 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
         size_image: burst.size(),
         grid,
         offsets: grid.slopes().map(|slope| frame_offsets(frames.len(), slope, params.interpolation)).collect(),
-        space: ScaleSpace::new(params.levels as usize, params.first_octave),
+        space: ScaleSpace::of(params),
         params,
         frame_noise: noise,
         gate_factor: gate_factor(params),
@@ -323,8 +323,7 @@ impl Search<'_> {
                 self.monitor.check()?;
                 let Keypoint { x, y, sigma_octave: sigma, level, slope_index, .. } = *keypoint;
                 let base = self.base(octave, bases, slope_index);
-                let sigma_level = self.space.sigma_octave(f64::from(level));
-                let patch = GradientPatch::around(&base, size, x, y, sigma, sigma_level);
+                let patch = GradientPatch::around(&base, &self.space, size, (x, y), sigma, level);
                 let (i, j) = self.grid.coordinates(slope_index);
                 let feature = |angle: f32| Feature {
                     u: x * pixel,

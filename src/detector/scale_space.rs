@@ -6,6 +6,7 @@
 //! DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are looked for at levels 0 … S−1.
 //! Octave −1 is the image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th pixel.
 
+use super::params::DetectorParams;
 use crate::plane::blur::GaussianKernel;
 
 /// σ that the input image is taken to have, in input pixels.
@@ -20,6 +21,8 @@ pub struct ScaleSpace {
     pub levels: usize,
     /// The finest octave.
     pub first_octave: i32,
+    /// Where kernels end, in standard deviations.
+    pub kernel_cut: f64,
     /// From the input's σ to the first level of the first octave.
     pub base_kernel: GaussianKernel,
     /// From level s−1 to level s, for s = 0 … S+1.
@@ -27,12 +30,18 @@ pub struct ScaleSpace {
 }
 
 impl ScaleSpace {
-    /// The scale space of `levels` per octave from octave `first_octave` on.
-    pub fn new(levels: usize, first_octave: i32) -> Self {
+    /// The scale space of a search with `params`.
+    pub fn of(params: &DetectorParams) -> Self {
+        Self::new(params.levels as usize, params.first_octave, f64::from(params.kernel_cut))
+    }
+
+    /// The scale space of `levels` per octave from octave `first_octave` on, with kernels that end at `kernel_cut` standard deviations.
+    pub fn new(levels: usize, first_octave: i32, kernel_cut: f64) -> Self {
         let input = SIGMA_INPUT * 2f64.powi(-first_octave);
         let base = (SIGMA_BASE * SIGMA_BASE - input * input).max(0.0).sqrt();
-        let step_kernels = (0..levels + 2).map(|s| GaussianKernel::new(Self::step_sigma(levels, s))).collect();
-        Self { levels, first_octave, base_kernel: GaussianKernel::new(base), step_kernels }
+        let step_kernels =
+            (0..levels + 2).map(|s| GaussianKernel::with_cut(Self::step_sigma(levels, s), kernel_cut)).collect();
+        Self { levels, first_octave, base_kernel: GaussianKernel::with_cut(base, kernel_cut), step_kernels, kernel_cut }
     }
 
     fn sigma0(levels: usize) -> f64 {
@@ -77,7 +86,7 @@ mod tests {
 
     #[test]
     fn scales_follow_vlfeat() {
-        let space = ScaleSpace::new(3, -1);
+        let space = ScaleSpace::new(3, -1, 4.0);
         assert!((space.sigma_octave(-1.0) - 1.6).abs() < 1e-12);
         assert!((space.sigma_octave(2.0) - 3.2).abs() < 1e-12);
         assert!((space.sigma_image(-1, 0.0) - 1.6 * 2f64.powf(1.0 / 3.0) / 2.0).abs() < 1e-12);
@@ -87,7 +96,7 @@ mod tests {
 
     #[test]
     fn each_step_adds_up_to_the_level() {
-        let space = ScaleSpace::new(4, 0);
+        let space = ScaleSpace::new(4, 0, 4.0);
         let mut variance = SIGMA_BASE * SIGMA_BASE;
         for s in 0..6 {
             variance += ScaleSpace::step_sigma(4, s).powi(2);

@@ -51,11 +51,19 @@ fn beats_three(value: f32, row: &[f32], x: usize) -> bool {
     if value > 0.0 { value > a && value > b && value > c } else { value < a && value < b && value < c }
 }
 
-/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope.
-pub fn beats_all_27(value: f32, dog: &DogStrip, x: usize, y: usize, level_index: usize) -> bool {
-    dog.levels[level_index - 1..=level_index + 1]
-        .iter()
-        .all(|level| (y - 1..=y + 1).all(|v| beats_three(value, level.row(v), x)))
+/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope. `or_equals` lets it stand when it only
+/// equals them: of two slopes with the same D, which a motion half-way between them gives, exactly one must stay.
+pub fn beats_all_27(value: f32, dog: &DogStrip, x: usize, y: usize, level_index: usize, or_equals: bool) -> bool {
+    let sign = value.signum();
+    let limit = sign * value;
+    dog.levels[level_index - 1..=level_index + 1].iter().all(|level| {
+        (y - 1..=y + 1).all(|v| {
+            level.row(v)[x - 1..=x + 1].iter().all(|&other| {
+                let other = sign * other;
+                other < limit || (or_equals && other == limit)
+            })
+        })
+    })
 }
 
 /// Why the sample is not an extremum at its own slope, if it is not.

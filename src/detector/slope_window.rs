@@ -75,7 +75,8 @@ impl SlopeWindow {
     /// Whether the candidate at slope `index` beats its 27 neighbours at each slope that it is compared with.
     pub(super) fn is_slope_extremum(&self, index: usize, candidate: &Candidate) -> bool {
         let beats = |other: usize| {
-            beats_all_27(candidate.value, self.strip(other), candidate.x, candidate.y, candidate.level_index)
+            let or_equals = other > index;
+            beats_all_27(candidate.value, self.strip(other), candidate.x, candidate.y, candidate.level_index, or_equals)
         };
         match self.neighbours {
             SlopeNeighbours::All => (0..self.grid.len()).all(|other| other == index || beats(other)),

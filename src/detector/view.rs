@@ -55,7 +55,7 @@ pub fn dog_view(
     let used = params.used_frames(burst.len());
     let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
     let offsets = frame_offsets(frames.len(), slope, params.interpolation);
-    let space = ScaleSpace::new(params.levels as usize, params.first_octave);
+    let space = ScaleSpace::of(params);
     let mut first_level: Option<Plane> = None;
     for current in octaves {
         let size = octave_size(burst.size(), current);

@@ -1,1 +1,119 @@
 //! Bursts with exactly known truth: charts of discs, layered scenes, and the camera's noise.
+//!
+//! A synthetic burst is made in two steps. First the *signal* of each frame is drawn without noise: discs or textured
+//! layers, each moved by its own slope. Then a [`Camera`] captures it: electrons are counted (shot noise), read out (read
+//! noise) and rounded to the levels of the converter. What was drawn, where and how fast it moves is kept as [`Truth`].
+//!
+//! Everything follows from a seed. The same seed gives the same bits on every machine and for any number of threads:
+//! each frame has its own random stream, and functions such as the logarithm come from `libm`, not from the system.
+//!
+//! ```
+//! use burstscope::synth::{ChartParams, synth_chart};
+//! use burstscope::Monitor;
+//! let params = ChartParams { width: 160, height: 120, discs: 4, frames: 3, ..ChartParams::default() };
+//! let (burst, truth) = synth_chart(&params, &Monitor::default())?;
+//! assert_eq!((burst.len(), truth.features.len()), (3, 4));
+//! # Ok::<(), burstscope::synth::SynthError>(())
+//! ```
+
+mod capture;
+pub mod chart;
+pub mod demo;
+pub mod layer;
+pub mod noise;
+pub mod paint;
+pub mod random;
+pub mod scene;
+pub mod truth;
+pub mod write;
+
+pub use chart::{ChartParams, synth_chart};
+pub use demo::{demo_burst, demo_truth};
+pub use noise::Camera;
+pub use scene::{SceneParams, synth_scene};
+pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
+pub use write::{WriteBurstError, write_burst};
+
+use crate::monitor::Cancelled;
+
+/// Directions in which things may move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Motion {
+    /// Horizontally only, as BuFF 1D searches.
+    #[default]
+    OneD,
+    /// In any direction, as BuFF 2D searches.
+    TwoD,
+}
+
+/// Why there is no synthetic burst.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SynthError {
+    /// A parameter, or a combination of them, makes no sense.
+    #[error("{parameter}: {problem}; {remedy}")]
+    Param {
+        /// Name of the parameter to change, as on the command line without the dashes.
+        parameter: &'static str,
+        /// What is wrong.
+        problem: String,
+        /// What would be right.
+        remedy: String,
+    },
+    /// It was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl SynthError {
+    fn param(parameter: &'static str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Param { parameter, problem: problem.into(), remedy: remedy.into() }
+    }
+}
+
+/// The most pixels that a synthetic burst may have, over all its frames: 2^31, 8 GiB in memory.
+pub const MAX_PIXELS: u64 = 1 << 31;
+
+/// Checks what every kind of synthetic burst has in common.
+fn check_common(
+    width: usize,
+    height: usize,
+    frames: usize,
+    max_slope: f64,
+    read_noise: f64,
+    bits: u32,
+) -> Result<(), SynthError> {
+    for (name, pixels) in [("width", width), ("height", height)] {
+        if !(16..=32768).contains(&pixels) {
+            return Err(SynthError::param(name, format!("{pixels} pixels"), "give 16 to 32768"));
+        }
+    }
+    if !(1..=4096).contains(&frames) {
+        return Err(SynthError::param("frames", format!("{frames} frames"), "give 1 to 4096"));
+    }
+    let pixels = width as u64 * height as u64 * frames as u64;
+    if pixels > MAX_PIXELS {
+        return Err(SynthError::param(
+            "frames",
+            format!("{frames} frames of {width}×{height} are {pixels} pixels, above the limit of {MAX_PIXELS}"),
+            "make fewer or smaller frames",
+        ));
+    }
+    if !(max_slope.is_finite() && max_slope >= 0.0) {
+        return Err(SynthError::param("max-slope", format!("{max_slope}"), "give 0 or more pixels per frame"));
+    }
+    let span = 0.5 * (frames - 1) as f64 * max_slope;
+    if 2.0 * span >= width.min(height) as f64 {
+        return Err(SynthError::param(
+            "max-slope",
+            format!("{max_slope} px/frame over {frames} frames moves things by {:.0} px, the whole image", 2.0 * span),
+            "give a smaller slope, fewer frames or a larger image",
+        ));
+    }
+    if !(read_noise.is_finite() && read_noise >= 0.0) {
+        return Err(SynthError::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));
+    }
+    if !(4..=16).contains(&bits) {
+        return Err(SynthError::param("bits", format!("{bits} bits"), "give 4 to 16"));
+    }
+    Ok(())
+}

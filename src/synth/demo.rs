@@ -1,0 +1,333 @@
+//! The demo: a street at night, built into the program and drawn when it is asked for.
+//!
+//! Four planes move past the camera, each with its own slope, and the light is so poor that one frame shows little.
+//! Averaging the frames as they are smears everything that moves; averaging at a plane's own slope brings that plane out:
+//!
+//! | layer | slope (px/frame) | what there is to see |
+//! | --- | --- | --- |
+//! | skyline | (0.95, 0) | moon, stars, towers with lit windows |
+//! | houses | (−1.05, 0) | a row of houses, windows, doors, a street |
+//! | sign | (−2.1, 0) | a sign of lamps on a post, a bus stop, a fence |
+//! | lanterns | (1.6, −1.2) | paper lanterns that rise |
+
+use super::capture::capture_burst;
+use super::layer::{Layer, draw_layers, visible_landmarks};
+use super::noise::Camera;
+use super::paint::{Area, fractal_relief};
+use super::random::{Stream, lattice};
+use super::truth::{NoiseTruth, Truth, TruthKind};
+use crate::burst::Burst;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+
+/// Columns and rows of the demo's frames.
+pub const DEMO_SIZE: (usize, usize) = (480, 360);
+/// Number of the demo's frames.
+pub const DEMO_FRAMES: usize = 10;
+
+const SEED: u64 = 20_220_919;
+const HALF_SPAN: f64 = 0.5 * (DEMO_FRAMES as f64 - 1.0);
+/// How much of the light that the layers are painted with reaches the camera: the dial between a picture that one frame shows
+/// and one that needs the burst.
+const LIGHT: f32 = 0.38;
+/// The night sky, as painted.
+const SKY: f32 = 0.006;
+
+/// The camera: a high gain (200 electrons at full scale), 3 electrons of read noise, 12 bits.
+fn camera() -> Camera {
+    Camera { full_scale_electrons: 200.0, read_noise_electrons: 3.0, black_level: 0.07, bits: Some(12) }
+}
+
+/// The demo burst: 10 frames of 480×360 pixels, always the same bits.
+pub fn demo_burst() -> Burst {
+    let layers = layers();
+    let never = Monitor::default();
+    capture_burst("demo", DEMO_FRAMES, SEED, &camera(), &never, |dt| draw_demo(&layers, dt, &never))
+        .expect("nobody can cancel this monitor")
+}
+
+/// What is known about the demo burst.
+pub fn demo_truth() -> Truth {
+    let layers = layers();
+    Truth {
+        kind: TruthKind::Demo,
+        width: DEMO_SIZE.0,
+        height: DEMO_SIZE.1,
+        frames: DEMO_FRAMES,
+        t0: HALF_SPAN,
+        seed: SEED,
+        noise: NoiseTruth::of(&camera(), f64::from(SKY * LIGHT), None),
+        black_level: camera().black_level,
+        layers: layers.iter().map(Layer::truth).collect(),
+        features: visible_landmarks(&layers, DEMO_SIZE, HALF_SPAN),
+    }
+}
+
+/// The signal of the frame `dt` frames after mid-burst.
+fn draw_demo(layers: &[Layer], dt: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
+    let mut signal = draw_layers(layers, DEMO_SIZE, dt, monitor)?;
+    for value in signal.data_mut() {
+        *value *= LIGHT;
+    }
+    Ok(signal)
+}
+
+fn layers() -> [Layer; 4] {
+    [skyline(), houses(), sign(), lanterns()]
+}
+
+fn skyline() -> Layer {
+    let mut layer = Layer::new("skyline", DEMO_SIZE, (0.95, 0.0), HALF_SPAN);
+    layer.sheet.fill(|u, v| {
+        let dusk = SKY + 0.00003 * v;
+        // Clouds, down to where the houses begin.
+        if v < 220.0 { dusk + 0.010 * (fractal_relief(5, u, 2.0 * v, 90.0, 2) - 0.4).max(0.0) } else { dusk }
+    });
+    layer.sheet.glow(92.0, 58.0, 90.0, 0.010);
+    layer.landmark(92.0, 58.0, 19.0, 0.062, true);
+    for (u, v, r) in [(86.0, 52.0, 5.0), (99.0, 64.0, 4.0), (95.0, 49.0, 2.5)] {
+        layer.sheet.disc(u, v, r, 0.046);
+    }
+    for (u, v, r) in [
+        (24.0, 30.0, 2.2),
+        (160.0, 24.0, 2.0),
+        (190.0, 78.0, 2.4),
+        (238.0, 36.0, 2.0),
+        (282.0, 70.0, 2.6),
+        (340.0, 22.0, 2.2),
+        (390.0, 60.0, 2.0),
+        (446.0, 34.0, 2.5),
+        (140.0, 104.0, 2.0),
+        (36.0, 108.0, 2.2),
+    ] {
+        layer.landmark(u, v, r, 0.06, true);
+    }
+    // Towers: dark blocks against the sky's glow, with windows, some of them lit.
+    let mut stream = Stream::new(SEED, 100);
+    let mut u = -12.0f32;
+    let mut tower = 0i64;
+    while u < 500.0 {
+        let width = stream.within(28.0, 46.0) as f32;
+        let top = stream.within(112.0, 172.0) as f32;
+        layer.sheet.rectangle(Area::new(u, top, u + width, 300.0), 0.0035);
+        if tower % 3 == 1 {
+            layer.sheet.stroke((u + 0.5 * width, top - 16.0), (u + 0.5 * width, top), 2.0, 0.0035);
+            layer.landmark(f64::from(u + 0.5 * width), f64::from(top) - 18.0, 2.2, 0.06, true);
+        }
+        let columns = ((width - 6.0) / 9.0) as i64;
+        for j in 0..8i64 {
+            for i in 0..columns {
+                let (wu, wv) = (u + 5.0 + 9.0 * i as f32, top + 7.0 + 12.0 * j as f32);
+                if wv < 215.0 && lattice(SEED ^ 31, tower * 16 + i, j) < 0.42 {
+                    layer.sheet.rectangle(Area::new(wu, wv, wu + 5.0, wv + 6.5), 0.045);
+                }
+            }
+        }
+        u += width + stream.within(0.0, 10.0) as f32;
+        tower += 1;
+    }
+    layer
+}
+
+fn houses() -> Layer {
+    let mut layer = Layer::new("houses", DEMO_SIZE, (-1.05, 0.0), HALF_SPAN);
+    let mut stream = Stream::new(SEED, 101);
+    let mut left = -14.0f32;
+    let mut house = 0i64;
+    while left < 500.0 {
+        let width = stream.within(74.0, 96.0) as f32;
+        let eaves = stream.within(196.0, 212.0) as f32;
+        let ridge = eaves - stream.within(22.0, 34.0) as f32;
+        let wall = stream.within(0.012, 0.019) as f32;
+        let (middle, half) = (left + 0.5 * width, 0.5 * width + 3.0);
+        layer.sheet.shape(
+            Area::new(left - 4.0, ridge, left + width + 4.0, eaves + 1.0),
+            move |u, v| {
+                let sloping = ((u - middle).abs() - half * (v - ridge) / (eaves - ridge)) * 0.6;
+                sloping.max(v - eaves - 1.0)
+            },
+            |_, _| 0.005,
+        );
+        let front = Area::new(left, eaves, left + width, 300.0);
+        layer.sheet.shape(
+            front,
+            move |u, v| front.distance(u, v),
+            move |u, v| wall + 0.006 * (fractal_relief(77, u, v, 10.0, 2) - 0.5),
+        );
+        // A round window in the gable, two rows of windows, a door with a lamp over it.
+        layer.landmark(f64::from(middle), f64::from(eaves) - 9.0, 4.5, 0.058, true);
+        let pitch = width / 3.0;
+        for j in 0..2i64 {
+            for i in 0..3i64 {
+                let (u, v) = (left + pitch * (i as f32 + 0.5), eaves + 13.0 + 36.0 * j as f32);
+                if j == 1 && i == house.rem_euclid(3) {
+                    layer.sheet.rectangle(Area::new(u - 8.0, v - 2.0, u + 8.0, 300.0), 0.004);
+                    layer.landmark(f64::from(u), f64::from(v) - 9.0, 3.2, 0.075, true);
+                    continue;
+                }
+                let lit = lattice(SEED ^ 57, house * 4 + i, j) < 0.62;
+                let value = if lit { 0.062 } else { 0.004 };
+                layer.sheet.rectangle(Area::new(u - 7.0, v, u + 7.0, v + 19.0), value);
+                layer.sheet.rectangle(Area::new(u - 0.8, v, u + 0.8, v + 19.0), wall);
+                layer.sheet.rectangle(Area::new(u - 7.0, v + 8.0, u + 7.0, v + 9.6), wall);
+            }
+        }
+        left += width + stream.within(3.0, 9.0) as f32;
+        house += 1;
+    }
+    // The street: pavement, kerb, asphalt with lane marks.
+    layer.sheet.rectangle(Area::new(-60.0, 300.0, 540.0, 312.0), 0.022);
+    let asphalt = Area::new(-60.0, 312.0, 540.0, 380.0);
+    layer.sheet.shape(
+        asphalt,
+        move |u, v| asphalt.distance(u, v),
+        |u, v| 0.009 + 0.007 * (fractal_relief(13, u, 3.0 * v, 24.0, 3) - 0.5),
+    );
+    for k in 0..9 {
+        let u = -40.0 + 66.0 * k as f32;
+        layer.sheet.rectangle(Area::new(u, 334.0, u + 34.0, 338.5), 0.05);
+    }
+    layer
+}
+
+/// Letters as seven rows of five lamps, the leftmost lamp in the highest bit.
+const LETTERS: [[u8; 7]; 5] = [
+    [0b11110, 0b10001, 0b10001, 0b11110, 0b10001, 0b10001, 0b11110],
+    [0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b01110],
+    [0b11110, 0b10001, 0b10001, 0b11110, 0b10100, 0b10010, 0b10001],
+    [0b01111, 0b10000, 0b10000, 0b01110, 0b00001, 0b00001, 0b11110],
+    [0b11111, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100],
+];
+
+fn sign() -> Layer {
+    let mut layer = Layer::new("sign", DEMO_SIZE, (-2.1, 0.0), HALF_SPAN);
+    // A board of lamps that spells BURST, on two posts.
+    for post in [238.0, 372.0] {
+        layer.sheet.rectangle(Area::new(post - 3.0, 150.0, post + 3.0, 380.0), 0.026);
+    }
+    let board = Area::new(212.0, 128.0, 398.0, 184.0);
+    layer.sheet.rectangle(board, 0.030);
+    layer.sheet.rectangle(Area::new(215.0, 131.0, 395.0, 181.0), 0.002);
+    let pitch = 5.7;
+    for (k, letter) in LETTERS.iter().enumerate() {
+        for (j, row) in letter.iter().enumerate() {
+            for i in (0..5).filter(|i| row & (0b10000 >> i) != 0) {
+                let u = 223.5 + pitch * (6 * k + i) as f32;
+                let v = 139.0 + pitch * j as f32;
+                layer.sheet.disc(u, v, 2.3, 0.075);
+            }
+        }
+    }
+    // A bus stop: a bright disc with a dark one on it, and a timetable of dots.
+    layer.sheet.rectangle(Area::new(86.0, 190.0, 91.0, 380.0), 0.03);
+    layer.sheet.disc(88.5, 186.0, 17.0, 0.055);
+    layer.landmark(88.5, 186.0, 8.0, 0.004, false);
+    layer.sheet.rectangle(Area::new(70.0, 222.0, 107.0, 274.0), 0.045);
+    for j in 0..4 {
+        for i in 0..3 {
+            layer.landmark(f64::from(76 + 12 * i) + 0.5, f64::from(229 + 13 * j), 3.0, 0.003, false);
+        }
+    }
+    // A fence along the near edge of the street.
+    for rail in [326.0, 346.0] {
+        layer.sheet.rectangle(Area::new(-60.0, rail, 540.0, rail + 3.5), 0.030);
+    }
+    for k in 0..32 {
+        let u = -52.0 + 19.0 * k as f32;
+        layer.sheet.rectangle(Area::new(u - 2.5, 316.0, u + 2.5, 380.0), 0.034);
+        layer.landmark(f64::from(u), 313.0, 4.2, 0.05, true);
+    }
+    layer
+}
+
+fn lanterns() -> Layer {
+    let mut layer = Layer::new("lanterns", DEMO_SIZE, (1.6, -1.2), HALF_SPAN);
+    for (u, v, size) in [
+        (150.0f32, 150.0f32, 1.15f32),
+        (304.0, 74.0, 0.85),
+        (424.0, 104.0, 1.3),
+        (210.0, 92.0, 0.6),
+        (366.0, 48.0, 0.5),
+    ] {
+        let (half_u, half_v) = (9.0 * size, 12.0 * size);
+        layer.sheet.shape(
+            Area::new(u - half_u, v - half_v, u + half_u, v + half_v),
+            move |x, y| {
+                let (du, dv) = ((x - u) / half_u, (y - v) / half_v);
+                ((du * du + dv * dv).sqrt() - 1.0) * half_u
+            },
+            move |x, y| {
+                let (du, dv) = ((x - u) / half_u, (y - v - 0.3 * half_v) / half_v);
+                0.078 - 0.03 * (du * du + dv * dv)
+            },
+        );
+        layer.sheet.rectangle(Area::new(u - 0.5 * half_u, v + half_v, u + 0.5 * half_u, v + half_v + 2.5 * size), 0.02);
+    }
+    layer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::{Interpolation, Slope, motion::motion_stack};
+
+    /// A checksum of all frames (FNV-1a over the converter's levels).
+    fn checksum(burst: &Burst) -> u64 {
+        burst.frames.iter().flat_map(|f| f.data()).fold(0xcbf2_9ce4_8422_2325, |hash, &x| {
+            let word = (f64::from(x) * 65535.0).round() as u64;
+            (hash ^ word).wrapping_mul(0x0100_0000_01b3)
+        })
+    }
+
+    #[test]
+    fn the_demo_is_the_same_everywhere() {
+        let burst = demo_burst();
+        assert_eq!((burst.name.as_str(), burst.len(), burst.size()), ("demo", DEMO_FRAMES, DEMO_SIZE));
+        let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool").install(demo_burst);
+        assert_eq!(burst.frames, single.frames);
+        assert_eq!(checksum(&burst), CHECKSUM, "the demo changed; if that is meant, change the number here");
+    }
+    const CHECKSUM: u64 = 17_673_008_048_598_753_493;
+
+    #[test]
+    fn it_is_dark_and_nothing_is_cut_off() {
+        let burst = demo_burst();
+        let values = || burst.frames.iter().flat_map(|f| f.data()).copied();
+        let count = values().count() as f32;
+        let mean = values().sum::<f32>() / count;
+        assert!((0.07..0.09).contains(&mean), "{mean}");
+        let cut = values().filter(|&x| x <= 0.0 || x >= 1.0).count() as f32;
+        assert!(cut / count < 1e-4, "{cut} pixels at the ends of the range");
+    }
+
+    #[test]
+    fn one_frame_shows_little_and_the_right_slope_reveals_it() {
+        let (burst, truth) = (demo_burst(), demo_truth());
+        let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
+        let stack_at = |u: f64, v: f64| {
+            let slope = Slope::new(u as f32, v as f32);
+            motion_stack(&frames, slope, Interpolation::Linear, &Monitor::default()).expect("not cancelled")
+        };
+        let stacks: Vec<Plane> = truth.layers.iter().map(|l| stack_at(l.slope_u, l.slope_v)).collect();
+        let unmoved = stack_at(0.0, 0.0);
+        // Contrast of a small landmark: its centre against a ring around it.
+        let contrast = |plane: &Plane, u: f64, v: f64, radius: f64| {
+            let at = |du: f64, dv: f64| f64::from(plane.at((u + du).round() as usize, (v + dv).round() as usize));
+            let r = radius + 2.0;
+            at(0.0, 0.0) - 0.25 * (at(r, 0.0) + at(-r, 0.0) + at(0.0, r) + at(0.0, -r))
+        };
+        assert_eq!(truth.layers.len(), 4);
+        assert!(truth.features.len() >= 40, "{} landmarks", truth.features.len());
+        let small: Vec<_> = truth.features.iter().filter(|f| f.radius < 5.0).collect();
+        let (mut right, mut wrong, mut single) = (0.0, 0.0, 0);
+        for f in &small {
+            let sign = f64::from(f.contrast_sign);
+            right += sign * contrast(&stacks[f.layer.expect("scenes have layers")], f.u, f.v, f.radius);
+            wrong += sign * contrast(&unmoved, f.u, f.v, f.radius);
+            let (u, v) = f.position(-0.5);
+            single += usize::from(sign * contrast(frames[4], u, v, f.radius) > 4.0 * 0.0158);
+        }
+        assert!(right > 2.0 * wrong, "contrast {right} at the right slopes, {wrong} without moving");
+        assert!(single * 10 < small.len(), "{single} of {} landmarks stand out in one frame", small.len());
+    }
+}

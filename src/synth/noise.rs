@@ -1,0 +1,206 @@
+//! The camera's noise: what a sensor makes of a noiseless signal.
+//!
+//! A signal `x` is a fraction of full scale *above the black level*. The sensor collects `Poisson(x·F)` electrons, where `F`
+//! is the number of electrons at full scale (a small `F` is a high gain, as cameras use in the dark). Reading it out adds
+//! Gaussian noise of `r` electrons. The result, divided by `F`, is lifted by the black level, a pedestal that keeps the
+//! noise around a dark signal from being cut off at zero, and rounded to the levels of a converter of `bits` bits.
+//!
+//! # Signal-to-noise ratio
+//! The per-pixel SNR of two levels, a background and an object on it, is
+//!
+//! ```text
+//! SNR = |x_object − x_background| / σ
+//! ```
+//!
+//! where σ is the standard deviation of the noise of one pixel in one frame at the mean of the two levels:
+//! `σ² = (x·F + r²)/F² + q²/12` with `x = (x_object + x_background)/2` and `q` the quantisation step.
+//!
+//! # Values in files
+//! A level `d` of a converter with `bits` bits is the value `d·2^(16−bits)/65535`: the bits sit at the top of a 16-bit word,
+//! as many cameras deliver them. A 16-bit file therefore holds each value exactly.
+
+use super::SynthError;
+use super::random::Stream;
+use crate::plane::Plane;
+
+/// A camera: how many electrons full scale is, what reading out adds, the pedestal, the converter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Electrons at full scale, F; infinite for a camera without noise.
+    pub full_scale_electrons: f64,
+    /// Standard deviation of the read noise, electrons.
+    pub read_noise_electrons: f64,
+    /// The pedestal, fraction of full scale.
+    pub black_level: f64,
+    /// Bits of the converter, 4 … 16, or `None` for values that are not rounded.
+    pub bits: Option<u32>,
+}
+
+impl Camera {
+    /// A camera without noise and rounding: it only adds the black level.
+    pub fn noiseless(black_level: f64) -> Self {
+        Self { full_scale_electrons: f64::INFINITY, read_noise_electrons: 0.0, black_level, bits: None }
+    }
+
+    /// The camera whose exposure gives the per-pixel SNR `snr` between the signals `background` and `object`
+    /// (fractions of full scale above black), with the given read noise (electrons) and converter.
+    /// An infinite `snr` gives [`Self::noiseless`].
+    ///
+    /// # Errors
+    /// When `snr` is not positive, or so high that rounding alone makes more noise.
+    pub fn for_snr(
+        snr: f64,
+        background: f64,
+        object: f64,
+        read_noise_electrons: f64,
+        black_level: f64,
+        bits: u32,
+    ) -> Result<Self, SynthError> {
+        if snr == f64::INFINITY {
+            return Ok(Self::noiseless(black_level));
+        }
+        if !(snr.is_finite() && snr > 0.0) {
+            return Err(SynthError::param("snr", format!("{snr}"), "give a ratio above 0, or inf for no noise"));
+        }
+        // Solve σ² = x·y + r²·y² + q²/12 for y = 1/F.
+        let middle = 0.5 * (background + object);
+        let sigma = (object - background).abs() / snr;
+        let rounding = quantisation_step(bits).powi(2) / 12.0;
+        let rest = sigma * sigma - rounding;
+        if rest <= 0.0 {
+            return Err(SynthError::param(
+                "snr",
+                format!("{snr} is out of reach: rounding to {bits} bits alone makes more noise"),
+                "give a lower ratio, more bits, or inf for no noise",
+            ));
+        }
+        // The stable form of the quadratic formula; it also holds for r = 0.
+        let r2 = read_noise_electrons * read_noise_electrons;
+        let y = 2.0 * rest / (middle + (middle * middle + 4.0 * r2 * rest).sqrt());
+        Ok(Self { full_scale_electrons: 1.0 / y, read_noise_electrons, black_level, bits: Some(bits) })
+    }
+
+    /// Whether frames come out without noise.
+    pub fn is_noiseless(&self) -> bool {
+        self.full_scale_electrons.is_infinite()
+    }
+
+    /// The smallest difference between two values, fraction of full scale; 0 when values are not rounded.
+    pub fn quantisation_step(&self) -> f64 {
+        self.bits.map_or(0.0, quantisation_step)
+    }
+
+    /// Standard deviation of the noise of one pixel of one frame where the signal is `signal`; both are fractions of full scale.
+    pub fn sigma(&self, signal: f64) -> f64 {
+        let rounding = self.quantisation_step().powi(2) / 12.0;
+        if self.is_noiseless() {
+            return rounding.sqrt();
+        }
+        let f = self.full_scale_electrons;
+        ((signal.max(0.0) * f + self.read_noise_electrons.powi(2)) / (f * f) + rounding).sqrt()
+    }
+
+    /// One frame: `signal` (fractions of full scale above black) with black level, noise and rounding, in [0, 1].
+    pub fn capture(&self, signal: &Plane, stream: &mut Stream) -> Plane {
+        let mut frame = signal.clone();
+        for value in frame.data_mut() {
+            *value = self.capture_pixel(f64::from(*value), stream);
+        }
+        frame
+    }
+
+    fn capture_pixel(&self, signal: f64, stream: &mut Stream) -> f32 {
+        let mut value = signal.max(0.0);
+        if !self.is_noiseless() {
+            let electrons =
+                stream.poisson(value * self.full_scale_electrons) + self.read_noise_electrons * stream.normal();
+            value = electrons / self.full_scale_electrons;
+        }
+        value += self.black_level;
+        match self.bits {
+            Some(bits) => f32::from(quantised_word(value, bits)) / 65535.0,
+            None => value.clamp(0.0, 1.0) as f32,
+        }
+    }
+}
+
+/// The 16-bit word that holds `value` rounded to `bits` bits, which are at its top.
+pub fn quantised_word(value: f64, bits: u32) -> u16 {
+    let shift = 16 - bits.min(16);
+    let levels = (1u32 << bits.min(16)) - 1;
+    let level = (value * 65535.0 / f64::from(1u32 << shift) + 0.5).floor().clamp(0.0, f64::from(levels));
+    ((level as u32) << shift) as u16
+}
+
+/// The difference between neighbouring levels of a converter of `bits` bits, fraction of full scale.
+pub fn quantisation_step(bits: u32) -> f64 {
+    f64::from(1u32 << (16 - bits.min(16))) / 65535.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn statistics(plane: &Plane) -> (f64, f64) {
+        let n = plane.data().len() as f64;
+        let mean = plane.data().iter().map(|&x| f64::from(x)).sum::<f64>() / n;
+        (mean, plane.data().iter().map(|&x| (f64::from(x) - mean).powi(2)).sum::<f64>() / n)
+    }
+
+    #[test]
+    fn mean_and_variance_follow_the_model() {
+        const SIDE: usize = 500;
+        for (electrons, signal, bits) in [(60.0, 0.05, 12), (300.0, 0.2, 8), (15_000.0, 0.3, 12), (40.0, 0.1, 10)] {
+            let camera = Camera {
+                full_scale_electrons: electrons,
+                read_noise_electrons: 3.0,
+                black_level: 0.45,
+                bits: Some(bits),
+            };
+            let frame = camera.capture(&Plane::from_fn(SIDE, SIDE, |_, _| signal as f32), &mut Stream::new(2, 1));
+            let (mean, variance) = statistics(&frame);
+            let n = (SIDE * SIDE) as f64;
+            let sigma = camera.sigma(signal);
+            assert!((mean - 0.45 - signal).abs() < 5.0 * sigma / n.sqrt(), "{electrons}: mean {mean}");
+            // The variance of a variance is 2σ⁴/n for Gaussian noise; Poisson's tails make it a little larger.
+            let error = (2.2 / n).sqrt() * sigma * sigma;
+            assert!((variance - sigma * sigma).abs() < 5.0 * error, "{electrons}: {variance} for {}", sigma * sigma);
+        }
+    }
+
+    #[test]
+    fn the_snr_asked_for_is_the_snr_of_the_model() {
+        for snr in [0.05, 0.2, 0.35, 1.0, 5.0, 20.0] {
+            for read_noise in [0.0, 3.0] {
+                let camera = Camera::for_snr(snr, 0.1, 0.12, read_noise, 0.02, 12).expect("within reach");
+                let got = 0.02 / camera.sigma(0.11);
+                assert!((got - snr).abs() < 1e-9 * snr, "{snr}: {got}");
+            }
+        }
+        assert!(Camera::for_snr(f64::INFINITY, 0.1, 0.12, 3.0, 0.0, 12).expect("noiseless").is_noiseless());
+        for bad in [0.0, -1.0, f64::NAN, 1e9] {
+            let error = Camera::for_snr(bad, 0.1, 0.12, 3.0, 0.0, 12).expect_err("nonsense").to_string();
+            assert!(error.starts_with("snr: "), "{error}");
+        }
+    }
+
+    #[test]
+    fn rounding_keeps_to_the_levels_of_the_converter() {
+        assert_eq!(quantised_word(0.0, 12), 0);
+        assert_eq!(quantised_word(-1.0, 12), 0);
+        assert_eq!(quantised_word(2.0, 12), 65520);
+        assert_eq!(quantised_word(1.0, 16), 65535);
+        assert_eq!(quantised_word(quantisation_step(12) * 7.4, 12), 7 * 16);
+        let words: Vec<u16> = (0..4096u16).map(|d| quantised_word(f64::from(d * 16) / 65535.0, 12)).collect();
+        assert!(words.iter().enumerate().all(|(d, &w)| usize::from(w) == d * 16));
+    }
+
+    #[test]
+    fn a_noiseless_camera_only_lifts() {
+        let signal = Plane::from_fn(4, 3, |u, v| 0.01 * (u + v) as f32);
+        let frame = Camera::noiseless(0.25).capture(&signal, &mut Stream::new(0, 0));
+        for (out, x) in frame.data().iter().zip(signal.data()) {
+            assert!((out - x - 0.25).abs() < 1e-7);
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Random numbers that are the same everywhere.
+//!
+//! The generator is ChaCha with 8 rounds, whose output for a seed and stream is fixed for ever. The distributions on top
+//! use only additions, multiplications, square roots and `libm`'s logarithm and exponential, so that a rounding of the
+//! system's own mathematics library can never change a pixel.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
+use std::sync::LazyLock;
+
+/// One independent stream of random numbers.
+#[derive(Debug, Clone)]
+pub struct Stream {
+    generator: ChaCha8Rng,
+}
+
+impl Stream {
+    /// Stream number `stream` of `seed`. Different streams of one seed are independent.
+    pub fn new(seed: u64, stream: u64) -> Self {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(stream);
+        Self { generator }
+    }
+
+    /// Uniform in [0, 1), with 53 random bits.
+    pub fn uniform(&mut self) -> f64 {
+        (self.generator.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+
+    /// Uniform in [low, high).
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.uniform()
+    }
+
+    /// A whole number, uniform in 0 … count−1; 0 for a count of 0.
+    pub fn below(&mut self, count: usize) -> usize {
+        ((self.uniform() * count as f64) as usize).min(count.saturating_sub(1))
+    }
+
+    /// Gaussian with mean 0 and variance 1, by the ziggurat of G. Marsaglia and W. W. Tsang, "The ziggurat method for generating
+    /// random variables", Journal of Statistical Software 5(8) (2000).
+    pub fn normal(&mut self) -> f64 {
+        let ziggurat = &*ZIGGURAT;
+        loop {
+            let bits = self.generator.next_u64();
+            // Seven bits choose a block, 53 others the place in it.
+            let block = (bits & 127) as usize;
+            let place = 2.0 * ((bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)) - 1.0;
+            let edge = ziggurat.edges[block];
+            if place.abs() < ziggurat.ratios[block] {
+                return place * edge;
+            }
+            if block == 0 {
+                return self.normal_tail(place < 0.0);
+            }
+            let x = place * edge;
+            let upper = libm::exp(-0.5 * (edge * edge - x * x));
+            let inner = ziggurat.edges[block + 1];
+            let lower = libm::exp(-0.5 * (inner * inner - x * x));
+            if lower + self.uniform() * (upper - lower) < 1.0 {
+                return x;
+            }
+        }
+    }
+
+    /// A Gaussian number beyond the ziggurat's last block.
+    fn normal_tail(&mut self, negative: bool) -> f64 {
+        loop {
+            // 1 − uniform() is never 0, whose logarithm would be infinite.
+            let x = -libm::log(1.0 - self.uniform()) / TAIL_START;
+            let y = -libm::log(1.0 - self.uniform());
+            if 2.0 * y >= x * x {
+                return if negative { -TAIL_START - x } else { TAIL_START + x };
+            }
+        }
+    }
+
+    /// Poisson with the given mean; 0 for a mean of 0 or below. Exact for any mean: inversion for small ones, the
+    /// transformed rejection of W. Hörmann, "The transformed rejection method for generating Poisson random variables",
+    /// Insurance: Mathematics and Economics 12 (1993), 39–45, for large ones.
+    pub fn poisson(&mut self, mean: f64) -> f64 {
+        if mean <= 0.0 {
+            0.0
+        } else if mean < 24.0 {
+            self.poisson_by_inversion(mean)
+        } else {
+            self.poisson_by_rejection(mean)
+        }
+    }
+
+    fn poisson_by_inversion(&mut self, mean: f64) -> f64 {
+        let u = self.uniform();
+        let mut count = 0;
+        let mut probability = libm::exp(-mean);
+        let mut cumulative = probability;
+        // Rounding may leave the sum a little below 1; far out in the tail the probability vanishes and the loop must end.
+        while u >= cumulative && count < 199 {
+            count += 1;
+            probability *= mean * RECIPROCALS[count];
+            cumulative += probability;
+        }
+        count as f64
+    }
+
+    fn poisson_by_rejection(&mut self, mean: f64) -> f64 {
+        let b = 0.931 + 2.53 * mean.sqrt();
+        let a = -0.059 + 0.02483 * b;
+        let inverse_alpha = 1.1239 + 1.1328 / (b - 3.4);
+        let v_r = 0.9277 - 3.6224 / (b - 2.0);
+        let log_mean = libm::log(mean);
+        loop {
+            let u = self.uniform() - 0.5;
+            let v = self.uniform();
+            let us = 0.5 - u.abs();
+            if us <= 0.0 {
+                continue;
+            }
+            let count = ((2.0 * a / us + b) * u + mean + 0.43).floor();
+            if us >= 0.07 && v <= v_r {
+                return count;
+            }
+            if count < 0.0 || (us < 0.013 && v > us) {
+                continue;
+            }
+            let accept = libm::log(v * inverse_alpha / (a / (us * us) + b));
+            if accept <= count * log_mean - mean - libm::lgamma(count + 1.0) {
+                return count;
+            }
+        }
+    }
+}
+
+/// 1/k for k = 0 … 199 (0 for k = 0).
+static RECIPROCALS: [f64; 200] = {
+    let mut table = [0.0; 200];
+    let mut k = 1;
+    while k < 200 {
+        table[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    table
+};
+
+/// Where the ziggurat's blocks end and the tail begins, for 128 blocks.
+const TAIL_START: f64 = 3.442_619_855_899;
+/// The area of each block.
+const BLOCK_AREA: f64 = 9.912_563_035_262_17e-3;
+
+struct Ziggurat {
+    /// Right edge of each block; the last one is 0.
+    edges: [f64; 129],
+    /// The part of each block that is under the curve at any height.
+    ratios: [f64; 128],
+}
+
+static ZIGGURAT: LazyLock<Ziggurat> = LazyLock::new(|| {
+    let mut edges = [0.0; 129];
+    let mut height = libm::exp(-0.5 * TAIL_START * TAIL_START);
+    edges[0] = BLOCK_AREA / height;
+    edges[1] = TAIL_START;
+    for i in 2..128 {
+        edges[i] = (-2.0 * libm::log(BLOCK_AREA / edges[i - 1] + height)).sqrt();
+        height = libm::exp(-0.5 * edges[i] * edges[i]);
+    }
+    Ziggurat { edges, ratios: std::array::from_fn(|i| edges[i + 1] / edges[i]) }
+});
+
+/// A fixed pseudo-random value in [0, 1) for a lattice point; the ground of procedural textures.
+pub fn lattice(seed: u64, i: i64, j: i64) -> f32 {
+    let mut x = seed
+        ^ (i as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        ^ (j as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F).rotate_left(31);
+    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    x ^= x >> 31;
+    (x >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moments(samples: impl Iterator<Item = f64>) -> (f64, f64) {
+        let values: Vec<f64> = samples.collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        (mean, values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64)
+    }
+
+    #[test]
+    fn the_first_numbers_of_a_seed_are_fixed_for_ever() {
+        let mut stream = Stream::new(7, 3);
+        let first: Vec<u64> = (0..3).map(|_| (stream.uniform() * (1u64 << 53) as f64) as u64).collect();
+        assert_eq!(first, FIRST_OF_SEED_7_STREAM_3);
+        assert_ne!(Stream::new(7, 4).uniform(), Stream::new(7, 3).uniform());
+    }
+    const FIRST_OF_SEED_7_STREAM_3: [u64; 3] = [1_635_183_741_686_038, 836_447_931_249_957, 8_818_092_840_256_605];
+
+    #[test]
+    fn poisson_has_its_mean_and_variance_on_both_sides_of_the_switch() {
+        const COUNT: usize = 200_000;
+        for mean in [0.3, 4.0, 23.9, 24.1, 150.0, 20_000.0] {
+            let mut stream = Stream::new(11, 0);
+            let (m, v) = moments((0..COUNT).map(|_| stream.poisson(mean)));
+            // Five standard errors of the mean, and of the variance (fourth central moment of Poisson: λ(1 + 3λ)).
+            let n = COUNT as f64;
+            assert!((m - mean).abs() < 5.0 * (mean / n).sqrt(), "mean of Poisson({mean}): {m}");
+            let error = ((mean * (1.0 + 3.0 * mean) - mean * mean) / n).sqrt();
+            assert!((v - mean).abs() < 5.0 * error, "variance of Poisson({mean}): {v}");
+        }
+        assert_eq!(Stream::new(1, 0).poisson(0.0), 0.0);
+    }
+
+    #[test]
+    fn normal_has_its_moments_and_tails() {
+        const COUNT: usize = 400_000;
+        let mut stream = Stream::new(5, 1);
+        let values: Vec<f64> = (0..COUNT).map(|_| stream.normal()).collect();
+        let (m, v) = moments(values.iter().copied());
+        assert!(m.abs() < 5.0 / (COUNT as f64).sqrt(), "{m}");
+        assert!((v - 1.0).abs() < 5.0 * (2.0 / COUNT as f64).sqrt(), "{v}");
+        // Shares beyond 1, 2, 3 and (in the tail, past the last block) 3.5 standard deviations; five standard errors.
+        for (limit, share) in [(1.0, 0.317_311), (2.0, 0.045_500), (3.0, 0.002_700), (3.5, 0.000_465)] {
+            let got = values.iter().filter(|x| x.abs() > limit).count() as f64 / COUNT as f64;
+            assert!((got - share).abs() < 5.0 * (share / COUNT as f64).sqrt(), "beyond {limit}: {got} for {share}");
+        }
+    }
+
+    #[test]
+    fn lattice_values_are_spread_evenly() {
+        let (mean, variance) = moments((0..20_000).map(|k| f64::from(lattice(3, k % 200, k / 200))));
+        assert!((mean - 0.5).abs() < 0.01 && (variance - 1.0 / 12.0).abs() < 0.003, "{mean} {variance}");
+    }
+}

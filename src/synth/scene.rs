@@ -1,0 +1,317 @@
+//! Layered scenes: textured planes at several depths, each with its own slope.
+//!
+//! The farthest layer fills the frame: relief, cracks and blobs. Each nearer layer carries boards with marks on them: rows of
+//! strokes like writing, patterns of dots, stripes. Dots are the landmarks of the truth. All of it follows from the seed.
+
+use super::capture::capture_burst;
+use super::layer::{Layer, draw_layers, visible_landmarks};
+use super::noise::Camera;
+use super::paint::{Area, fractal_relief};
+use super::random::Stream;
+use super::truth::{NoiseTruth, Truth, TruthKind};
+use super::{Motion, SynthError, check_common};
+use crate::burst::Burst;
+use crate::monitor::Monitor;
+
+/// What a layered scene is to be like.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneParams {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Number of layers, 1 … 16; the farthest one fills the frame.
+    pub layers: usize,
+    /// Number of frames, N.
+    pub frames: usize,
+    /// Directions in which layers move.
+    pub motion: Motion,
+    /// The largest slope of a layer, pixels per frame. Layers are spread over −`max_slope` … `max_slope`, with chance in between.
+    pub max_slope: f64,
+    /// Per-pixel signal-to-noise ratio, as [`super::noise`] defines it, between boards ([`BOARD`]) and marks ([`MARK`]); infinite for no noise.
+    pub snr: f64,
+    /// Standard deviation of the read noise, electrons.
+    pub read_noise: f64,
+    /// Bits of the converter, 4 … 16.
+    pub bits: u32,
+    /// The seed of layout and noise.
+    pub seed: u64,
+}
+
+impl Default for SceneParams {
+    /// Four layers in 640×480 pixels, ten frames, horizontal slopes up to ±3 px/frame, per-pixel SNR 1.
+    fn default() -> Self {
+        Self {
+            width: 640,
+            height: 480,
+            layers: 4,
+            frames: 10,
+            motion: Motion::OneD,
+            max_slope: 3.0,
+            snr: 1.0,
+            read_noise: 3.0,
+            bits: 12,
+            seed: 1,
+        }
+    }
+}
+
+/// Signal of a board's bare surface, fraction of full scale above black.
+pub const BOARD: f64 = 0.04;
+/// Signal of the bright marks on a board, fraction of full scale above black.
+pub const MARK: f64 = 0.1;
+
+/// The scene's black level is this many standard deviations of the noise in the dark, so that little is cut off at zero.
+const CLEARANCE_SIGMAS: f64 = 5.0;
+
+/// Makes a layered scene and its truth: the layers' slopes, and the landmarks that can be seen whole in every frame.
+///
+/// # Errors
+/// A parameter that makes no sense, or [`SynthError::Cancelled`].
+pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Truth), SynthError> {
+    check_common(params.width, params.height, params.frames, params.max_slope, params.read_noise, params.bits)?;
+    if !(1..=16).contains(&params.layers) {
+        return Err(SynthError::param("layers", format!("{} layers", params.layers), "give 1 to 16"));
+    }
+    let mut camera = Camera::for_snr(params.snr, BOARD, MARK, params.read_noise, 0.0, params.bits)?;
+    camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(1.0 / 64.0);
+    if camera.black_level + 3.0 * MARK > 1.0 {
+        return Err(SynthError::param(
+            "snr",
+            format!("{} makes the noise wider than full scale", params.snr),
+            "give a ratio of 0.5 or more",
+        ));
+    }
+    let half_span = 0.5 * (params.frames - 1) as f64;
+    let layers = build_layers(params, half_span, monitor)?;
+    let size = (params.width, params.height);
+    let burst = capture_burst("scene", params.frames, params.seed, &camera, monitor, |dt| {
+        draw_layers(&layers, size, dt, monitor)
+    })?;
+    let truth = Truth {
+        kind: TruthKind::Scene,
+        width: params.width,
+        height: params.height,
+        frames: params.frames,
+        t0: half_span,
+        seed: params.seed,
+        noise: NoiseTruth::of(&camera, BOARD, Some(params.snr)),
+        black_level: camera.black_level,
+        layers: layers.iter().map(Layer::truth).collect(),
+        features: visible_landmarks(&layers, size, half_span),
+    };
+    Ok((burst, truth))
+}
+
+fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Result<Vec<Layer>, SynthError> {
+    let mut stream = Stream::new(params.seed, 0);
+    let mut layers = Vec::with_capacity(params.layers);
+    for index in 0..params.layers {
+        monitor.check()?;
+        let slope = layer_slope(params, index, &mut stream);
+        let name = if index == 0 { "ground".to_owned() } else { format!("boards {index}") };
+        let mut layer = Layer::new(&name, (params.width, params.height), slope, half_span);
+        if index == 0 {
+            paint_ground(&mut layer, params.seed, &mut stream);
+        } else {
+            paint_boards(&mut layer, params, index, &mut stream);
+        }
+        layers.push(layer);
+    }
+    Ok(layers)
+}
+
+/// Layer `index`'s slope: the range is cut into as many parts as there are layers, and each layer draws from the middle of its own part.
+fn layer_slope(params: &SceneParams, index: usize, stream: &mut Stream) -> (f64, f64) {
+    let part = 2.0 * params.max_slope / params.layers as f64;
+    let mut along = || -params.max_slope + part * (index as f64 + stream.within(0.2, 0.8));
+    let u = along();
+    match params.motion {
+        Motion::OneD => (u, 0.0),
+        // Down, the parts are taken in another order, so that the slopes do not lie on a line.
+        Motion::TwoD => {
+            let other = (index * 2 + 1) % params.layers.max(1);
+            (u, -params.max_slope + part * (other as f64 + stream.within(0.2, 0.8)))
+        }
+    }
+}
+
+/// Relief with cracks and blobs, over the whole sheet.
+fn paint_ground(layer: &mut Layer, seed: u64, stream: &mut Stream) {
+    let area = layer.sheet.area();
+    layer.sheet.fill(|u, v| {
+        let ground = 0.012 + 0.05 * fractal_relief(seed, u, v, 48.0, 5);
+        // A second relief, cut at its middle, gives edges.
+        let edge = fractal_relief(seed ^ 0x5bd1, u, v, 90.0, 2);
+        ground + 0.02 * ((edge - 0.5) * 40.0).clamp(-0.5, 0.5)
+    });
+    let count = (((area.u1 - area.u0) * (area.v1 - area.v0)) / 5000.0) as usize;
+    let mut placed: Vec<(f64, f64, f64)> = Vec::new();
+    for _ in 0..count {
+        let radius = stream.within(2.5, 9.0);
+        let (u, v) = place_in(area, radius + 2.0, stream);
+        if placed.iter().all(|p| (p.0 - u).hypot(p.1 - v) > p.2 + radius + 6.0) {
+            placed.push((u, v, radius));
+            let bright = stream.uniform() < 0.6;
+            layer.landmark(u, v, radius, if bright { 0.11 } else { 0.004 }, bright);
+        }
+    }
+}
+
+fn place_in(area: Area, rim: f64, stream: &mut Stream) -> (f64, f64) {
+    let pick = |low: f32, high: f32, stream: &mut Stream| stream.within(f64::from(low) + rim, f64::from(high) - rim);
+    (pick(area.u0, area.u1, stream), pick(area.v0, area.v1, stream))
+}
+
+/// Boards with marks, spread over the sheet; nearer layers have fewer and larger ones.
+fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &mut Stream) {
+    let scale = (params.width.min(params.height) as f64 / 480.0).clamp(0.25, 4.0);
+    let size = scale * (60.0 + 25.0 * index as f64);
+    let area = layer.sheet.area();
+    let covered = 0.22 * f64::from((area.u1 - area.u0) * (area.v1 - area.v0));
+    let count = ((covered / (size * size)).round() as usize).clamp(1, 400);
+    for number in 0..count {
+        let (half_u, half_v) = (0.5 * size * stream.within(0.7, 1.3), 0.5 * size * stream.within(0.7, 1.3));
+        let (u, v) = place_in(area, 0.0, stream);
+        let board = Area::new((u - half_u) as f32, (v - half_v) as f32, (u + half_u) as f32, (v + half_v) as f32);
+        let shade = stream.within(0.7, 1.3) as f32;
+        // A new board hides landmarks that an earlier one of the same layer carried there.
+        layer.landmarks.retain(|l| board.distance(l.u as f32, l.v as f32) > l.radius as f32 + 1.0);
+        layer.sheet.shape(board, |x, y| board.distance(x, y), |_, _| BOARD as f32 * shade);
+        match (number + index) % 3 {
+            0 => dots(layer, board, scale, stream),
+            1 => writing(layer, board, scale, stream),
+            _ => stripes(layer, board, scale, stream),
+        }
+    }
+}
+
+/// Dots of several sizes on a jittered grid; the landmarks.
+fn dots(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
+    let pitch = scale.max(0.5) * stream.within(20.0, 28.0);
+    let columns = (f64::from(board.u1 - board.u0) / pitch) as usize;
+    let rows = (f64::from(board.v1 - board.v0) / pitch) as usize;
+    for j in 0..rows {
+        for i in 0..columns {
+            let radius = pitch * stream.within(0.12, 0.26);
+            let jitter = 0.1 * pitch;
+            let u = f64::from(board.u0) + (i as f64 + 0.5) * pitch + stream.within(-jitter, jitter);
+            let v = f64::from(board.v0) + (j as f64 + 0.5) * pitch + stream.within(-jitter, jitter);
+            let bright = stream.uniform() < 0.7;
+            layer.landmark(u, v, radius, if bright { MARK as f32 } else { 0.006 }, bright);
+        }
+    }
+}
+
+/// Rows of short strokes, like words.
+fn writing(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
+    let height = (7.0 * scale.max(0.5)) as f32;
+    let mut v = board.v0 + height;
+    while v + height < board.v1 {
+        let mut u = board.u0 + height;
+        while u + height < board.u1 {
+            for _ in 0..2 {
+                let pick = |stream: &mut Stream| stream.within(0.0, f64::from(height)) as f32;
+                let from = (u + 0.6 * pick(stream), v + pick(stream));
+                let to = (u + 0.6 * pick(stream), v + pick(stream));
+                layer.sheet.stroke(from, to, 0.2 * height, MARK as f32);
+            }
+            u += height * if stream.uniform() < 0.2 { 1.8 } else { 0.9 };
+        }
+        v += 1.9 * height;
+    }
+}
+
+/// Slanted stripes.
+fn stripes(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
+    let width = (scale.max(0.5) * stream.within(5.0, 11.0)) as f32;
+    let slant = stream.within(-0.8, 0.8) as f32;
+    let inset = Area::new(board.u0 + width, board.v0 + width, board.u1 - width, board.v1 - width);
+    if inset.u0 >= inset.u1 || inset.v0 >= inset.v1 {
+        return;
+    }
+    let across = 1.0 / (1.0 + slant * slant).sqrt();
+    layer.sheet.shape(
+        inset,
+        |u, v| {
+            let x = (u + slant * v) * across / (2.0 * width);
+            let stripe = ((x - x.floor() - 0.5).abs() - 0.25) * 2.0 * width;
+            stripe.max(inset.distance(u, v))
+        },
+        |_, _| MARK as f32 * 0.8,
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::{Interpolation, Slope, motion::motion_stack};
+    use crate::plane::Plane;
+
+    fn small() -> SceneParams {
+        SceneParams { width: 320, height: 240, layers: 3, frames: 5, ..SceneParams::default() }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_bits() {
+        let make = |threads: usize, seed: u64| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| synth_scene(&SceneParams { seed, ..small() }, &Monitor::default()).expect("a scene"))
+        };
+        let (one, truth_one) = make(1, 9);
+        let (three, truth_three) = make(3, 9);
+        assert_eq!((one.frames, truth_one), (three.frames, truth_three));
+    }
+
+    #[test]
+    fn landmarks_stand_out_at_their_own_slope_and_place() {
+        let params = SceneParams { snr: f64::INFINITY, motion: Motion::TwoD, ..small() };
+        let (burst, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
+        assert!(truth.features.len() >= 10, "{} landmarks", truth.features.len());
+        let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
+        let stacks: Vec<Plane> = truth
+            .layers
+            .iter()
+            .map(|l| {
+                let slope = Slope::new(l.slope_u as f32, l.slope_v as f32);
+                motion_stack(&frames, slope, Interpolation::Linear, &Monitor::default()).expect("a stack")
+            })
+            .collect();
+        for feature in &truth.features {
+            let stack = &stacks[feature.layer.expect("scenes have layers")];
+            let ring = |r: f64| {
+                let n = 24;
+                (0..n)
+                    .map(|k| {
+                        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(n);
+                        let (u, v) = (feature.u + r * angle.cos(), feature.v + r * angle.sin());
+                        f64::from(stack.get(u.round() as i64, v.round() as i64).unwrap_or(0.0))
+                    })
+                    .sum::<f64>()
+                    / f64::from(n)
+            };
+            let contrast = ring(0.0) - ring(feature.radius + 1.5);
+            assert!(contrast * f64::from(feature.contrast_sign) > 0.004, "{feature:?}: {contrast}");
+        }
+    }
+
+    #[test]
+    fn slopes_are_spread_over_the_range() {
+        let (_, truth) = synth_scene(&SceneParams { layers: 4, ..small() }, &Monitor::default()).expect("a scene");
+        assert!(truth.layers.windows(2).all(|w| w[1].slope_u - w[0].slope_u > 0.3));
+        assert!(truth.layers.iter().all(|l| l.slope_u.abs() <= 3.0 && l.slope_v == 0.0));
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        for (params, name) in [
+            (SceneParams { layers: 0, ..small() }, "layers"),
+            (SceneParams { layers: 99, ..small() }, "layers"),
+            (SceneParams { snr: 0.01, ..small() }, "snr"),
+            (SceneParams { height: 1, ..small() }, "height"),
+        ] {
+            let error = synth_scene(&params, &Monitor::default()).expect_err(name).to_string();
+            assert!(error.starts_with(name), "{error}");
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Writing a synthetic burst: 16-bit PNG frames and `truth.json`, a whole folder or nothing.
+//!
+//! Values of a converter with fewer than 16 bits sit at the top of the 16-bit word (see [`super::noise`]), so that the files hold
+//! them exactly; values that were never rounded are rounded to 16 bits.
+
+use super::noise::quantised_word;
+use super::truth::Truth;
+use crate::burst::Burst;
+use crate::monitor::{Cancelled, Monitor, Stage};
+use std::path::{Path, PathBuf};
+
+/// Why a burst was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteBurstError {
+    /// The folder holds something that is not an earlier synthetic burst.
+    #[error("the folder holds files that are not a synthetic burst; name a new or an empty folder: {}", .0.display())]
+    Occupied(PathBuf),
+    /// Writing failed.
+    #[error("cannot write: {source}: {}", .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// It was cancelled; nothing was written.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is made. An earlier synthetic burst
+/// in it is replaced as a whole; a folder that holds anything else is left alone.
+///
+/// # Errors
+/// See [`WriteBurstError`]; the folder is then as it was before.
+pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), WriteBurstError> {
+    let io = |path: &Path| {
+        let path = path.to_owned();
+        move |source| WriteBurstError::Io { path, source }
+    };
+    if !replaceable(dir).map_err(io(dir))? {
+        return Err(WriteBurstError::Occupied(dir.to_owned()));
+    }
+    let parent = match dir.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    std::fs::create_dir_all(&parent).map_err(io(&parent))?;
+    // Everything is written into a hidden folder beside the target, which then takes the target's place.
+    let stage = tempfile::Builder::new().prefix(".synth-").tempdir_in(&parent).map_err(io(&parent))?;
+    let fresh = stage.path().join("new");
+    std::fs::create_dir(&fresh).map_err(io(&fresh))?;
+    for (t, frame) in burst.frames.iter().enumerate() {
+        monitor.check()?;
+        let words: Vec<u16> = frame.data().iter().map(|&x| quantised_word(f64::from(x), 16)).collect();
+        let (width, height) = (frame.width() as u32, frame.height() as u32);
+        let picture = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(width, height, words)
+            .expect("a plane has width × height values");
+        let path = fresh.join(frame_name(t));
+        picture.save(&path).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(&path))?;
+        monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
+    }
+    let path = fresh.join("truth.json");
+    let text = serde_json::to_string_pretty(truth).map_err(std::io::Error::other).map_err(io(&path))?;
+    std::fs::write(&path, text + "\n").map_err(io(&path))?;
+    monitor.check()?;
+    let old = stage.path().join("old");
+    if dir.exists() {
+        std::fs::rename(dir, &old).map_err(io(dir))?;
+    }
+    if let Err(source) = std::fs::rename(&fresh, dir) {
+        if old.exists() {
+            std::fs::rename(&old, dir).map_err(io(dir))?;
+        }
+        return Err(WriteBurstError::Io { path: dir.to_owned(), source });
+    }
+    Ok(())
+}
+
+/// The file name of frame `t`.
+pub fn frame_name(t: usize) -> String {
+    format!("frame_{t:03}.png")
+}
+
+/// Whether `dir` is absent, empty, or holds only what [`write_burst`] writes.
+fn replaceable(dir: &Path) -> std::io::Result<bool> {
+    if !dir.exists() {
+        return Ok(true);
+    }
+    let mut count = 0;
+    let mut has_truth = false;
+    for entry in std::fs::read_dir(dir)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let number = name.strip_prefix("frame_").and_then(|rest| rest.strip_suffix(".png"));
+        let is_frame = number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
+        has_truth |= name == "truth.json";
+        if !(is_frame || name == "truth.json") || entry.file_type()?.is_dir() {
+            return Ok(false);
+        }
+        count += 1;
+    }
+    Ok(count == 0 || has_truth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ChartParams, synth_chart};
+    use super::*;
+
+    fn chart(seed: u64, frames: usize) -> (Burst, Truth) {
+        let params = ChartParams { width: 64, height: 48, discs: 2, frames, seed, ..ChartParams::default() };
+        let params = ChartParams { radius: 3.0..=5.0, max_slope: 1.0, ..params };
+        synth_chart(&params, &Monitor::default()).expect("a chart")
+    }
+
+    #[test]
+    fn files_hold_every_value_and_the_truth_exactly() {
+        let home = tempfile::tempdir().expect("a folder");
+        let dir = home.path().join("deep").join("chart");
+        let (burst, truth) = chart(1, 3);
+        write_burst(&dir, &burst, &truth, &Monitor::default()).expect("written");
+        for (t, frame) in burst.frames.iter().enumerate() {
+            let picture = image::open(dir.join(frame_name(t))).expect("a picture").into_luma16();
+            let read: Vec<f32> = picture.as_raw().iter().map(|&x| f32::from(x) / 65535.0).collect();
+            assert_eq!(read, frame.data());
+        }
+        let text = std::fs::read_to_string(dir.join("truth.json")).expect("a file");
+        assert_eq!(serde_json::from_str::<Truth>(&text).expect("valid"), truth);
+        assert_eq!(std::fs::read_dir(dir.parent().expect("it has one")).expect("a folder").count(), 1, "no leftovers");
+    }
+
+    #[test]
+    fn an_earlier_burst_is_replaced_whole_and_other_files_are_left_alone() {
+        let home = tempfile::tempdir().expect("a folder");
+        let dir = home.path().join("chart");
+        let (long, truth) = chart(1, 5);
+        write_burst(&dir, &long, &truth, &Monitor::default()).expect("written");
+        let (short, truth) = chart(2, 3);
+        write_burst(&dir, &short, &truth, &Monitor::default()).expect("replaced");
+        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 4);
+        std::fs::write(dir.join("thesis.txt"), "precious").expect("written");
+        let error = write_burst(&dir, &long, &truth, &Monitor::default()).expect_err("occupied").to_string();
+        assert!(error.contains("chart"), "{error}");
+        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 5);
+        // Pictures without a truth beside them are someone's own.
+        let own = home.path().join("own");
+        std::fs::create_dir(&own).expect("made");
+        std::fs::write(own.join("frame_000.png"), "mine").expect("written");
+        assert!(write_burst(&own, &long, &truth, &Monitor::default()).is_err());
+    }
+
+    #[test]
+    fn cancelling_or_failing_leaves_nothing() {
+        let home = tempfile::tempdir().expect("a folder");
+        let monitor = Monitor::default();
+        let (burst, truth) = chart(1, 3);
+        monitor.cancel();
+        let result = write_burst(&home.path().join("chart"), &burst, &truth, &monitor);
+        assert!(matches!(result, Err(WriteBurstError::Cancelled(_))));
+        let file = home.path().join("file");
+        std::fs::write(&file, "").expect("written");
+        assert!(write_burst(&file.join("chart"), &burst, &truth, &Monitor::default()).is_err());
+        assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
+    }
+}
