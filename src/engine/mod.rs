@@ -1,1 +1,241 @@
-//! Background workers: requests in, answers out; the latest request wins. Knows no window.
+//! Background workers: requests in, answers out, so that whoever asks never waits.
+//!
+//! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the picture on show, the patch of the selected
+//! feature, a detection. A lane is a named thread with a single-slot mailbox: a new request replaces one that still waits, and
+//! the one that runs is cancelled. So the latest request wins, and scrubbing stays live while a detection runs. Each
+//! request is an immutable snapshot with an id. An answer is published first; only then is `on_update` called, so that
+//! whoever wakes up finds it. A panic in the work becomes an error with its place, and the lane lives on.
+//!
+//! The engine knows no window: anything that can call [`Engine::poll`] can use it.
+
+mod cache;
+mod fault;
+mod lane;
+mod picture;
+mod source;
+mod task;
+
+pub use cache::PictureCache;
+pub use fault::JobError;
+pub use lane::{Answer, JobId, Lane};
+pub use picture::{Picture, PictureKind, PictureRequest};
+pub use source::{BurstId, BurstSource, OpenBurst};
+pub use task::{TaskDone, TaskId};
+
+use crate::detector::{Detection, DetectorParams, detect};
+use crate::monitor::Progress;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Called after something was published; may come from any thread.
+pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
+
+/// Pictures are kept up to this many bytes unless told otherwise.
+pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
+
+/// A picture that the next one supersedes may still finish and be shown within this time, so that the picture follows the
+/// hand; one that takes longer is cancelled, so that what is wanted now does not wait for it.
+const PICTURE_GRACE: Duration = Duration::from_millis(250);
+
+/// What to detect: a burst and the parameters, both as they were when it was asked.
+#[derive(Debug, Clone)]
+pub struct DetectRequest {
+    /// The burst.
+    pub burst: OpenBurst,
+    /// The parameters.
+    pub params: DetectorParams,
+}
+
+/// A finished detection with what it was made from.
+#[derive(Debug, Clone)]
+pub struct Detected {
+    /// The burst it belongs to.
+    pub burst: BurstId,
+    /// The parameters it was made with.
+    pub params: DetectorParams,
+    /// The features.
+    pub detection: Arc<Detection>,
+}
+
+/// The kinds of work, one lane each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LaneKind {
+    /// Opening a burst.
+    Open,
+    /// The picture on show.
+    Picture,
+    /// The motion-stack image for the selected feature's patch.
+    Patch,
+    /// A detection.
+    Detect,
+}
+
+/// Something that was published since the last [`Engine::poll`].
+#[derive(Debug)]
+pub enum Update {
+    /// A burst was opened, or could not be.
+    Opened(Answer<OpenBurst>),
+    /// A picture is there. It may be one that was superseded while it was made: compare [`Picture::request`].
+    Picture(Answer<Picture>),
+    /// The picture for the patch is there.
+    Patch(Answer<Picture>),
+    /// A detection ended.
+    Detected(Answer<Detected>),
+    /// A task ended.
+    Task(TaskDone),
+}
+
+/// How far a lane's running request is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Running {
+    /// Which request.
+    pub id: JobId,
+    /// Since when.
+    pub started: Instant,
+    /// The stage and fraction it last reported.
+    pub progress: Option<Progress>,
+}
+
+/// The workers of one window.
+pub struct Engine {
+    open: Lane<BurstSource, OpenBurst>,
+    picture: Lane<PictureRequest, Picture>,
+    patch: Lane<PictureRequest, Picture>,
+    detect: Lane<DetectRequest, Detected>,
+    tasks: task::Tasks,
+    cache: Arc<Mutex<PictureCache>>,
+}
+
+impl std::fmt::Debug for Engine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Engine").field("idle", &self.is_idle()).finish_non_exhaustive()
+    }
+}
+
+impl Engine {
+    /// Starts the workers. `on_update` is called (from a worker's thread) whenever [`Self::poll`] has news;
+    /// pictures are kept up to `cache_bytes`.
+    pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
+        let cache = Arc::new(Mutex::new(PictureCache::new(cache_bytes)));
+        let picture_lane = |name: &'static str| {
+            let cache = cache.clone();
+            Lane::new(name, PICTURE_GRACE, on_update.clone(), move |request: PictureRequest, monitor| {
+                let picture = request.compute(monitor)?;
+                cache.lock().unwrap_or_else(std::sync::PoisonError::into_inner).insert(&picture);
+                Ok(picture)
+            })
+        };
+        Self {
+            open: Lane::new("open", Duration::ZERO, on_update.clone(), |source: BurstSource, monitor| {
+                source.open(monitor)
+            }),
+            picture: picture_lane("picture"),
+            patch: picture_lane("patch"),
+            detect: Lane::new("detect", Duration::ZERO, on_update.clone(), |request: DetectRequest, monitor| {
+                let found = detect(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
+                Ok(Detected { burst: request.burst.id, params: request.params, detection: Arc::new(found) })
+            }),
+            tasks: task::Tasks::new(on_update),
+            cache,
+        }
+    }
+
+    /// Opens a burst in the background.
+    pub fn open(&self, source: BurstSource) -> JobId {
+        self.open.submit(source)
+    }
+
+    /// Asks for the picture on show. One that is still in the cache is there at the next [`Self::poll`].
+    pub fn request_picture(&self, request: PictureRequest) -> JobId {
+        self.request_on(&self.picture, request)
+    }
+
+    /// Asks for the motion-stack image from which the selected feature's patch is cut.
+    pub fn request_patch(&self, request: PictureRequest) -> JobId {
+        self.request_on(&self.patch, request)
+    }
+
+    fn request_on(&self, lane: &Lane<PictureRequest, Picture>, request: PictureRequest) -> JobId {
+        let hit = self.cache.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get(&request);
+        match hit {
+            Some(picture) => lane.publish(picture),
+            None => lane.submit(request),
+        }
+    }
+
+    /// Starts a detection; the one that runs is cancelled.
+    pub fn detect(&self, request: DetectRequest) -> JobId {
+        self.detect.submit(request)
+    }
+
+    /// Runs `work` (writing a file, say) on a thread of its own. `label` says what it does, for messages.
+    pub fn task(
+        &self,
+        label: impl Into<String>,
+        work: impl FnOnce() -> Result<String, String> + Send + 'static,
+    ) -> TaskId {
+        self.tasks.start(label.into(), work)
+    }
+
+    /// What was published since the last call, in no particular order between lanes. Never waits.
+    pub fn poll(&self) -> Vec<Update> {
+        self.picture.enforce_grace();
+        self.patch.enforce_grace();
+        let mut updates = Vec::new();
+        updates.extend(self.open.take_answer().map(Update::Opened));
+        updates.extend(self.picture.take_answer().map(Update::Picture));
+        updates.extend(self.patch.take_answer().map(Update::Patch));
+        updates.extend(self.detect.take_answer().map(Update::Detected));
+        updates.extend(self.tasks.take_done().into_iter().map(Update::Task));
+        updates
+    }
+
+    /// What a lane is doing now, if anything runs or waits.
+    pub fn running(&self, lane: LaneKind) -> Option<Running> {
+        match lane {
+            LaneKind::Open => self.open.running(),
+            LaneKind::Picture => self.picture.running(),
+            LaneKind::Patch => self.patch.running(),
+            LaneKind::Detect => self.detect.running(),
+        }
+    }
+
+    /// Cancels what a lane is doing. If something ran, its answer is [`JobError::Cancelled`].
+    pub fn cancel(&self, lane: LaneKind) {
+        match lane {
+            LaneKind::Open => self.open.cancel(),
+            LaneKind::Picture => self.picture.cancel(),
+            LaneKind::Patch => self.patch.cancel(),
+            LaneKind::Detect => self.detect.cancel(),
+        }
+    }
+
+    /// Whether nothing runs and nothing waits. Answers may still be there to be polled.
+    pub fn is_idle(&self) -> bool {
+        self.open.is_idle()
+            && self.picture.is_idle()
+            && self.patch.is_idle()
+            && self.detect.is_idle()
+            && self.tasks.is_idle()
+    }
+
+    /// Waits until nothing runs and nothing waits, or until `timeout` has passed. Says whether it is idle.
+    pub fn wait_idle(&self, timeout: Duration) -> bool {
+        let end = Instant::now() + timeout;
+        while !self.is_idle() {
+            if Instant::now() >= end {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        true
+    }
+
+    /// Bytes of pictures that the cache holds now.
+    pub fn cache_bytes(&self) -> usize {
+        self.cache.lock().unwrap_or_else(std::sync::PoisonError::into_inner).bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests;

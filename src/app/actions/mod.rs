@@ -1,0 +1,63 @@
+//! Everything a person can do, registered once.
+//!
+//! [`registry`] holds one row for each action: its label, menu, shortcut and help. The menu bar, the toolbar's tooltips, the command palette and
+//! the sheet of shortcuts are drawn from these rows, so none of them can miss an action or name it differently.
+
+pub mod menu;
+pub mod palette;
+pub mod registry;
+mod run;
+pub mod shortcuts_sheet;
+mod state_of;
+
+pub use registry::{ACTIONS, Action, ActionId, Menu};
+pub use state_of::{checked, enabled};
+
+use crate::app::state::Model;
+
+/// Actions that were asked for in this pass, to be run after it.
+pub type Queue = Vec<ActionId>;
+
+/// The tooltip of an action: its help and its shortcut.
+pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
+    match &action.shortcut {
+        Some(shortcut) => format!("{}  ({})", action.help, ctx.format_shortcut(shortcut)),
+        None => action.help.to_owned(),
+    }
+}
+
+/// A button for an action with the action's label, or with `label` where that is shown in short.
+pub fn button_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId, label: Option<&str>) -> egui::Response {
+    let action = id.action();
+    let text = label.unwrap_or(action.label);
+    let on = checked(id, model).unwrap_or(false);
+    let button = egui::Button::selectable(on, text).frame_when_inactive(true);
+    let response = ui.add_enabled(enabled(id, model), button);
+    let tip = tooltip(ui.ctx(), action);
+    let response = response.on_hover_text(tip.clone()).on_disabled_hover_text(tip);
+    if response.clicked() {
+        queue.push(id);
+    }
+    response
+}
+
+/// Puts the actions into `queue` whose shortcuts were pressed in this pass. Plain keys are left to a text field that is being edited.
+pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
+    let typing = ctx.egui_wants_keyboard_input();
+    ctx.input_mut(|input| {
+        // Shortcuts with more modifiers first: a plain key would otherwise swallow the same key with Shift.
+        let mut with_keys: Vec<_> = ACTIONS.iter().filter_map(|a| a.shortcut.map(|s| (a.id, s))).collect();
+        with_keys.sort_by_key(|(_, s)| {
+            std::cmp::Reverse(u8::from(s.modifiers.shift) + u8::from(s.modifiers.command) + u8::from(s.modifiers.alt))
+        });
+        for (id, shortcut) in with_keys {
+            let plain = !shortcut.modifiers.command && !shortcut.modifiers.alt;
+            if (plain && typing) || !enabled(id, model) {
+                continue;
+            }
+            if input.consume_shortcut(&shortcut) {
+                queue.push(id);
+            }
+        }
+    });
+}

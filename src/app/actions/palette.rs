@@ -1,0 +1,146 @@
+//! The command palette: type part of an action's name, press Enter.
+
+use super::{ACTIONS, Action, Queue, checked, enabled};
+use crate::app::state::Model;
+use egui::{Key, Modifiers, RichText};
+
+/// The palette, open or not.
+#[derive(Debug, Default)]
+pub struct Palette {
+    open: bool,
+    text: String,
+    chosen: usize,
+}
+
+impl Palette {
+    /// Opens it, empty.
+    pub fn open(&mut self) {
+        *self = Self { open: true, ..Self::default() };
+    }
+
+    /// Whether it is open.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Draws it if it is open.
+    pub fn ui(&mut self, ctx: &egui::Context, model: &Model, queue: &mut Queue) {
+        if !self.open {
+            return;
+        }
+        let found = matches(&self.text, model);
+        self.chosen = self.chosen.min(found.len().saturating_sub(1));
+        let (up, down, enter) = ctx.input_mut(|i| {
+            (
+                i.consume_key(Modifiers::NONE, Key::ArrowUp),
+                i.consume_key(Modifiers::NONE, Key::ArrowDown),
+                i.consume_key(Modifiers::NONE, Key::Enter),
+            )
+        });
+        if up {
+            self.chosen = self.chosen.saturating_sub(1);
+        }
+        if down {
+            self.chosen = (self.chosen + 1).min(found.len().saturating_sub(1));
+        }
+        let mut run = enter.then(|| found.get(self.chosen).copied()).flatten();
+        let area = egui::Modal::default_area(egui::Id::unique("palette"))
+            .anchor(egui::Align2::CENTER_TOP, egui::vec2(0.0, 72.0));
+        let modal = egui::Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
+            ui.set_width(440.0);
+            let edit = egui::TextEdit::singleline(&mut self.text)
+                .hint_text("Type what you want to do")
+                .desired_width(f32::INFINITY);
+            let edit = ui.add(edit);
+            super::super::panels::widgets::name_field(&edit, "Find an action", &self.text);
+            if edit.changed() {
+                self.chosen = 0;
+            }
+            edit.request_focus();
+            ui.add_space(4.0);
+            egui::ScrollArea::vertical().max_height(340.0).auto_shrink([false, true]).show(ui, |ui| {
+                for (place, action) in found.iter().enumerate() {
+                    let response = row_ui(ui, model, action, place == self.chosen);
+                    if place == self.chosen && (up || down) {
+                        response.scroll_to_me(None);
+                    }
+                    if response.clicked() {
+                        run = Some(action);
+                    }
+                }
+                if found.is_empty() {
+                    ui.weak("No action is called so.");
+                }
+            });
+        });
+        if let Some(action) = run {
+            queue.push(action.id);
+            self.open = false;
+        } else if modal.should_close() {
+            self.open = false;
+        }
+    }
+}
+
+fn row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: bool) -> egui::Response {
+    let on = if checked(action.id, model) == Some(true) { " ✔" } else { "" };
+    let mut button = egui::Button::selectable(chosen, format!("{}{on}", action.label))
+        .min_size(egui::vec2(ui.available_width(), 0.0))
+        .right_text(RichText::new(action.menu.label()).weak());
+    if let Some(shortcut) = &action.shortcut {
+        button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
+    }
+    ui.add(button).on_hover_text(action.help)
+}
+
+/// The actions that can be done now and whose label (with the menu's name before it) holds the letters of `text` in their order; the best match first.
+fn matches(text: &str, model: &Model) -> Vec<&'static Action> {
+    let mut scored: Vec<(i32, &Action)> = ACTIONS
+        .iter()
+        .filter(|a| enabled(a.id, model) && a.id != super::ActionId::Palette)
+        .filter_map(|a| score(text, a.label).or_else(|| score(text, a.help).map(|s| s - 1000)).map(|s| (s, a)))
+        .collect();
+    scored.sort_by_key(|(score, _)| -score);
+    scored.into_iter().map(|(_, action)| action).collect()
+}
+
+/// How well the letters of `wanted` are found in `label` in their order; `None` if they are not. Letters in a row and at the beginnings of words count more.
+fn score(wanted: &str, label: &str) -> Option<i32> {
+    let label: Vec<char> = label.to_lowercase().chars().collect();
+    let (mut at, mut total, mut last) = (0, 0, None);
+    for letter in wanted.to_lowercase().chars().filter(|c| !c.is_whitespace()) {
+        let found = (at..label.len()).find(|&i| label[i] == letter)?;
+        let begins_word = found == 0 || !label[found - 1].is_alphanumeric();
+        let in_a_row = last.is_some_and(|l: usize| l + 1 == found);
+        total += 1 + 4 * i32::from(begins_word) + 6 * i32::from(in_a_row) - (found - at).min(8) as i32 / 2;
+        (last, at) = (Some(found), found + 1);
+    }
+    Some(total * 4 - label.len() as i32 / 4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::actions::ActionId;
+
+    fn first(text: &str) -> Option<ActionId> {
+        matches(text, &Model::default()).first().map(|a| a.id)
+    }
+
+    #[test]
+    fn parts_of_names_find_their_action() {
+        assert_eq!(first("open dem"), Some(ActionId::OpenDemo));
+        assert_eq!(first("demo"), Some(ActionId::OpenDemo));
+        assert_eq!(first("light"), Some(ActionId::ThemeLight));
+        assert_eq!(first("keyb"), Some(ActionId::Shortcuts));
+        assert_eq!(first("opth"), Some(ActionId::OpenPath));
+        assert_eq!(first("qqqq"), None);
+    }
+
+    #[test]
+    fn nothing_typed_lists_everything_that_can_be_done() {
+        let model = Model::default();
+        let expected = ACTIONS.iter().filter(|a| enabled(a.id, &model)).count() - 1;
+        assert_eq!(matches("", &model).len(), expected);
+    }
+}

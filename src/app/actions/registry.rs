@@ -1,0 +1,201 @@
+//! The rows: one for each action.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+/// The menus of the menu bar, from left to right.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Menu {
+    /// Opening, keeping, exporting.
+    File,
+    /// What is shown and how.
+    View,
+    /// Moving through frames, slopes and scales.
+    Scrub,
+    /// The detector and its parameters.
+    Detect,
+    /// The features found.
+    Features,
+    /// Finding one's way.
+    Help,
+}
+
+impl Menu {
+    /// All menus.
+    pub const ALL: [Self; 6] = [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Help];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::View => "View",
+            Self::Scrub => "Scrub",
+            Self::Detect => "Detect",
+            Self::Features => "Features",
+            Self::Help => "Help",
+        }
+    }
+}
+
+/// One action.
+#[derive(Debug, Clone, Copy)]
+pub struct Action {
+    /// Which.
+    pub id: ActionId,
+    /// What it is called; `…` at the end when it asks something first.
+    pub label: &'static str,
+    /// The menu it is in.
+    pub menu: Menu,
+    /// Items of a menu with different groups are separated by a line.
+    pub group: u8,
+    /// Its keys.
+    pub shortcut: Option<KeyboardShortcut>,
+    /// What it does, in one line.
+    pub help: &'static str,
+}
+
+impl ActionId {
+    /// The row of this action.
+    pub fn action(self) -> &'static Action {
+        ACTIONS.iter().find(|a| a.id == self).expect("the macro below makes a row for each id")
+    }
+}
+
+const NONE: Modifiers = Modifiers::NONE;
+const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
+
+macro_rules! actions {
+    ($($id:ident, $menu:ident $group:literal, $label:literal, [$($modifiers:ident $key:ident)?], $help:literal;)*) => {
+        /// Names of the actions.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum ActionId {
+            $(#[doc = $help] $id,)*
+        }
+
+        /// All actions, in the order of the menus.
+        pub const ACTIONS: &[Action] = &[
+            $(Action {
+                id: ActionId::$id,
+                label: $label,
+                menu: Menu::$menu,
+                group: $group,
+                shortcut: actions!(@shortcut $($modifiers $key)?),
+                help: $help,
+            },)*
+        ];
+    };
+    (@shortcut) => { None };
+    (@shortcut $modifiers:ident $key:ident) => { Some(KeyboardShortcut::new($modifiers, Key::$key)) };
+}
+
+actions! {
+    OpenFolder, File 0, "Open folder…", [CTRL O], "Open a folder of frames";
+    OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack";
+    OpenPath, File 0, "Open path…", [CTRL L], "Type or paste the path of a burst";
+    OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program";
+    RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file";
+    SaveSession, File 1, "Save session…", [CTRL S], "Keep the burst's place, parameters, view and selection in a file";
+    LoadParams, File 2, "Load parameters…", [], "Read detector parameters from a TOML file";
+    SaveParams, File 2, "Save parameters…", [CTRL_SHIFT S], "Write the detector parameters to a TOML file, as --params reads it";
+    ExportCsv, File 3, "Export features as CSV…", [CTRL E], "Write one row for each feature, strongest first";
+    ExportColmap, File 3, "Export features for COLMAP…", [], "Write features and descriptors as COLMAP imports them";
+    ExportNpz, File 3, "Export features as NPZ…", [], "Write features and descriptors as NumPy arrays";
+    ExportTiff, File 4, "Export picture as 32-bit TIFF…", [], "Write the picture's values as they are";
+    ExportPng, File 4, "Export picture as PNG…", [CTRL_SHIFT E], "Write the picture as it is shown, in its range and colours";
+    ExportSvg, File 4, "Export figure as SVG…", [], "Write the picture with the features over it as vectors, for papers";
+    Quit, File 5, "Quit", [CTRL Q], "Close the window";
+
+    ShowFrame, View 0, "Show frame", [NONE Num1], "Show one frame as it was taken";
+    ShowStack, View 0, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
+    ShowDog, View 0, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
+    Fit, View 1, "Fit picture", [NONE F], "Show the whole picture";
+    OneToOne, View 1, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
+    ZoomIn, View 1, "Zoom in", [NONE Plus], "Enlarge around the centre";
+    ZoomOut, View 1, "Zoom out", [NONE Minus], "Reduce around the centre";
+    ToggleOverlay, View 2, "Features over the picture", [NONE O], "Show or hide the features";
+    ToggleMotion, View 2, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
+    ToggleOrientation, View 2, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
+    ToggleLegend, View 2, "Legend", [NONE L], "Show or hide the legend of the features' colours";
+    NextColouring, View 2, "Next feature colouring", [NONE C], "Colour features by slope, scale or response in turn";
+    ToggleLeft, View 3, "Scrub and parameters", [CTRL B], "Show or hide the panel on the left";
+    ToggleRight, View 3, "Feature and display", [CTRL R], "Show or hide the panel on the right";
+    ToggleBottom, View 3, "Table and tally", [CTRL J], "Show or hide the panel below";
+    ThemeSystem, View 4, "Theme as the system", [], "Follow the system's light or dark theme";
+    ThemeLight, View 4, "Light theme", [], "Dark text on a light ground";
+    ThemeDark, View 4, "Dark theme", [], "Light text on a dark ground";
+
+    SlopeULess, Scrub 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis";
+    SlopeUMore, Scrub 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis";
+    SlopeVLess, Scrub 0, "Slope v down", [NONE ArrowUp], "Go to the grid's previous slope along the second axis";
+    SlopeVMore, Scrub 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
+    SlopeZero, Scrub 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
+    SnapSlope, Scrub 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
+    BusiestSlope, Scrub 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found";
+    Play, Scrub 0, "Play slopes", [NONE Space], "Run through the grid's slopes, there and back";
+    FramePrevious, Scrub 1, "Previous frame", [NONE Comma], "Go one frame back";
+    FrameNext, Scrub 1, "Next frame", [NONE Period], "Go one frame on";
+    OctaveFiner, Scrub 2, "Finer octave", [NONE OpenBracket], "Halve the scale of the DoG";
+    OctaveCoarser, Scrub 2, "Coarser octave", [NONE CloseBracket], "Double the scale of the DoG";
+    LevelDown, Scrub 2, "Previous level", [NONE PageDown], "Go one level down in the octave";
+    LevelUp, Scrub 2, "Next level", [NONE PageUp], "Go one level up in the octave";
+
+    Detect, Detect 0, "Detect", [NONE D], "Find features with these parameters";
+    Cancel, Detect 0, "Cancel", [], "Stop what is being detected or opened";
+    AutoDetect, Detect 0, "Detect after each change", [NONE A], "Start a detection by itself when a parameter or the burst changes";
+    Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame";
+    Preset2d, Detect 1, "Preset BuFF 2D", [], "Search 7 × 7 slopes over ±3 px/frame in both directions";
+    PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline";
+    ResetParams, Detect 2, "Reset parameters", [], "Give every parameter its default";
+
+    NextFeature, Features 0, "Next feature", [NONE N], "Select the next feature of the table";
+    PreviousFeature, Features 0, "Previous feature", [NONE P], "Select the previous feature of the table";
+    StrongestFeature, Features 0, "Strongest feature", [NONE Home], "Select the first feature of the table";
+    GoToFeature, Features 0, "Go to selected feature", [NONE Enter], "Show the motion stack at its slope, with the feature in the middle";
+    ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature";
+    ClearFilter, Features 1, "Clear filter", [], "Show all features";
+
+    Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
+    Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show all actions with their keys";
+    About, Help 0, "About Burstscope", [], "What this is and which version";
+}
+
+/// A second pair of keys for the command palette, as other programs have it.
+pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn labels_and_shortcuts_are_unique() {
+        let (mut labels, mut shortcuts) = (HashSet::new(), HashSet::new());
+        for action in ACTIONS {
+            assert!(labels.insert(action.label), "{} twice", action.label);
+            assert!(!action.help.is_empty() && !action.help.ends_with('.'), "{}", action.label);
+            if let Some(shortcut) = action.shortcut {
+                assert!(shortcuts.insert(format!("{shortcut:?}")), "{} has another's keys", action.label);
+            }
+            assert_eq!(action.id.action().label, action.label);
+        }
+        assert!(!shortcuts.contains(&format!("{PALETTE_ALSO:?}")));
+    }
+
+    #[test]
+    fn every_menu_has_items_and_its_groups_are_in_order() {
+        for menu in Menu::ALL {
+            let groups: Vec<u8> = ACTIONS.iter().filter(|a| a.menu == menu).map(|a| a.group).collect();
+            assert!(!groups.is_empty() && groups.is_sorted(), "{menu:?}");
+        }
+    }
+
+    #[test]
+    fn what_asks_first_ends_in_an_ellipsis() {
+        for action in ACTIONS {
+            let asks = ["Open ", "Save ", "Load ", "Export "].iter().any(|p| action.label.starts_with(p))
+                && action.id != ActionId::OpenDemo;
+            let asks = asks || action.id == ActionId::Palette;
+            assert_eq!(action.label.ends_with('…'), asks, "{}", action.label);
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! What each action does.
+
+use super::ActionId;
+use crate::app::canvas::overlay::ColourBy;
+use crate::app::dialogs::{ExportKind, Purpose};
+use crate::app::state::Model;
+use crate::app::state::scrub::{ViewKind, play_step_of, snapped, stepped};
+use crate::app::window::BurstscopeApp;
+use crate::detector::{DetectorParams, Method, Slope, SlopeGrid};
+use crate::engine::{BurstSource, LaneKind};
+
+impl BurstscopeApp {
+    /// Does an action, as if it had been chosen from a menu. One that cannot be done now does nothing.
+    pub fn run_action(&mut self, ctx: &egui::Context, id: ActionId) {
+        use ActionId as A;
+        if !super::enabled(id, &self.model) {
+            return;
+        }
+        match id {
+            A::OpenFolder => self.ask(Purpose::OpenFolder),
+            A::OpenFiles => self.ask(Purpose::OpenFiles),
+            A::OpenPath => self.open_path_field(Purpose::OpenPath, false),
+            A::OpenDemo => self.open(BurstSource::Demo),
+            A::RestoreSession => self.ask(Purpose::RestoreSession),
+            A::SaveSession => self.ask(Purpose::SaveSession),
+            A::LoadParams => self.ask(Purpose::LoadParams),
+            A::SaveParams => self.ask(Purpose::SaveParams),
+            A::ExportCsv => self.ask(Purpose::Export(ExportKind::Csv)),
+            A::ExportColmap => self.ask(Purpose::Export(ExportKind::Colmap)),
+            A::ExportNpz => self.ask(Purpose::Export(ExportKind::Npz)),
+            A::ExportTiff => self.ask(Purpose::Export(ExportKind::Tiff)),
+            A::ExportPng => self.ask(Purpose::Export(ExportKind::Png)),
+            A::ExportSvg => self.ask(Purpose::Export(ExportKind::Svg)),
+            A::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            A::Fit => self.view.set_fit(),
+            A::OneToOne => self.view.set_one_to_one(ctx.pixels_per_point()),
+            A::ZoomIn => self.view.zoom_by(1.25),
+            A::ZoomOut => self.view.zoom_by(0.8),
+            A::Play => {
+                self.model.playing = !self.model.playing;
+                self.play_step = play_step_of(&self.model.usable_params.slopes, self.model.scrub.slope);
+                self.play_due = None;
+            }
+            A::Detect => self.start_detection(),
+            A::Cancel => {
+                self.engine.cancel(LaneKind::Detect);
+                self.engine.cancel(LaneKind::Open);
+            }
+            A::GoToFeature => self.go_to_selected(),
+            A::Palette => self.palette.open(),
+            A::Shortcuts => self.sheet_open = !self.sheet_open,
+            A::About => self.about_open = true,
+            _ => change_model(&mut self.model, id),
+        }
+    }
+}
+
+/// The actions that only change what is shown.
+fn change_model(model: &mut Model, id: ActionId) {
+    use ActionId as A;
+    match id {
+        A::ShowFrame => model.show_kind(ViewKind::Frame),
+        A::ShowStack => model.show_kind(ViewKind::Stack),
+        A::ShowDog => model.show_kind(ViewKind::Dog),
+        A::ToggleOverlay => model.look.overlay ^= true,
+        A::ToggleMotion => model.look.motion_vectors ^= true,
+        A::ToggleOrientation => model.look.orientations ^= true,
+        A::ToggleLegend => model.look.legend ^= true,
+        A::NextColouring => {
+            let place = ColourBy::ALL.iter().position(|c| *c == model.colour_by).unwrap_or(0);
+            model.colour_by = ColourBy::ALL[(place + 1) % ColourBy::ALL.len()];
+        }
+        A::ToggleLeft => model.panels.left ^= true,
+        A::ToggleRight => model.panels.right ^= true,
+        A::ToggleBottom => model.panels.bottom ^= true,
+        A::ThemeSystem => model.theme = egui::ThemePreference::System,
+        A::ThemeLight => model.theme = egui::ThemePreference::Light,
+        A::ThemeDark => model.theme = egui::ThemePreference::Dark,
+        A::AutoDetect => model.auto_detect ^= true,
+        A::ResetParams => model.params = DetectorParams::default(),
+        A::Preset1d => {
+            model.params.method = Method::Buff;
+            model.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
+        }
+        A::Preset2d => {
+            model.params.method = Method::Buff;
+            model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
+        }
+        A::PresetSift => model.params.method = Method::Sift,
+        A::NextFeature => model.select_neighbour(true),
+        A::PreviousFeature => model.select_neighbour(false),
+        A::StrongestFeature => model.selected = model.listed.first().copied(),
+        A::ClearSelection => model.selected = None,
+        A::ClearFilter => model.filter = Default::default(),
+        _ => move_hand(model, id),
+    }
+}
+
+/// The actions that move the hand.
+fn move_hand(model: &mut Model, id: ActionId) {
+    use ActionId as A;
+    let grid = model.usable_params.slopes;
+    let scrub = &mut model.scrub;
+    let slope = match id {
+        A::SlopeULess => Some(stepped(&grid, scrub.slope, false, false)),
+        A::SlopeUMore => Some(stepped(&grid, scrub.slope, false, true)),
+        A::SlopeVLess => Some(stepped(&grid, scrub.slope, true, false)),
+        A::SlopeVMore => Some(stepped(&grid, scrub.slope, true, true)),
+        A::SlopeZero => Some(Slope::default()),
+        A::SnapSlope => Some(snapped(&grid, scrub.slope)),
+        _ => None,
+    };
+    if let Some(slope) = slope {
+        scrub.slope = slope;
+        (model.slope_chosen, model.playing) = (true, false);
+    }
+    match id {
+        A::BusiestSlope => {
+            model.go_to_busiest_slope();
+            (model.slope_chosen, model.playing) = (true, false);
+        }
+        A::FramePrevious => model.scrub.frame = model.scrub.frame.saturating_sub(1),
+        A::FrameNext => model.scrub.frame += 1,
+        A::OctaveFiner => model.scrub.octave -= 1,
+        A::OctaveCoarser => model.scrub.octave += 1,
+        A::LevelDown => model.scrub.level -= 1,
+        A::LevelUp => model.scrub.level += 1,
+        _ => {}
+    }
+    // A key that moves through frames or scales is meant to be seen.
+    match id {
+        A::FramePrevious | A::FrameNext => model.scrub.kind = ViewKind::Frame,
+        A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => model.scrub.kind = ViewKind::Dog,
+        A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope | A::BusiestSlope
+            if model.scrub.kind == ViewKind::Frame =>
+        {
+            model.scrub.kind = ViewKind::Stack;
+        }
+        _ => {}
+    }
+    model.check_params();
+}

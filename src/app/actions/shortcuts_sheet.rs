@@ -1,0 +1,78 @@
+//! The `?` sheet: every action with its keys, by menu.
+
+use super::{ACTIONS, Menu};
+use egui::RichText;
+
+/// Draws the sheet; `open` becomes false when it is closed.
+pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
+    if !*open {
+        return;
+    }
+    let modal = egui::Modal::new(egui::Id::unique("shortcuts sheet")).show(ctx, |ui| {
+        let room = ui.ctx().content_rect().size();
+        ui.set_width((room.x - 80.0).min(980.0));
+        ui.horizontal(|ui| {
+            ui.heading("Keyboard shortcuts");
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Close").clicked() {
+                    ui.close();
+                }
+                ui.weak("In the picture: drag to pan, wheel to zoom, click to select");
+            });
+        });
+        ui.separator();
+        egui::ScrollArea::vertical().max_height(room.y - 140.0).show(ui, |ui| {
+            ui.columns(3, |columns| {
+                for (column, menus) in columns.iter_mut().zip(COLUMNS) {
+                    for menu in menus {
+                        menu_ui(column, *menu);
+                    }
+                }
+            });
+        });
+    });
+    if modal.should_close() {
+        *open = false;
+    }
+}
+
+/// Which menus go into which column: about the same number of rows in each.
+const COLUMNS: [&[Menu]; 3] = [&[Menu::File, Menu::Help], &[Menu::View, Menu::Features], &[Menu::Scrub, Menu::Detect]];
+
+fn menu_ui(ui: &mut egui::Ui, menu: Menu) {
+    ui.add_space(4.0);
+    ui.label(RichText::new(menu.label()).strong());
+    for action in ACTIONS.iter().filter(|a| a.menu == menu) {
+        ui.horizontal(|ui| {
+            ui.label(action.label).on_hover_text(action.help);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if let Some(shortcut) = &action.shortcut {
+                    key_ui(ui, &ui.ctx().format_shortcut(shortcut));
+                }
+            });
+        });
+    }
+    ui.add_space(6.0);
+}
+
+fn key_ui(ui: &mut egui::Ui, keys: &str) {
+    let visuals = ui.visuals();
+    egui::Frame::new()
+        .fill(visuals.faint_bg_color)
+        .stroke(visuals.widgets.noninteractive.bg_stroke)
+        .corner_radius(3)
+        .inner_margin(egui::Margin::symmetric(5, 0))
+        .show(ui, |ui| ui.label(RichText::new(keys).monospace().size(11.0)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_menu_is_on_the_sheet() {
+        for menu in Menu::ALL {
+            assert_eq!(COLUMNS.iter().flat_map(|c| c.iter()).filter(|m| **m == menu).count(), 1, "{menu:?}");
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Which actions can be done now, and which of the switches are on.
+
+use super::registry::ActionId;
+use crate::app::state::Model;
+use crate::app::state::scrub::ViewKind;
+use crate::detector::{DetectorParams, Method};
+
+/// Whether the action can be done now.
+pub fn enabled(id: ActionId, model: &Model) -> bool {
+    use ActionId as A;
+    let has_burst = model.burst.is_some();
+    match id {
+        A::SaveSession | A::ShowFrame | A::ShowStack | A::ShowDog | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => {
+            has_burst
+        }
+        A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => model.found.is_some(),
+        A::ExportTiff | A::ExportPng | A::ExportSvg => model.picture.is_some(),
+        A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope => has_burst,
+        A::Play => has_burst && model.usable_params.slopes.len() > 1,
+        A::FramePrevious | A::FrameNext => model.frame_count() > 1,
+        A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => has_burst,
+        A::Detect => has_burst && model.param_error.is_none() && model.busy.detecting.is_none(),
+        A::Cancel => model.busy.detecting.is_some() || model.busy.opening.is_some(),
+        A::ResetParams => model.params != DetectorParams::default(),
+        A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
+        A::GoToFeature | A::ClearSelection => model.selected_feature().is_some(),
+        A::ClearFilter => !model.filter.is_open(),
+        _ => true,
+    }
+}
+
+/// Whether a switch is on; `None` for what is not a switch.
+pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
+    use ActionId as A;
+    let kind = |kind: ViewKind| Some(model.scrub.kind == kind);
+    match id {
+        A::ShowFrame => kind(ViewKind::Frame),
+        A::ShowStack => kind(ViewKind::Stack),
+        A::ShowDog => kind(ViewKind::Dog),
+        A::ToggleOverlay => Some(model.look.overlay),
+        A::ToggleMotion => Some(model.look.motion_vectors),
+        A::ToggleOrientation => Some(model.look.orientations),
+        A::ToggleLegend => Some(model.look.legend),
+        A::ToggleLeft => Some(model.panels.left),
+        A::ToggleRight => Some(model.panels.right),
+        A::ToggleBottom => Some(model.panels.bottom),
+        A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
+        A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
+        A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
+        A::Play => Some(model.playing),
+        A::AutoDetect => Some(model.auto_detect),
+        A::Preset1d => {
+            Some(model.params.method == Method::Buff && !model.params.slopes.is_plane() && model.params.slopes.len() > 1)
+        }
+        A::Preset2d => Some(model.params.method == Method::Buff && model.params.slopes.is_plane()),
+        A::PresetSift => Some(model.params.method == Method::Sift),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::actions::ACTIONS;
+
+    #[test]
+    fn without_a_burst_one_can_still_open_configure_and_find_help() {
+        let model = Model::default();
+        let can: Vec<ActionId> = ACTIONS.iter().map(|a| a.id).filter(|id| enabled(*id, &model)).collect();
+        for id in [ActionId::OpenFolder, ActionId::OpenDemo, ActionId::LoadParams, ActionId::Palette, ActionId::Quit] {
+            assert!(can.contains(&id), "{id:?}");
+        }
+        for id in [ActionId::Detect, ActionId::ExportCsv, ActionId::Play, ActionId::NextFeature, ActionId::Cancel] {
+            assert!(!can.contains(&id), "{id:?}");
+        }
+    }
+}

@@ -1,0 +1,336 @@
+//! Asking for files: the system's dialogs, and a field to type a path into where the system has none.
+//!
+//! The system's dialogs wait for a person, so they run on a thread of their own. They are behind [`FileDialogs`], so that tests can answer for the
+//! person. On a Linux desktop without a portal the system's dialog answers "nothing chosen" at once; nobody cancels that quickly, so then the
+//! path field opens instead.
+
+use crate::engine::OnUpdate;
+use std::path::PathBuf;
+use std::sync::{Arc, mpsc};
+use std::time::{Duration, Instant};
+
+/// What a file is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// A folder of frames.
+    OpenFolder,
+    /// Image files.
+    OpenFiles,
+    /// Any path of a burst, typed.
+    OpenPath,
+    /// A session file to restore.
+    RestoreSession,
+    /// A session file to write.
+    SaveSession,
+    /// A parameter file to read.
+    LoadParams,
+    /// A parameter file to write.
+    SaveParams,
+    /// A file to export to.
+    Export(ExportKind),
+}
+
+/// What is exported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExportKind {
+    /// Features as CSV.
+    Csv,
+    /// Features as COLMAP's text.
+    Colmap,
+    /// Features as NumPy arrays.
+    Npz,
+    /// The picture's values.
+    Tiff,
+    /// The picture as shown.
+    Png,
+    /// The picture with the features over it.
+    Svg,
+}
+
+impl ExportKind {
+    /// Its file name extension.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Colmap => "txt",
+            Self::Npz => "npz",
+            Self::Tiff => "tiff",
+            Self::Png => "png",
+            Self::Svg => "svg",
+        }
+    }
+
+    /// What it is called in messages.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Csv => "Export features as CSV",
+            Self::Colmap => "Export features for COLMAP",
+            Self::Npz => "Export features as NPZ",
+            Self::Tiff => "Export picture as TIFF",
+            Self::Png => "Export picture as PNG",
+            Self::Svg => "Export figure as SVG",
+        }
+    }
+}
+
+impl Purpose {
+    /// The dialog's title.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::OpenFolder => "Open a folder of frames",
+            Self::OpenFiles => "Open image files",
+            Self::OpenPath => "Open a path",
+            Self::RestoreSession => "Open a session",
+            Self::SaveSession => "Save the session",
+            Self::LoadParams => "Load parameters",
+            Self::SaveParams => "Save parameters",
+            Self::Export(kind) => kind.label(),
+        }
+    }
+
+    /// Whether a file is to be written.
+    pub fn saves(self) -> bool {
+        matches!(self, Self::SaveSession | Self::SaveParams | Self::Export(_))
+    }
+
+    /// What the path field says about itself.
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::OpenFolder | Self::OpenFiles | Self::OpenPath => {
+                "A folder of frames, an image, a multi-page TIFF or a .npy stack"
+            }
+            Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
+            Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
+            Self::Export(_) => "The file to write",
+        }
+    }
+
+    /// The extensions that the dialog offers; empty for all files.
+    pub fn extensions(self) -> Vec<&'static str> {
+        match self {
+            Self::OpenFolder | Self::OpenPath => Vec::new(),
+            Self::OpenFiles => crate::burst::supported_extensions().to_vec(),
+            Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
+            Self::Export(kind) => vec![kind.extension()],
+        }
+    }
+}
+
+/// A question for files.
+#[derive(Debug, Clone)]
+pub struct Question {
+    /// What for.
+    pub purpose: Purpose,
+    /// The name that a new file gets unless another is given.
+    pub suggested_name: String,
+    /// Where the dialog starts.
+    pub folder: Option<PathBuf>,
+}
+
+/// Something that asks a person for files. It waits for the answer; `None` means that nothing was chosen.
+pub trait FileDialogs: Send + Sync {
+    /// Asks, and waits for the answer.
+    fn ask(&self, question: &Question) -> Option<Vec<PathBuf>>;
+}
+
+/// The system's dialogs.
+#[derive(Debug, Default, Clone, Copy)]
+pub struct SystemDialogs;
+
+impl FileDialogs for SystemDialogs {
+    fn ask(&self, question: &Question) -> Option<Vec<PathBuf>> {
+        let mut dialog = rfd::FileDialog::new().set_title(question.purpose.title());
+        if let Some(folder) = &question.folder {
+            dialog = dialog.set_directory(folder);
+        }
+        let extensions = question.purpose.extensions();
+        if !extensions.is_empty() {
+            dialog = dialog.add_filter(question.purpose.title(), &extensions).add_filter("All files", &["*"]);
+        }
+        match question.purpose {
+            Purpose::OpenFolder => dialog.pick_folder().map(|p| vec![p]),
+            Purpose::OpenFiles => dialog.pick_files(),
+            purpose if purpose.saves() => {
+                dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p])
+            }
+            _ => dialog.pick_file().map(|p| vec![p]),
+        }
+    }
+}
+
+/// What came of a question.
+#[derive(Debug, Clone)]
+pub enum Answer {
+    /// Files were chosen.
+    Chosen(Purpose, Vec<PathBuf>),
+    /// The person chose nothing.
+    Nothing,
+    /// The system showed no dialog.
+    NoDialog(Question),
+}
+
+/// A dialog that answers "nothing" within this time was never shown.
+const TOO_QUICK_FOR_A_PERSON: Duration = Duration::from_millis(350);
+
+/// Asks questions on threads of their own and collects the answers.
+pub struct Desk {
+    dialogs: Arc<dyn FileDialogs>,
+    sender: mpsc::Sender<Answer>,
+    receiver: mpsc::Receiver<Answer>,
+    on_update: OnUpdate,
+    open: usize,
+}
+
+impl Desk {
+    /// A desk that asks with `dialogs` and calls `on_update` when there is an answer.
+    pub fn new(dialogs: Arc<dyn FileDialogs>, on_update: OnUpdate) -> Self {
+        let (sender, receiver) = mpsc::channel();
+        Self { dialogs, sender, receiver, on_update, open: 0 }
+    }
+
+    /// Asks a question, unless one is open already.
+    pub fn ask(&mut self, question: Question) {
+        if self.open > 0 {
+            return;
+        }
+        self.open += 1;
+        let (dialogs, sender, on_update) = (self.dialogs.clone(), self.sender.clone(), self.on_update.clone());
+        std::thread::Builder::new()
+            .name("burstscope-dialog".to_owned())
+            .spawn(move || {
+                let asked = Instant::now();
+                let answer = match dialogs.ask(&question) {
+                    Some(paths) if !paths.is_empty() => Answer::Chosen(question.purpose, paths),
+                    _ if asked.elapsed() < TOO_QUICK_FOR_A_PERSON => Answer::NoDialog(question),
+                    _ => Answer::Nothing,
+                };
+                // The window may be gone by now; then nobody wants the answer.
+                let _ = sender.send(answer);
+                on_update();
+            })
+            .expect("the system can start a handful of threads");
+    }
+
+    /// Answers that came since the last call.
+    pub fn take_answers(&mut self) -> Vec<Answer> {
+        let answers: Vec<Answer> = self.receiver.try_iter().collect();
+        self.open -= answers.len();
+        answers
+    }
+
+    /// Whether a question is open.
+    pub fn is_asking(&self) -> bool {
+        self.open > 0
+    }
+}
+
+/// The field to type a path into.
+#[derive(Debug, Clone)]
+pub struct PathField {
+    /// What for.
+    pub purpose: Purpose,
+    /// What was typed.
+    pub text: String,
+    /// Whether it stands in for a dialog that the system does not have.
+    pub instead_of_dialog: bool,
+    fresh: bool,
+}
+
+impl PathField {
+    /// An open field that holds `text`.
+    pub fn new(purpose: Purpose, text: String, instead_of_dialog: bool) -> Self {
+        Self { purpose, text, instead_of_dialog, fresh: true }
+    }
+
+    /// Draws it. Answers the path when it was accepted, and whether it is to stay open.
+    pub fn ui(&mut self, ctx: &egui::Context) -> (Option<PathBuf>, bool) {
+        let mut accepted = None;
+        let modal = egui::Modal::new(egui::Id::unique("path field")).show(ctx, |ui| {
+            ui.set_width(480.0);
+            ui.heading(self.purpose.title());
+            if self.instead_of_dialog {
+                ui.weak("This system shows no file dialog, so please type the path.");
+            }
+            ui.add_space(4.0);
+            let edit = ui.add(
+                egui::TextEdit::singleline(&mut self.text).hint_text(self.purpose.hint()).desired_width(f32::INFINITY),
+            );
+            super::panels::widgets::name_field(&edit, "Path", &self.text);
+            if std::mem::take(&mut self.fresh) {
+                edit.request_focus();
+            }
+            ui.weak(self.purpose.hint());
+            ui.add_space(6.0);
+            let entered = edit.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let verb = if self.purpose.saves() { "Save" } else { "Open" };
+                let ready = !self.text.trim().is_empty();
+                if (ui.add_enabled(ready, egui::Button::new(verb)).clicked() || entered) && ready {
+                    accepted = Some(path_from_text(&self.text));
+                }
+                if ui.button("Cancel").clicked() {
+                    ui.close();
+                }
+            });
+        });
+        let stay = accepted.is_none() && !modal.should_close();
+        (accepted, stay)
+    }
+}
+
+/// The path that a person typed or pasted: without blanks around it, quotes, or a `file://` in front; `~` is the home folder.
+pub fn path_from_text(text: &str) -> PathBuf {
+    let text = text.trim();
+    let unquoted = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q)).unwrap_or(text);
+    let plain = unquoted.strip_prefix("file://").unwrap_or(unquoted);
+    match (plain.strip_prefix("~/"), std::env::home_dir()) {
+        (Some(rest), Some(home)) => home.join(rest),
+        _ => PathBuf::from(plain),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pasted_paths_are_understood() {
+        assert_eq!(path_from_text("  /data/night "), PathBuf::from("/data/night"));
+        assert_eq!(path_from_text("'/data/a b.tiff'"), PathBuf::from("/data/a b.tiff"));
+        assert_eq!(path_from_text("\"/data/x\""), PathBuf::from("/data/x"));
+        assert_eq!(path_from_text("file:///data/x.npy"), PathBuf::from("/data/x.npy"));
+        if let Some(home) = std::env::home_dir() {
+            assert_eq!(path_from_text("~/bursts"), home.join("bursts"));
+        }
+    }
+
+    struct Answers(Option<Vec<PathBuf>>);
+
+    impl FileDialogs for Answers {
+        fn ask(&self, _: &Question) -> Option<Vec<PathBuf>> {
+            self.0.clone()
+        }
+    }
+
+    fn answer_of(dialogs: Answers) -> Answer {
+        let mut desk = Desk::new(Arc::new(dialogs), Arc::new(|| {}));
+        desk.ask(Question { purpose: Purpose::OpenFolder, suggested_name: String::new(), folder: None });
+        assert!(desk.is_asking());
+        let end = Instant::now() + Duration::from_secs(10);
+        loop {
+            if let Some(answer) = desk.take_answers().pop() {
+                assert!(!desk.is_asking());
+                return answer;
+            }
+            assert!(Instant::now() < end, "no answer");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn an_instant_nothing_means_that_there_was_no_dialog() {
+        assert!(matches!(answer_of(Answers(None)), Answer::NoDialog(_)));
+        let chosen = answer_of(Answers(Some(vec!["/x".into()])));
+        assert!(matches!(chosen, Answer::Chosen(Purpose::OpenFolder, paths) if paths == [PathBuf::from("/x")]));
+    }
+}

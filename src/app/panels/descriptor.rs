@@ -1,0 +1,40 @@
+//! A descriptor as 4×4 roses of eight directions each.
+
+use crate::detector::Descriptor;
+use egui::{Color32, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, vec2};
+
+/// Cells on a side, and directions in a cell.
+const CELLS: usize = 4;
+const DIRECTIONS: usize = 8;
+
+/// Draws the roses in a square of `side` points, in the feature's own frame: its orientation points to the right.
+pub fn descriptor_ui(ui: &mut Ui, descriptor: &Descriptor, side: f32, colour: Color32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
+    let painter = ui.painter_at(rect.expand(1.0));
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let cell = side / CELLS as f32;
+    let grid = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
+    let longest = f32::from(descriptor.iter().copied().max().unwrap_or(0).max(1));
+    for row in 0..CELLS {
+        for column in 0..CELLS {
+            let square = Rect::from_min_size(rect.min + cell * vec2(column as f32, row as f32), Vec2::splat(cell));
+            painter.rect_stroke(square, 0.0, grid, StrokeKind::Middle);
+            for direction in 0..DIRECTIONS {
+                let value = f32::from(descriptor[(row * CELLS + column) * DIRECTIONS + direction]) / longest;
+                let tip = 0.46 * cell * value * Vec2::angled(angle_of(direction));
+                painter.line_segment([square.center(), square.center() + tip], Stroke::new(1.5, colour));
+            }
+        }
+    }
+    painter.rect_stroke(rect, 2.0, grid, StrokeKind::Inside);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Descriptor"));
+    response.on_hover_text(
+        "The descriptor: in each of 4×4 cells, how strong the gradients are in eight directions. The feature's orientation points to the right.",
+    );
+}
+
+/// The direction of a descriptor's element within its cell, from +u towards +v of the feature's own frame. In UBC's order the directions
+/// run the other way round, the first stays.
+fn angle_of(direction: usize) -> f32 {
+    -std::f32::consts::TAU * direction as f32 / DIRECTIONS as f32
+}

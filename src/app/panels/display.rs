@@ -1,0 +1,43 @@
+//! How values become colours: histogram, range, gamma, colour map; and what is drawn over the picture.
+
+use super::picture::PictureState;
+use super::widgets::section_ui;
+use crate::app::histogram::HistogramPanel;
+use crate::app::state::Model;
+use crate::app::state::look::RangeClass;
+use egui::Ui;
+
+/// What the panel keeps from pass to pass: a histogram for each class of picture.
+#[derive(Default)]
+pub struct DisplayState {
+    intensity: HistogramPanel,
+    response: HistogramPanel,
+}
+
+/// Draws the section.
+pub fn display_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state: &mut DisplayState) {
+    section_ui(ui, "Display", |ui| {
+        let kind = model.picture.as_ref().map_or(model.scrub.picture_kind(), |p| p.request.kind);
+        let class = RangeClass::of(kind);
+        ui.weak(format!("One range for all {}", class.label()))
+            .on_hover_text("The range is fixed until you change it, so that pictures can be compared");
+        let panel = match class {
+            RangeClass::Intensity => &mut state.intensity,
+            RangeClass::Response => &mut state.response,
+        };
+        panel.ui(ui, pictures.shown(), pictures.visible_image, model.look.display_mut(class));
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 8.0;
+            let boxes = [
+                (&mut model.look.overlay, "Features", "Features over the picture (O)"),
+                (&mut model.look.motion_vectors, "Motion", "Each feature's motion over the burst (M)"),
+                (&mut model.look.orientations, "Orient.", "Each feature's orientation (R)"),
+                (&mut model.look.legend, "Legend", "What the colours mean (L)"),
+            ];
+            for (on, label, tip) in boxes {
+                ui.checkbox(on, label).on_hover_text(tip);
+            }
+        });
+    });
+}

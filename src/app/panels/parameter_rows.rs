@@ -1,0 +1,113 @@
+//! The pieces of a parameter's row: its name, the editors for each type of value, and the button that gives it its default.
+
+use crate::detector::params::ParamDoc;
+use crate::detector::{FrameRange, NoiseGate, SlopeAxis};
+use egui::{DragValue, Id, RichText, Ui, vec2};
+
+/// Width of the names in front, in points.
+const LABEL_WIDTH: f32 = 108.0;
+
+/// The parameter's name and unit, with its help as tooltip.
+pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
+    let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+    let help = help_text(doc);
+    ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
+        ui.set_width(LABEL_WIDTH);
+        ui.spacing_mut().item_spacing.y = -1.0;
+        let mut text = RichText::new(doc.label);
+        if wrong {
+            text = text.color(ui.visuals().error_fg_color);
+        }
+        let label = ui.add(egui::Label::new(text).truncate()).on_hover_text(&help);
+        if !doc.unit.is_empty() {
+            let unit = RichText::new(doc.unit).small().weak();
+            ui.add(egui::Label::new(unit).truncate()).on_hover_text(&help);
+        }
+        label
+    })
+    .inner
+}
+
+/// What a person reads about a parameter, with its name on the command line.
+fn help_text(doc: &ParamDoc) -> String {
+    format!("{}\n--{}", doc.help(), doc.name)
+}
+
+/// A button that gives the parameter its default; it is there only when the value differs.
+pub fn reset_ui<T: PartialEq>(ui: &mut Ui, doc: &ParamDoc, value: &mut T, default: T) {
+    let differs = *value != default;
+    let name = format!("Reset {}", doc.label);
+    let button = egui::Button::new(RichText::new("↺").weak()).frame(false).min_size(vec2(14.0, 0.0));
+    let response = ui.add_visible(differs, button);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, differs, &name));
+    if response.on_hover_text(format!("{name} to its default")).clicked() {
+        *value = default;
+    }
+}
+
+/// A field for a number.
+pub fn number_ui(ui: &mut Ui, field: DragValue<'_>, label: Id) {
+    ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), field).labelled_by(label);
+}
+
+/// A choice between names.
+pub fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: &[(T, &str)]) {
+    let chosen = names.iter().find(|(v, _)| v == value).map_or("", |(_, name)| name);
+    let response = egui::ComboBox::from_id_salt(label)
+        .selected_text(chosen)
+        .width(86.0)
+        .show_ui(ui, |ui| {
+            for (choice, name) in names {
+                ui.selectable_value(value, *choice, *name);
+            }
+        })
+        .response;
+    response.labelled_by(label);
+}
+
+/// Least, greatest and number of slopes.
+pub fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
+    ui.spacing_mut().item_spacing.x = 3.0;
+    let size = vec2(38.0, ui.spacing().interact_size.y);
+    let step = axis.step();
+    let tip = if step > 0.0 { format!("A step of {step:.3} px/frame") } else { "A single slope".to_owned() };
+    let number = |value| DragValue::new(value).speed(0.05).max_decimals(2);
+    ui.add_sized(size, number(&mut axis.min)).labelled_by(label).on_hover_text(format!("Least slope. {tip}"));
+    ui.weak("…");
+    ui.add_sized(size, number(&mut axis.max)).labelled_by(label).on_hover_text(format!("Greatest slope. {tip}"));
+    let count = DragValue::new(&mut axis.count).speed(0.05).prefix("× ");
+    ui.add_sized(size, count).labelled_by(label).on_hover_text(format!("Number of slopes. {tip}"));
+}
+
+/// All frames, or a range of them.
+pub fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_count: usize) {
+    ui.spacing_mut().item_spacing.x = 3.0;
+    let mut all = frames.is_none();
+    if ui.checkbox(&mut all, "All").changed() {
+        *frames = if all { None } else { Some(FrameRange { start: 0, end: frame_count.max(1) }) };
+    }
+    if let Some(range) = frames {
+        let size = vec2(34.0, ui.spacing().interact_size.y);
+        ui.add_sized(size, DragValue::new(&mut range.start).speed(0.05))
+            .labelled_by(label)
+            .on_hover_text("First frame used, counted from 0");
+        ui.weak("..");
+        ui.add_sized(size, DragValue::new(&mut range.end).speed(0.05))
+            .labelled_by(label)
+            .on_hover_text("One past the last frame used");
+    }
+}
+
+/// The noise gate: automatic, or a factor.
+pub fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, label: Id) {
+    /// What a person gets who switches from automatic to a factor: about what automatic gives for a small search.
+    const FIRST_FACTOR: f32 = 4.5;
+    let mut auto = *gate == NoiseGate::Auto;
+    if ui.checkbox(&mut auto, "Auto").changed() {
+        *gate = if auto { NoiseGate::Auto } else { NoiseGate::Factor(FIRST_FACTOR) };
+    }
+    if let NoiseGate::Factor(factor) = gate {
+        let size = vec2(48.0, ui.spacing().interact_size.y);
+        ui.add_sized(size, DragValue::new(factor).speed(0.02).max_decimals(2).suffix(" σ")).labelled_by(label);
+    }
+}

@@ -1,0 +1,119 @@
+//! The detector's parameters: every one of them, with its unit, its default, what raising it does, and what is wrong with it.
+
+use super::parameter_rows as rows;
+use super::widgets::section_ui;
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::state::Model;
+use crate::detector::params::{ParamDoc, ParamError, doc};
+use crate::detector::{DetectorParams, Interpolation, Method, NoiseGate, SlopeNeighbours};
+use egui::{Align, Layout, RichText, Ui};
+
+/// Draws the section.
+pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+    section_ui(ui, "Detector", |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            button_ui(ui, model, queue, ActionId::Preset1d, Some("BuFF 1D"));
+            button_ui(ui, model, queue, ActionId::Preset2d, Some("BuFF 2D"));
+            button_ui(ui, model, queue, ActionId::PresetSift, Some("SIFT"));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
+            });
+        });
+        ui.add_space(4.0);
+        let frame_count = model.frame_count();
+        let error = model.param_error.clone();
+        let p = &mut model.params;
+        let table = Table { error: error.as_ref(), defaults: DetectorParams::default() };
+        all_rows_ui(ui, &table, p, frame_count);
+    });
+}
+
+struct Table<'a> {
+    error: Option<&'a ParamError>,
+    defaults: DetectorParams,
+}
+
+impl Table<'_> {
+    /// One parameter: its name and unit, its editor, a button that gives it its default, and what is wrong with it.
+    fn row<T: PartialEq + Clone>(
+        &self,
+        ui: &mut Ui,
+        doc: &ParamDoc,
+        params: &mut DetectorParams,
+        field: impl Fn(&mut DetectorParams) -> &mut T,
+        editor: impl FnOnce(&mut Ui, &mut T, egui::Id),
+    ) {
+        let mut defaults = self.defaults.clone();
+        let default = field(&mut defaults).clone();
+        let value = field(params);
+        let wrong = self.error.filter(|e| e.parameter == doc.name);
+        ui.horizontal(|ui| {
+            let label = rows::label_ui(ui, doc, wrong.is_some());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                rows::reset_ui(ui, doc, value, default);
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| editor(ui, value, label.id));
+            });
+        });
+        if let Some(error) = wrong {
+            let text = format!("{}: {}", error.problem, error.remedy);
+            ui.add(egui::Label::new(RichText::new(text).small().color(ui.visuals().error_fg_color)).wrap());
+        }
+    }
+}
+
+fn all_rows_ui(ui: &mut Ui, table: &Table<'_>, p: &mut DetectorParams, frame_count: usize) {
+    let sift = p.method == Method::Sift;
+    let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
+    let interpolation = [(Interpolation::Linear, "Linear"), (Interpolation::Nearest, "Nearest")];
+    table.row(ui, &doc::METHOD, p, |p| &mut p.method, |ui, value, label| {
+        let names = Method::ALL.map(|m| (m, m.name()));
+        rows::choice_ui(ui, value, label, &names);
+    });
+    ui.add_enabled_ui(!sift, |ui| {
+        table.row(ui, &doc::SLOPES_U, p, |p| &mut p.slopes.u, rows::axis_ui);
+        table.row(ui, &doc::SLOPES_V, p, |p| &mut p.slopes.v, rows::axis_ui);
+        table.row(ui, &doc::SLOPE_DIRECTION, p, |p| &mut p.slopes.direction_deg, |ui, value, label| {
+            rows::number_ui(ui, egui::DragValue::new(value).speed(0.5).suffix("°").max_decimals(1), label);
+        });
+    });
+    table.row(ui, &doc::FRAMES, p, |p| &mut p.frames, |ui, value, label| {
+        rows::frames_ui(ui, value, label, frame_count);
+    });
+    table.row(ui, &doc::OCTAVES, p, |p| &mut p.octaves, |ui, value, label| {
+        rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
+    });
+    table.row(ui, &doc::LEVELS, p, |p| &mut p.levels, |ui, value, label| {
+        rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
+    });
+    table.row(ui, &doc::FIRST_OCTAVE, p, |p| &mut p.first_octave, |ui, value, label| {
+        rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
+    });
+    table.row(ui, &doc::PEAK_THRESHOLD, p, |p| &mut p.peak_threshold, |ui, value, label| {
+        rows::number_ui(ui, egui::DragValue::new(value).speed(0.0001).max_decimals(5), label);
+    });
+    table.row(ui, &doc::NOISE_GATE, p, |p| &mut p.noise_gate, |ui, value: &mut NoiseGate, label| {
+        rows::gate_ui(ui, value, label);
+    });
+    table.row(ui, &doc::EDGE_THRESHOLD, p, |p| &mut p.edge_threshold, |ui, value, label| {
+        rows::number_ui(ui, egui::DragValue::new(value).speed(0.1).max_decimals(2), label);
+    });
+    ui.add_enabled_ui(!sift, |ui| {
+        table.row(ui, &doc::SLOPE_NEIGHBOURS, p, |p| &mut p.slope_neighbours, |ui, value, label| {
+            rows::choice_ui(ui, value, label, &adjacent);
+        });
+        table.row(ui, &doc::INTERPOLATION, p, |p| &mut p.interpolation, |ui, value, label| {
+            rows::choice_ui(ui, value, label, &interpolation);
+        });
+    });
+    table.row(ui, &doc::MAX_FEATURES, p, |p| &mut p.max_features, |ui, value, label| {
+        let all = |n: f64, _: std::ops::RangeInclusive<usize>| {
+            if n < 0.5 { "all".to_owned() } else { format!("{n:.0}") }
+        };
+        let parse = |text: &str| if text.trim() == "all" { Some(0.0) } else { text.trim().parse().ok() };
+        rows::number_ui(ui, egui::DragValue::new(value).speed(5.0).custom_formatter(all).custom_parser(parse), label);
+    });
+    table.row(ui, &doc::MAX_ORIENTATIONS, p, |p| &mut p.max_orientations, |ui, value, label| {
+        rows::number_ui(ui, egui::DragValue::new(value).speed(0.02), label);
+    });
+}

@@ -1,0 +1,118 @@
+//! The hand: frame, slope, octave and level, with the grid's slopes marked, and the buttons that move through them.
+
+use super::slope_pad::slope_pad_ui;
+use super::widgets::{ScrubRow, section_ui};
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::state::Model;
+use crate::app::state::scrub::{ViewKind, level_range, octave_range, slope_limit};
+use crate::detector::scale_space::ScaleSpace;
+use egui::Ui;
+
+/// Draws the section.
+pub fn scrub_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+    section_ui(ui, "Scrub", |ui| {
+        frame_row(ui, model);
+        slope_rows(ui, model);
+        buttons_ui(ui, model, queue);
+        if model.usable_params.slopes.is_plane() {
+            slope_pad_ui(ui, model);
+        }
+        scale_rows(ui, model);
+    });
+}
+
+fn frame_row(ui: &mut Ui, model: &mut Model) {
+    let last = model.frame_count().saturating_sub(1) as f32;
+    let mut frame = model.scrub.frame as f32;
+    let row = ScrubRow {
+        label: "Frame",
+        help: "The frame on show, counted from 0. Moving it shows the frame.",
+        range: 0.0..=last,
+        marks: &[],
+        whole: true,
+        suffix: "",
+    };
+    if row.ui(ui, &mut frame) {
+        model.scrub.frame = frame.max(0.0) as usize;
+        model.scrub.kind = ViewKind::Frame;
+    }
+}
+
+fn slope_rows(ui: &mut Ui, model: &mut Model) {
+    let grid = model.usable_params.slopes;
+    let limit = slope_limit(&grid);
+    // A turned grid's slopes are marked where they fall on each axis.
+    let marks = |of: fn(crate::detector::Slope) -> f32| {
+        let mut marks: Vec<f32> = grid.slopes().map(of).collect();
+        marks.sort_by(f32::total_cmp);
+        marks.dedup();
+        marks
+    };
+    let before = model.scrub.slope;
+    let (marks_u, marks_v) = (marks(|s| s.u), marks(|s| s.v));
+    fn row<'a>(label: &'a str, help: &'a str, limit: f32, marks: &'a [f32]) -> ScrubRow<'a> {
+        ScrubRow { label, help, range: -limit..=limit, marks, whole: false, suffix: "" }
+    }
+    row(
+        "Slope u",
+        "Apparent motion to the right, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
+        limit,
+        &marks_u,
+    )
+    .ui(ui, &mut model.scrub.slope.u);
+    row(
+        "Slope v",
+        "Apparent motion downwards, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
+        limit,
+        &marks_v,
+    )
+    .ui(ui, &mut model.scrub.slope.v);
+    if model.scrub.slope != before {
+        (model.slope_chosen, model.playing) = (true, false);
+        if model.scrub.kind == ViewKind::Frame {
+            model.scrub.kind = ViewKind::Stack;
+        }
+    }
+}
+
+fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let play = if model.playing { "⏸ Pause" } else { "▶ Play" };
+        button_ui(ui, model, queue, ActionId::Play, Some(play));
+        button_ui(ui, model, queue, ActionId::SnapSlope, Some("Snap"));
+        button_ui(ui, model, queue, ActionId::SlopeZero, Some("Zero"));
+        button_ui(ui, model, queue, ActionId::BusiestSlope, Some("Most features"));
+    });
+}
+
+fn scale_rows(ui: &mut Ui, model: &mut Model) {
+    let size = model.size();
+    let octaves = octave_range(&model.usable_params, size);
+    let levels = level_range(&model.usable_params);
+    let (mut octave, mut level) = (model.scrub.octave as f32, model.scrub.level as f32);
+    let row = |label, help, range: std::ops::RangeInclusive<i32>| ScrubRow {
+        label,
+        help,
+        range: *range.start() as f32..=*range.end() as f32,
+        marks: &[],
+        whole: true,
+        suffix: "",
+    };
+    let a = row("Octave", "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG.", octaves)
+        .ui(ui, &mut octave);
+    let b = row(
+        "Level",
+        "Level within the octave. Features come from levels 0 and up; the outermost two only take part in comparisons. Moving it shows the DoG.",
+        levels,
+    )
+    .ui(ui, &mut level);
+    if a || b {
+        (model.scrub.octave, model.scrub.level) = (octave as i32, level as i32);
+        model.scrub.kind = ViewKind::Dog;
+    }
+    let space = ScaleSpace::new(model.usable_params.levels as usize, model.usable_params.first_octave);
+    let sigma = space.sigma_image(model.scrub.octave, f64::from(model.scrub.level));
+    ui.weak(format!("Scale σ = {sigma:.2} px"))
+        .on_hover_text("Blobs of about this σ answer most strongly: their radius is √2·σ, in pixels of the input image.");
+}

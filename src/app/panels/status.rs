@@ -1,0 +1,45 @@
+//! The status bar: the value under the pointer, the last note, the open burst.
+
+use crate::app::canvas::Readout;
+use crate::app::state::Model;
+use egui::{Align, Label, Layout, RichText, Ui};
+
+/// Draws the status bar.
+pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&Readout>) {
+    ui.horizontal(|ui| {
+        let text = readout.map_or_else(|| "Point at the picture to read values".to_owned(), ToString::to_string);
+        let width = 330.0;
+        ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(width);
+            let text = RichText::new(text);
+            let text = if readout.is_some() { text.monospace() } else { text.weak() };
+            ui.add(Label::new(text).truncate());
+        });
+        ui.separator();
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.label(RichText::new(burst_text(model)).weak());
+            if let Some(running) = model.busy.opening {
+                let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
+                ui.label(format!("Opening… {percent:.0} %"));
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                if let Some(note) = model.messages.last_note() {
+                    ui.add(Label::new(note).truncate());
+                }
+            });
+        });
+    });
+}
+
+fn burst_text(model: &Model) -> String {
+    let Some(open) = &model.burst else { return "No burst open".to_owned() };
+    let burst = &open.burst;
+    let (width, height) = burst.size();
+    let depth = if burst.quantisation_step > 0.0 {
+        format!(" · {:.0} levels", 1.0 / burst.quantisation_step + 1.0)
+    } else {
+        " · float".to_owned()
+    };
+    let frames = if burst.len() == 1 { "frame" } else { "frames" };
+    format!("{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
+}

@@ -1,0 +1,63 @@
+//! What the window shows before a burst is open, and while files are held over it.
+
+use crate::app::actions::{ActionId, Queue, tooltip};
+use crate::app::state::Model;
+use crate::engine::BurstSource;
+use egui::{Align2, Color32, ProgressBar, RichText, Ui, vec2};
+
+/// Draws the first page: what this is, how to open a burst, what was open before.
+pub fn welcome_ui(
+    ui: &mut Ui,
+    model: &Model,
+    recent: &[BurstSource],
+    queue: &mut Queue,
+    open_recent: &mut Option<BurstSource>,
+) {
+    ui.vertical_centered(|ui| {
+        ui.add_space((ui.available_height() * 0.22).max(16.0));
+        ui.label(RichText::new("Burstscope").size(28.0).strong());
+        ui.weak("See what a burst of dark, noisy frames shows at every slope and scale");
+        ui.add_space(20.0);
+        if let Some(running) = model.busy.opening {
+            let fraction = running.progress.map_or(0.0, |p| p.fraction);
+            ui.add(ProgressBar::new(fraction).desired_width(280.0).text("Opening…"));
+            if ui.button("Cancel").clicked() {
+                queue.push(ActionId::Cancel);
+            }
+            return;
+        }
+        for id in [ActionId::OpenFolder, ActionId::OpenFiles, ActionId::OpenPath, ActionId::OpenDemo] {
+            let action = id.action();
+            let mut button = egui::Button::new(action.label).min_size(vec2(280.0, 28.0));
+            if let Some(shortcut) = &action.shortcut {
+                button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
+            }
+            if ui.add(button).on_hover_text(tooltip(ui.ctx(), action)).clicked() {
+                queue.push(id);
+            }
+        }
+        ui.add_space(8.0);
+        ui.weak("or drop a folder, image files, a multi-page TIFF or a .npy stack here");
+        if !recent.is_empty() {
+            ui.add_space(18.0);
+            ui.label(RichText::new("Recent").strong());
+            for source in recent.iter().take(6) {
+                if ui.link(source.label()).clicked() {
+                    *open_recent = Some(source.clone());
+                }
+            }
+        }
+    });
+}
+
+/// Says that files can be let go while they are held over the window.
+pub fn drop_hint_ui(ctx: &egui::Context) {
+    if ctx.input(|i| i.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let rect = ctx.content_rect();
+    let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint")));
+    painter.rect_filled(rect, 0.0, Color32::from_black_alpha(170));
+    let font = egui::FontId::proportional(22.0);
+    painter.text(rect.center(), Align2::CENTER_CENTER, "Let go to open", font, Color32::WHITE);
+}

@@ -1,0 +1,147 @@
+//! The window, drawn into a PNG without a display: for papers, documentation, and machines without a screen.
+
+use super::offscreen::{OffscreenError, render_offscreen};
+use super::settings::Settings;
+use super::state::scrub::ViewKind;
+use super::window::{BurstscopeApp, Startup};
+use crate::detector::{DetectorParams, Slope};
+use crate::engine::BurstSource;
+use crate::export::{ExportError, Picture, write_png};
+use std::path::Path;
+use std::time::Duration;
+
+/// What is drawn.
+#[derive(Debug, Clone)]
+pub struct RenderOptions {
+    /// The burst.
+    pub source: BurstSource,
+    /// The detector's parameters.
+    pub params: DetectorParams,
+    /// Columns and rows of the window, in points.
+    pub size_points: (f32, f32),
+    /// Pixels for each point: 2 for a HiDPI screen.
+    pub scale: f32,
+    /// Light instead of dark.
+    pub light: bool,
+    /// Which kind of picture.
+    pub kind: ViewKind,
+    /// The slope; `None` takes the one with the most features, or (0, 0) when nothing is detected.
+    pub slope: Option<Slope>,
+    /// The frame; `None` takes the middle one.
+    pub frame: Option<usize>,
+    /// Octave of the DoG response; `None` takes the finest.
+    pub octave: Option<i32>,
+    /// Level of the DoG response.
+    pub level: i32,
+    /// Whether features are detected and drawn.
+    pub detect: bool,
+    /// Whether the strongest feature is selected.
+    pub select_strongest: bool,
+    /// How long it may take to open the burst and to detect.
+    pub max_duration: Duration,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            source: BurstSource::Demo,
+            params: DetectorParams::default(),
+            size_points: (1280.0, 800.0),
+            scale: 1.0,
+            light: false,
+            kind: ViewKind::Stack,
+            slope: None,
+            frame: None,
+            octave: None,
+            level: 0,
+            detect: true,
+            select_strongest: false,
+            max_duration: Duration::from_secs(600),
+        }
+    }
+}
+
+/// Why there is no picture of the window.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// It could not be drawn.
+    #[error(transparent)]
+    Offscreen(#[from] OffscreenError),
+    /// It could not be written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// The window shows an error instead of what was asked for.
+    #[error("{0}")]
+    Window(String),
+    /// It took too long.
+    #[error("the window was not ready after {0} seconds; allow more time, or search fewer slopes")]
+    Timeout(u64),
+}
+
+/// Draws the window with `options` into the PNG file `path`.
+///
+/// # Errors
+/// When the burst cannot be opened, the parameters make no sense for it, nothing can be drawn, or the file cannot be written.
+pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderError> {
+    let settings = Settings {
+        theme: if options.light { egui::ThemePreference::Light } else { egui::ThemePreference::Dark },
+        auto_detect: options.detect,
+        ..Settings::default()
+    };
+    let startup = Startup {
+        source: Some(options.source.clone()),
+        params: options.params.clone(),
+        settings,
+        ..Startup::default()
+    };
+    let mut placed = false;
+    let mut problem = None;
+    let rendered = render_offscreen(
+        egui::vec2(options.size_points.0, options.size_points.1),
+        options.scale,
+        options.max_duration,
+        // The offscreen window has its pictures' renderer already.
+        |ctx, _| BurstscopeApp::new(ctx, None, startup),
+        |app, ui| {
+            app.show(ui);
+            if app.model.burst.is_some() && !placed {
+                place(app, options);
+                placed = true;
+            }
+            if options.select_strongest && app.model.selected.is_none() && !app.model.listed.is_empty() {
+                app.model.selected = app.model.listed.first().copied();
+            }
+            problem = app
+                .model
+                .messages
+                .errors()
+                .first()
+                .map(|m| m.text.clone())
+                .or_else(|| app.model.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string));
+        },
+        |app| app.is_settled() && (app.model.burst.is_some() || !app.model.messages.errors().is_empty()),
+    )?;
+    if let Some(problem) = problem {
+        return Err(RenderError::Window(problem));
+    }
+    if !rendered.settled {
+        return Err(RenderError::Timeout(options.max_duration.as_secs()));
+    }
+    let (width, height) = rendered.image.dimensions();
+    write_png(path, Picture::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
+    Ok(())
+}
+
+/// Puts the hand where the options say.
+fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
+    let model = &mut app.model;
+    model.scrub.kind = options.kind;
+    if let Some(slope) = options.slope {
+        model.scrub.slope = slope;
+        model.slope_chosen = true;
+    }
+    model.scrub.frame = options.frame.unwrap_or(model.scrub.frame);
+    model.scrub.octave = options.octave.unwrap_or(options.params.first_octave);
+    model.scrub.level = options.level;
+    model.check_params();
+}

@@ -1,0 +1,193 @@
+//! A session: what is needed to come back to the same view of the same burst, as a TOML file.
+//!
+//! Pixels and features are not kept: the burst is opened again from where it was, and the features are found again, which gives the
+//! same bits. The selected feature is then found again by its place.
+
+use super::canvas::{View, overlay::ColourBy};
+use super::state::filter::{Filter, Order};
+use super::state::look::Look;
+use super::state::scrub::Scrub;
+use super::state::{BottomTab, Model, SavedSelection};
+use crate::detector::DetectorParams;
+use crate::engine::BurstSource;
+use serde::{Deserialize, Serialize};
+
+/// The version that this program writes; it reads this and older ones.
+const VERSION: u32 = 1;
+
+/// What a session file holds. A missing field has its default.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Session {
+    /// Version of the file's form.
+    version: u32,
+    /// Where the burst comes from.
+    pub burst: BurstSource,
+    /// By what features are coloured.
+    #[serde(default)]
+    pub colour_by: ColourBy,
+    /// The tab below the picture.
+    #[serde(default)]
+    pub bottom_tab: BottomTab,
+    /// Whether features were there, so that they are to be found again.
+    #[serde(default)]
+    pub detected: bool,
+    /// The detector's parameters.
+    #[serde(default)]
+    pub params: DetectorParams,
+    /// Where the hand was.
+    #[serde(default)]
+    pub scrub: Scrub,
+    /// Pan and zoom.
+    #[serde(default)]
+    pub view: View,
+    /// Ranges, maps and overlay.
+    #[serde(default)]
+    pub look: Look,
+    /// Which features were shown.
+    #[serde(default)]
+    pub filter: Filter,
+    /// The table's order.
+    #[serde(default)]
+    pub order: Order,
+    /// The selected feature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub selection: Option<SavedSelection>,
+}
+
+impl Session {
+    /// The session of what is on show; `None` without a burst.
+    pub fn of(model: &Model, view: View) -> Option<Self> {
+        let burst = model.burst.as_ref()?;
+        Some(Self {
+            version: VERSION,
+            burst: absolute(&burst.source),
+            colour_by: model.colour_by,
+            bottom_tab: model.bottom_tab,
+            detected: model.found.is_some(),
+            params: model.params.clone(),
+            scrub: model.scrub,
+            view,
+            look: model.look.clone(),
+            filter: model.filter,
+            order: model.order,
+            selection: model.saved_selection(),
+        })
+    }
+
+    /// The file's text, which [`Session::from_toml`] reads back.
+    pub fn to_toml(&self) -> String {
+        let body = toml::to_string(self).expect("a session is plain values, which TOML can always hold");
+        format!("# A Burstscope session: open it with File > Open session.\n{body}")
+    }
+
+    /// Reads a session file's text.
+    ///
+    /// # Errors
+    /// What is wrong and where, as TOML's reader says it, or that the file is from a newer version.
+    pub fn from_toml(text: &str) -> Result<Self, String> {
+        let mut session: Self = toml::from_str(text).map_err(|e| format!("this is not a session file: {e}"))?;
+        if session.version > VERSION {
+            return Err(format!(
+                "the session file has version {}, this program reads up to {VERSION}; open it with a newer Burstscope",
+                session.version
+            ));
+        }
+        session.look.intensity = session.look.intensity.sanitised();
+        session.look.response = session.look.response.sanitised();
+        Ok(session)
+    }
+
+    /// Puts what the session holds into the model, whose burst was just opened. Answers the view to show.
+    pub fn apply(&self, model: &mut Model) -> View {
+        model.params = self.params.clone();
+        model.scrub = self.scrub;
+        model.slope_chosen = true;
+        model.look = self.look.clone();
+        model.filter = self.filter;
+        model.order = self.order;
+        model.colour_by = self.colour_by;
+        model.bottom_tab = self.bottom_tab;
+        model.reselect = self.selection;
+        model.check_params();
+        self.view
+    }
+}
+
+/// The same source with absolute paths, so that the session can be opened from any folder.
+fn absolute(source: &BurstSource) -> BurstSource {
+    match source {
+        BurstSource::Demo => BurstSource::Demo,
+        BurstSource::Paths(paths) => BurstSource::Paths(
+            paths.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect(),
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::burst::Burst;
+    use crate::detector::Slope;
+    use crate::engine::OpenBurst;
+    use crate::plane::Plane;
+    use proptest::prelude::*;
+
+    fn model() -> Model {
+        let mut model = Model::default();
+        let burst = Burst::from_planes("test", vec![Plane::zeros(64, 48), Plane::zeros(64, 48)]);
+        model.take_burst(OpenBurst::new(burst, BurstSource::Paths(vec!["frames".into()])));
+        model.params.peak_threshold = 0.01;
+        model.scrub.slope = Slope::new(1.25, -0.5);
+        model.filter.hide_slope_limit = true;
+        model.look.motion_vectors = false;
+        model
+    }
+
+    #[test]
+    fn a_session_comes_back_as_it_was() {
+        let session = Session::of(&model(), View::default()).expect("a burst is open");
+        let text = session.to_toml();
+        assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
+        assert!(matches!(&session.burst, BurstSource::Paths(paths) if paths[0].is_absolute()));
+        let mut restored = Model::default();
+        session.apply(&mut restored);
+        assert_eq!(restored.params.peak_threshold, 0.01);
+        assert_eq!(restored.scrub.slope, Slope::new(1.25, -0.5));
+        assert!(!restored.look.motion_vectors && restored.filter.hide_slope_limit);
+    }
+
+    #[test]
+    fn without_a_burst_there_is_no_session() {
+        assert!(Session::of(&Model::default(), View::default()).is_none());
+    }
+
+    #[test]
+    fn what_is_not_a_session_is_said() {
+        for text in ["", "hello", "version = 1", "peak_threshold = 0.1", "version = 99\nburst = \"demo\""] {
+            let error = Session::from_toml(text).expect_err(text);
+            assert!(error.contains("session"), "{error}");
+        }
+        assert!(Session::from_toml("version = 1\nburst = \"demo\"").is_ok());
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_makes_it_panic(text in ".{0,400}") {
+            let _ = Session::from_toml(&text);
+        }
+
+        #[test]
+        fn no_damaged_session_makes_it_panic(at in 0usize..2000, junk in "[a-z0-9=\\[\\]\"{}.\\-]{0,6}") {
+            let mut text = Session::of(&model(), View::default()).expect("a burst is open").to_toml();
+            let mut at = at.min(text.len());
+            while !text.is_char_boundary(at) { at -= 1; }
+            text.insert_str(at, &junk);
+            if let Ok(session) = Session::from_toml(&text) {
+                let mut model = model();
+                session.apply(&mut model);
+                prop_assert!(model.scrub.slope.u.is_finite());
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What the window remembers from one start to the next.
+
+use super::state::{Model, Panels};
+use crate::engine::BurstSource;
+use serde::{Deserialize, Serialize};
+
+/// The name under which the settings are stored.
+pub const STORAGE_KEY: &str = "burstscope settings";
+
+/// The recent list is at most this long.
+const MOST_RECENT: usize = 12;
+
+/// What is remembered.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Bursts that were opened, the latest first.
+    pub recent: Vec<BurstSource>,
+    /// Light, dark, or as the system.
+    pub theme: egui::ThemePreference,
+    /// Open parts of the window.
+    pub panels: Panels,
+    /// Whether a detection starts by itself after a change.
+    pub auto_detect: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { recent: Vec::new(), theme: egui::ThemePreference::Dark, panels: Panels::default(), auto_detect: true }
+    }
+}
+
+impl Settings {
+    /// Reads what was stored; anything that cannot be read has its default.
+    pub fn load(storage: &dyn eframe::Storage) -> Self {
+        storage.get_string(STORAGE_KEY).and_then(|text| toml::from_str(&text).ok()).unwrap_or_default()
+    }
+
+    /// Stores them.
+    pub fn store(&self, storage: &mut dyn eframe::Storage) {
+        if let Ok(text) = toml::to_string(self) {
+            storage.set_string(STORAGE_KEY, text);
+        }
+    }
+
+    /// Puts `source` at the top of the recent list. The demo has a menu item of its own.
+    pub fn remember(&mut self, source: &BurstSource) {
+        if *source != BurstSource::Demo {
+            self.recent.retain(|s| s != source);
+            self.recent.insert(0, source.clone());
+            self.recent.truncate(MOST_RECENT);
+        }
+    }
+
+    /// Takes over what the model has of them.
+    pub fn take_from(&mut self, model: &Model) {
+        (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashMap;
+
+    #[derive(Default)]
+    struct Memory(HashMap<String, String>);
+
+    impl eframe::Storage for Memory {
+        fn get_string(&self, key: &str) -> Option<String> {
+            self.0.get(key).cloned()
+        }
+        fn set_string(&mut self, key: &str, value: String) {
+            self.0.insert(key.to_owned(), value);
+        }
+        fn remove_string(&mut self, key: &str) {
+            self.0.remove(key);
+        }
+        fn flush(&mut self) {}
+    }
+
+    #[test]
+    fn settings_come_back_and_rubbish_gives_defaults() {
+        let mut memory = Memory::default();
+        let mut settings = Settings { auto_detect: false, ..Settings::default() };
+        settings.remember(&BurstSource::Paths(vec!["/a".into()]));
+        settings.store(&mut memory);
+        assert_eq!(Settings::load(&memory), settings);
+        memory.0.insert(STORAGE_KEY.to_owned(), "[[[".to_owned());
+        assert_eq!(Settings::load(&memory), Settings::default());
+    }
+
+    #[test]
+    fn the_recent_list_has_each_burst_once_the_latest_first() {
+        let source = |i: usize| BurstSource::Paths(vec![format!("/burst{i}").into()]);
+        let mut settings = Settings::default();
+        for i in 0..20 {
+            settings.remember(&source(i));
+        }
+        settings.remember(&source(15));
+        settings.remember(&BurstSource::Demo);
+        assert_eq!(settings.recent.len(), MOST_RECENT);
+        assert_eq!((&settings.recent[0], &settings.recent[1]), (&source(15), &source(19)));
+    }
+}

@@ -1,0 +1,92 @@
+//! What the window has to tell: errors stay until they are dismissed, notes are replaced by the next.
+
+/// How serious a message is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// Something was done.
+    Note,
+    /// Something could not be done, and why.
+    Error,
+}
+
+/// One message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// Tells it from other messages.
+    pub id: u64,
+    /// What was tried, in a few words.
+    pub title: String,
+    /// What happened and what to do.
+    pub text: String,
+}
+
+/// The messages that are open, and the last note.
+#[derive(Debug, Clone, Default)]
+pub struct Messages {
+    errors: Vec<Message>,
+    note: Option<String>,
+    newest: u64,
+}
+
+/// More errors than this push the oldest out.
+const MOST_ERRORS: usize = 4;
+
+impl Messages {
+    /// Shows an error until it is dismissed. The same error again is shown once.
+    pub fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        let (title, text) = (title.into(), text.into());
+        self.errors.retain(|m| m.title != title || m.text != text);
+        self.newest += 1;
+        self.errors.push(Message { id: self.newest, title, text });
+        if self.errors.len() > MOST_ERRORS {
+            self.errors.remove(0);
+        }
+    }
+
+    /// Shows a note in the status bar until the next one.
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.note = Some(text.into());
+    }
+
+    /// Errors that were not dismissed, oldest first.
+    pub fn errors(&self) -> &[Message] {
+        &self.errors
+    }
+
+    /// The last note.
+    pub fn last_note(&self) -> Option<&str> {
+        self.note.as_deref()
+    }
+
+    /// Takes an error away.
+    pub fn dismiss(&mut self, id: u64) {
+        self.errors.retain(|m| m.id != id);
+    }
+
+    /// Takes away the errors that `title` names: what they were about has worked since.
+    pub fn resolved(&mut self, title: &str) {
+        self.errors.retain(|m| m.title != title);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_stay_until_dismissed_and_are_not_repeated() {
+        let mut messages = Messages::default();
+        messages.error("Open", "a.png: empty");
+        messages.error("Open", "a.png: empty");
+        messages.error("Detect", "no");
+        assert_eq!(messages.errors().len(), 2);
+        messages.dismiss(messages.errors()[0].id);
+        assert_eq!(messages.errors()[0].title, "Detect");
+        for i in 0..10 {
+            messages.error("Many", i.to_string());
+        }
+        assert_eq!(messages.errors().len(), MOST_ERRORS);
+        messages.resolved("Many");
+        assert!(messages.errors().is_empty());
+    }
+}

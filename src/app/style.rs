@@ -1,0 +1,71 @@
+//! How the window looks: quiet colours, small type, little space, so that the picture has the room.
+
+use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, vec2};
+
+/// The accent in both themes: a blue that is neither end of a diverging map.
+pub const ACCENT: Color32 = Color32::from_rgb(0x2f, 0x7f, 0xd6);
+
+/// Gives a context this look, in light and dark.
+pub fn apply(ctx: &egui::Context) {
+    ctx.all_styles_mut(common);
+    ctx.style_mut_of(Theme::Dark, dark);
+    ctx.style_mut_of(Theme::Light, light);
+}
+
+/// The colour of warnings that can be read on the theme's ground.
+pub fn warning(ui: &egui::Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(0xf2, 0xb1, 0x4b) } else { Color32::from_rgb(0x9a, 0x5b, 0x00) }
+}
+
+fn common(style: &mut Style) {
+    style.text_styles = [
+        (TextStyle::Heading, FontId::proportional(16.0)),
+        (TextStyle::Body, FontId::proportional(13.0)),
+        (TextStyle::Button, FontId::proportional(13.0)),
+        (TextStyle::Small, FontId::proportional(11.0)),
+        (TextStyle::Monospace, FontId::monospace(12.0)),
+    ]
+    .into();
+    style.spacing.item_spacing = vec2(6.0, 4.0);
+    style.spacing.button_padding = vec2(7.0, 2.0);
+    style.spacing.interact_size.y = 20.0;
+    style.spacing.combo_width = 60.0;
+    for widget in [
+        &mut style.visuals.widgets.noninteractive,
+        &mut style.visuals.widgets.inactive,
+        &mut style.visuals.widgets.hovered,
+        &mut style.visuals.widgets.active,
+        &mut style.visuals.widgets.open,
+    ] {
+        widget.corner_radius = CornerRadius::same(4);
+    }
+    style.visuals.menu_corner_radius = CornerRadius::same(6);
+    style.visuals.window_corner_radius = CornerRadius::same(8);
+}
+
+fn dark(style: &mut Style) {
+    let visuals = &mut style.visuals;
+    visuals.panel_fill = Color32::from_gray(30);
+    visuals.window_fill = Color32::from_gray(36);
+    visuals.faint_bg_color = Color32::from_gray(37);
+    visuals.extreme_bg_color = Color32::from_gray(18);
+    visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(190);
+    visuals.widgets.inactive.fg_stroke.color = Color32::from_gray(205);
+    visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_gray(52));
+    visuals.selection.bg_fill = Color32::from_rgb(0x1f, 0x56, 0x92);
+    visuals.selection.stroke = Stroke::new(1.0, Color32::from_rgb(0xdd, 0xec, 0xff));
+    visuals.hyperlink_color = Color32::from_rgb(0x7a, 0xb5, 0xf5);
+}
+
+fn light(style: &mut Style) {
+    let visuals = &mut style.visuals;
+    visuals.panel_fill = Color32::from_gray(246);
+    visuals.window_fill = Color32::from_gray(252);
+    visuals.faint_bg_color = Color32::from_gray(238);
+    visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(56);
+    visuals.widgets.inactive.fg_stroke.color = Color32::from_gray(44);
+    visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_gray(212));
+    visuals.selection.bg_fill = Color32::from_rgb(0xb9, 0xd8, 0xf8);
+    visuals.selection.stroke = Stroke::new(1.0, Color32::from_rgb(0x0b, 0x3a, 0x6b));
+    visuals.hyperlink_color = ACCENT;
+}

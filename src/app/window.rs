@@ -1,0 +1,461 @@
+//! The window: takes the engine's answers, draws the panels, and asks the engine for what is missing.
+
+use super::actions::{self, ActionId, Queue, palette::Palette};
+use super::canvas::View;
+use super::dialogs::{self, Answer, Desk, FileDialogs, PathField, Purpose, Question, SystemDialogs};
+use super::panels::display::DisplayState;
+use super::panels::picture::PictureState;
+use super::panels::selection::SelectionState;
+use super::session::Session;
+use super::settings::Settings;
+use super::state::scrub::{ViewKind, played};
+use super::state::{Busy, Model};
+use crate::detector::DetectorParams;
+use crate::engine::{
+    Answer as JobAnswer, BurstSource, DetectRequest, Engine, JobError, JobId, LaneKind, OnUpdate, OpenBurst, PictureRequest,
+    Update,
+};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// With what a window starts.
+pub struct Startup {
+    /// What is opened first; `None` opens nothing and shows how to begin.
+    pub source: Option<BurstSource>,
+    /// The detector's parameters.
+    pub params: DetectorParams,
+    /// A session file that is restored instead.
+    pub session: Option<PathBuf>,
+    /// What was remembered from the last time.
+    pub settings: Settings,
+    /// Asks for files.
+    pub dialogs: Arc<dyn FileDialogs>,
+    /// Bytes of pictures that are kept.
+    pub cache_bytes: usize,
+}
+
+impl Default for Startup {
+    fn default() -> Self {
+        Self {
+            source: Some(BurstSource::Demo),
+            params: DetectorParams::default(),
+            session: None,
+            settings: Settings::default(),
+            dialogs: Arc::new(SystemDialogs),
+            cache_bytes: crate::engine::DEFAULT_CACHE_BYTES,
+        }
+    }
+}
+
+/// Pauses between slopes while they are played.
+const PLAY_EVERY: Duration = Duration::from_millis(220);
+
+/// The window.
+pub struct BurstscopeApp {
+    /// What is shown.
+    pub model: Model,
+    /// The workers.
+    pub engine: Engine,
+    /// Pan and zoom of the picture.
+    pub view: View,
+    pub(super) palette: Palette,
+    pub(super) sheet_open: bool,
+    pub(super) about_open: bool,
+    pub(super) play_step: usize,
+    pub(super) play_due: Option<Instant>,
+    pub(super) pictures: PictureState,
+    pub(super) display: DisplayState,
+    pub(super) selection: SelectionState,
+    settings: Settings,
+    desk: Desk,
+    path_field: Option<PathField>,
+    restoring: Option<(JobId, Box<Session>)>,
+    asked_picture: Option<PictureRequest>,
+    asked_patch: Option<PictureRequest>,
+    detecting_params: Option<DetectorParams>,
+    failed_params: Option<DetectorParams>,
+}
+
+impl BurstscopeApp {
+    /// A window in `ctx`. Float pictures need `render_state`; without it everything else works.
+    pub fn new(ctx: &egui::Context, render_state: Option<&egui_wgpu::RenderState>, startup: Startup) -> Self {
+        if let Some(render_state) = render_state {
+            super::gpu::install(ctx, render_state);
+        }
+        super::style::apply(ctx);
+        let waker = ctx.clone();
+        let on_update: OnUpdate = Arc::new(move || waker.request_repaint());
+        let mut model = Model::default();
+        (model.params, model.usable_params) = (startup.params.clone(), startup.params);
+        (model.theme, model.panels) = (startup.settings.theme, startup.settings.panels);
+        model.auto_detect = startup.settings.auto_detect;
+        model.check_params();
+        let mut app = Self {
+            model,
+            engine: Engine::new(on_update.clone(), startup.cache_bytes),
+            view: View::fit(),
+            palette: Palette::default(),
+            sheet_open: false,
+            about_open: false,
+            play_step: 0,
+            play_due: None,
+            pictures: PictureState::default(),
+            display: DisplayState::default(),
+            selection: SelectionState::default(),
+            settings: startup.settings,
+            desk: Desk::new(startup.dialogs, on_update),
+            path_field: None,
+            restoring: None,
+            asked_picture: None,
+            asked_patch: None,
+            detecting_params: None,
+            failed_params: None,
+        };
+        if let Some(path) = startup.session {
+            app.restore_session(&path);
+        } else if let Some(source) = startup.source {
+            app.open(source);
+        }
+        app
+    }
+
+    /// Opens a burst in the background; the one that is open stays until the new one is there.
+    pub fn open(&mut self, source: BurstSource) {
+        self.restoring = None;
+        self.engine.open(source);
+    }
+
+    /// Whether everything that is wanted is there and nothing runs.
+    pub fn is_settled(&self) -> bool {
+        self.engine.is_idle()
+            && !self.desk.is_asking()
+            && self.model.picture_is_current()
+            && !(self.model.auto_detect && self.wants_detection())
+    }
+
+    /// Draws the window and answers what happened since the last time.
+    pub fn show(&mut self, ui: &mut egui::Ui) {
+        let ctx = ui.ctx().clone();
+        ctx.set_theme(self.model.theme);
+        self.take_updates();
+        self.take_answers();
+        self.take_dropped_files(&ctx);
+        let mut queue = Queue::new();
+        if !self.modal_is_open() {
+            actions::take_shortcuts(&ctx, &self.model, &mut queue);
+        }
+        if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
+            queue.push(ActionId::Palette);
+        }
+        self.step_play(&ctx);
+        super::shell::shell_ui(self, ui, &mut queue);
+        self.overlays_ui(&ctx, &mut queue);
+        for id in queue {
+            self.run_action(&ctx, id);
+        }
+        self.model.check_params();
+        self.model.refresh_listed();
+        self.request_what_is_missing(&ctx);
+    }
+
+    fn modal_is_open(&self) -> bool {
+        self.palette.is_open() || self.sheet_open || self.about_open || self.path_field.is_some()
+    }
+
+    fn overlays_ui(&mut self, ctx: &egui::Context, queue: &mut Queue) {
+        self.palette.ui(ctx, &self.model, queue);
+        actions::shortcuts_sheet::sheet_ui(ctx, &mut self.sheet_open);
+        super::panels::about::about_ui(ctx, &mut self.about_open);
+        if let Some(field) = &mut self.path_field {
+            let purpose = field.purpose;
+            let (path, stay) = field.ui(ctx);
+            if !stay {
+                self.path_field = None;
+            }
+            if let Some(path) = path {
+                self.use_files(purpose, vec![path]);
+            }
+        }
+        super::panels::messages::messages_ui(ctx, &mut self.model.messages);
+    }
+
+    /// Takes what the engine published.
+    fn take_updates(&mut self) {
+        for update in self.engine.poll() {
+            match update {
+                Update::Opened(answer) => self.take_opened(answer),
+                Update::Picture(answer) => match answer.result {
+                    Ok(picture) => self.model.take_picture(picture),
+                    Err(JobError::Cancelled) => self.asked_picture = None,
+                    Err(error) => self.model.messages.error("Picture", error.to_string()),
+                },
+                Update::Patch(answer) => match answer.result {
+                    Ok(patch) => self.model.patch = Some(patch),
+                    Err(JobError::Cancelled) => {}
+                    Err(error) => self.model.messages.error("Patch", error.to_string()),
+                },
+                Update::Detected(answer) => {
+                    let asked = self.detecting_params.take();
+                    match answer.result {
+                        Ok(detected) => {
+                            self.model.messages.resolved("Detection");
+                            self.model.take_detection(detected, answer.elapsed);
+                        }
+                        Err(JobError::Cancelled) => {
+                            self.failed_params = asked;
+                            self.model.messages.note("Detection cancelled");
+                        }
+                        Err(error) => {
+                            self.failed_params = asked;
+                            self.model.messages.error("Detection", error.to_string());
+                        }
+                    }
+                }
+                Update::Task(done) => match done.result {
+                    Ok(text) => self.model.messages.note(text),
+                    Err(error) => self.model.messages.error(done.label, error.to_string()),
+                },
+            }
+        }
+        self.model.busy = Busy {
+            opening: self.engine.running(LaneKind::Open),
+            detecting: self.engine.running(LaneKind::Detect),
+            picture: self.engine.running(LaneKind::Picture).is_some(),
+        };
+    }
+
+    fn take_opened(&mut self, answer: JobAnswer<OpenBurst>) {
+        let session = match self.restoring.take() {
+            Some((id, session)) if id == answer.id => Some(session),
+            other => {
+                self.restoring = other;
+                None
+            }
+        };
+        match answer.result {
+            Ok(burst) => {
+                self.engine.cancel(LaneKind::Detect);
+                self.settings.remember(&burst.source);
+                let (width, height) = burst.burst.size();
+                let (name, count) = (burst.burst.name.clone(), burst.burst.len());
+                let frames = if count == 1 { "frame" } else { "frames" };
+                self.model.messages.resolved("Open");
+                self.model.messages.note(format!("Opened {name}: {count} {frames} of {width} × {height}"));
+                self.model.take_burst(burst);
+                self.view = View::fit();
+                (self.asked_picture, self.asked_patch) = (None, None);
+                (self.failed_params, self.detecting_params) = (None, None);
+                if let Some(session) = session {
+                    self.view = session.apply(&mut self.model);
+                    if session.detected && self.model.needs_detection() {
+                        self.start_detection();
+                    }
+                }
+            }
+            Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
+            Err(error) => self.model.messages.error("Open", error.to_string()),
+        }
+    }
+
+    fn take_answers(&mut self) {
+        for answer in self.desk.take_answers() {
+            match answer {
+                Answer::Chosen(purpose, paths) => self.use_files(purpose, paths),
+                Answer::Nothing => {}
+                Answer::NoDialog(question) => {
+                    let text = if question.purpose.saves() { question.suggested_name } else { String::new() };
+                    self.path_field = Some(PathField::new(question.purpose, text, true));
+                }
+            }
+        }
+    }
+
+    fn take_dropped_files(&mut self, ctx: &egui::Context) {
+        let paths: Vec<PathBuf> =
+            ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
+        if paths.is_empty() {
+            return;
+        }
+        match paths.as_slice() {
+            [one] if one.extension().is_some_and(|e| e == "toml") => {
+                let is_session = std::fs::read_to_string(one).is_ok_and(|text| Session::from_toml(&text).is_ok());
+                self.use_files(if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }, paths);
+            }
+            _ => self.open(BurstSource::Paths(paths)),
+        }
+    }
+
+    /// Asks for files with the system's dialog.
+    pub(super) fn ask(&mut self, purpose: Purpose) {
+        let question =
+            Question { purpose, suggested_name: self.suggested_name(purpose), folder: self.folder_of_burst() };
+        self.desk.ask(question);
+    }
+
+    /// Asks for a path with a field to type it into.
+    pub(super) fn open_path_field(&mut self, purpose: Purpose, instead_of_dialog: bool) {
+        self.path_field = Some(PathField::new(purpose, String::new(), instead_of_dialog));
+    }
+
+    fn suggested_name(&self, purpose: Purpose) -> String {
+        let burst = self.model.burst.as_ref().map_or("burst", |b| b.burst.name.as_str());
+        let stem = std::path::Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
+        match purpose {
+            Purpose::SaveSession => format!("{stem}.burstscope.toml"),
+            Purpose::SaveParams => "params.toml".to_owned(),
+            Purpose::Export(kind) => {
+                let what = match (kind, self.model.scrub.kind) {
+                    (dialogs::ExportKind::Csv | dialogs::ExportKind::Colmap | dialogs::ExportKind::Npz, _) => "features",
+                    (_, ViewKind::Frame) => "frame",
+                    (_, ViewKind::Stack) => "stack",
+                    (_, ViewKind::Dog) => "dog",
+                };
+                format!("{stem}-{what}.{}", kind.extension())
+            }
+            _ => String::new(),
+        }
+    }
+
+    fn folder_of_burst(&self) -> Option<PathBuf> {
+        match &self.model.burst.as_ref()?.source {
+            BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
+            BurstSource::Demo => None,
+        }
+    }
+
+    fn use_files(&mut self, purpose: Purpose, paths: Vec<PathBuf>) {
+        let Some(first) = paths.first().cloned() else { return };
+        match purpose {
+            Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => self.open(BurstSource::Paths(paths)),
+            Purpose::RestoreSession => self.restore_session(&first),
+            Purpose::LoadParams => self.load_params(&first),
+            Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => self.write(purpose, first),
+        }
+    }
+
+    /// Restores a session file: opens its burst, and when that worked takes over everything else. Until then nothing changes.
+    pub fn restore_session(&mut self, path: &std::path::Path) {
+        let read = std::fs::read_to_string(path).map_err(|e| e.to_string());
+        match read.and_then(|text| Session::from_toml(&text)) {
+            Ok(session) => {
+                self.model.messages.resolved("Open session");
+                let id = self.engine.open(session.burst.clone());
+                self.restoring = Some((id, Box::new(session)));
+            }
+            Err(error) => self.model.messages.error("Open session", format!("{error}: {}", path.display())),
+        }
+    }
+
+    fn load_params(&mut self, path: &std::path::Path) {
+        let read = std::fs::read_to_string(path).map_err(|e| e.to_string());
+        match read.and_then(|text| DetectorParams::from_toml(&text)) {
+            Ok(params) => {
+                self.model.params = params;
+                self.model.messages.resolved("Load parameters");
+                self.model.messages.note(format!("Loaded parameters from {}", path.display()));
+            }
+            Err(error) => self.model.messages.error("Load parameters", format!("{error}: {}", path.display())),
+        }
+    }
+
+    fn write(&mut self, purpose: Purpose, path: PathBuf) {
+        match super::writing::prepare(purpose, &self.model, self.view) {
+            Ok(work) => {
+                self.engine.task(purpose.title(), move || {
+                    work(&path)?;
+                    Ok(format!("Wrote {}", path.display()))
+                });
+            }
+            Err(why) => self.model.messages.error(purpose.title(), why),
+        }
+    }
+
+    fn wants_detection(&self) -> bool {
+        self.model.needs_detection() && self.failed_params.as_ref() != Some(&self.model.params)
+    }
+
+    /// Starts a detection with the present parameters.
+    pub(super) fn start_detection(&mut self) {
+        if let Some(burst) = self.model.burst.clone() {
+            self.detecting_params = Some(self.model.params.clone());
+            self.engine.detect(DetectRequest { burst, params: self.model.params.clone() });
+            self.model.busy.detecting = self.engine.running(LaneKind::Detect);
+        }
+    }
+
+    pub(super) fn go_to_selected(&mut self) {
+        if let Some(feature) = self.model.selected_feature().copied() {
+            self.model.scrub.slope = feature.slope;
+            (self.model.slope_chosen, self.model.playing) = (true, false);
+            if self.model.scrub.kind == ViewKind::Frame {
+                self.model.scrub.kind = ViewKind::Stack;
+            }
+            self.view.look_at(egui::pos2(feature.u, feature.v), 60.0 / feature.sigma.max(1.0));
+        }
+    }
+
+    fn step_play(&mut self, ctx: &egui::Context) {
+        if !self.model.playing {
+            return;
+        }
+        let now = Instant::now();
+        // The next slope waits for the picture of this one, so that a slow machine plays slowly and skips none.
+        if self.play_due.is_none_or(|due| now >= due) && self.model.picture_is_current() {
+            self.play_step += 1;
+            self.model.scrub.slope = played(&self.model.usable_params.slopes, self.play_step);
+            self.model.slope_chosen = true;
+            if self.model.scrub.kind == ViewKind::Frame {
+                self.model.scrub.kind = ViewKind::Stack;
+            }
+            self.play_due = Some(now + PLAY_EVERY);
+        }
+        ctx.request_repaint_after(PLAY_EVERY / 4);
+    }
+
+    fn request_what_is_missing(&mut self, ctx: &egui::Context) {
+        if let Some(wanted) = self.model.wanted_picture()
+            && !self.asked_picture.as_ref().is_some_and(|asked| asked.same_picture(&wanted))
+        {
+            self.engine.request_picture(wanted.clone());
+            self.asked_picture = Some(wanted);
+        }
+        match self.model.wanted_patch() {
+            Some(wanted) if !self.asked_patch.as_ref().is_some_and(|asked| asked.same_picture(&wanted)) => {
+                self.engine.request_patch(wanted.clone());
+                self.asked_patch = Some(wanted);
+            }
+            _ => {}
+        }
+        // While the hand still drags a parameter, every value on the way would start a detection for nothing.
+        let dragging = ctx.input(|i| i.pointer.any_down());
+        if self.model.auto_detect && !dragging && self.wants_detection() {
+            if self.detecting_params.as_ref() != Some(&self.model.params) {
+                self.start_detection();
+            }
+        }
+    }
+}
+
+impl eframe::App for BurstscopeApp {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.settings.take_from(&self.model);
+        self.settings.store(storage);
+    }
+}
+
+impl BurstscopeApp {
+    /// Where a place of the image (in pixels) is in the window (in points), as last drawn.
+    pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
+        self.pictures.ui_from_image.map(|t| t.pos(pos_image))
+    }
+
+    /// Bursts that were opened before, the latest first.
+    pub fn recent(&self) -> &[BurstSource] {
+        &self.settings.recent
+    }
+}

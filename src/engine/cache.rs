@@ -1,0 +1,61 @@
+//! Pictures that were made already, up to a number of bytes; the one not looked at for longest goes first.
+
+use super::picture::{Picture, PictureKey, PictureRequest};
+use std::collections::HashMap;
+
+/// A least-recently-used store of pictures with a byte budget.
+#[derive(Debug)]
+pub struct PictureCache {
+    budget_bytes: usize,
+    bytes: usize,
+    clock: u64,
+    entries: HashMap<PictureKey, (Picture, u64)>,
+}
+
+impl PictureCache {
+    /// An empty cache that holds at most `budget_bytes` of pixels.
+    pub fn new(budget_bytes: usize) -> Self {
+        Self { budget_bytes, bytes: 0, clock: 0, entries: HashMap::new() }
+    }
+
+    /// Bytes of pixels held now; never above the budget.
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// How many pictures are held.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether no picture is held.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// The picture that `request` asks for, if it is held; that makes it the most recently used.
+    pub fn get(&mut self, request: &PictureRequest) -> Option<Picture> {
+        self.clock += 1;
+        let (picture, used) = self.entries.get_mut(&request.key())?;
+        *used = self.clock;
+        Some(picture.clone())
+    }
+
+    /// Keeps `picture`, dropping others as needed. Frames are not kept: the burst holds them. Neither is a picture above the whole budget.
+    pub fn insert(&mut self, picture: &Picture) {
+        let size = picture.bytes();
+        if picture.is_frame() || size > self.budget_bytes {
+            return;
+        }
+        self.clock += 1;
+        if let Some((old, _)) = self.entries.insert(picture.request.key(), (picture.clone(), self.clock)) {
+            self.bytes -= old.bytes();
+        }
+        self.bytes += size;
+        while self.bytes > self.budget_bytes {
+            let oldest = self.entries.iter().min_by_key(|(_, (_, used))| *used).map(|(key, _)| *key);
+            let Some((old, _)) = oldest.and_then(|key| self.entries.remove(&key)) else { break };
+            self.bytes -= old.bytes();
+        }
+    }
+}

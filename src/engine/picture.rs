@@ -1,0 +1,150 @@
+//! What can be shown of a burst: a frame, a motion-stack image, or a DoG response.
+
+use super::fault::JobError;
+use super::source::{BurstId, OpenBurst};
+use crate::detector::view::{dog_view, stack_view};
+use crate::detector::{DetectError, DetectorParams, Interpolation, Slope};
+use crate::monitor::Monitor;
+use crate::plane::Plane;
+use std::sync::Arc;
+
+/// Which picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PictureKind {
+    /// One frame, counted from 0.
+    Frame(usize),
+    /// The motion-stack image at a slope, on the grid or between.
+    Stack {
+        /// Pixels per frame.
+        slope: Slope,
+    },
+    /// The DoG response of the motion-stack image at a slope.
+    Dog {
+        /// Octave; −1 is the doubled image.
+        octave: i32,
+        /// Level within the octave.
+        level: i32,
+        /// Pixels per frame.
+        slope: Slope,
+    },
+}
+
+impl PictureKind {
+    /// Input pixels for one pixel of this picture: 2^octave for a DoG response, else 1.
+    pub fn input_px_per_pixel(self) -> f32 {
+        match self {
+            Self::Dog { octave, .. } => (octave as f32).exp2(),
+            Self::Frame(_) | Self::Stack { .. } => 1.0,
+        }
+    }
+}
+
+/// Which picture of which burst: an immutable snapshot.
+#[derive(Debug, Clone)]
+pub struct PictureRequest {
+    /// The burst.
+    pub burst: OpenBurst,
+    /// Which picture of it.
+    pub kind: PictureKind,
+    /// The parameters; only those that decide the picture make two requests differ.
+    pub params: DetectorParams,
+}
+
+/// What decides a picture. Two requests with one key give the same picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct PictureKey {
+    burst: BurstId,
+    kind: KindKey,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum KindKey {
+    Frame(usize),
+    Stack(StackKey),
+    Dog { stack: StackKey, octave: i32, level: i32, levels: u32, first_octave: i32 },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct StackKey {
+    slope_bits: (u32, u32),
+    frames: (usize, usize),
+    nearest: bool,
+}
+
+impl PictureRequest {
+    pub(super) fn key(&self) -> PictureKey {
+        let stack = |slope: Slope| {
+            let used = self.params.used_frames(self.burst.burst.len());
+            // Adding 0 makes −0 and 0 one slope.
+            let slope_bits = ((slope.u + 0.0).to_bits(), (slope.v + 0.0).to_bits());
+            StackKey {
+                slope_bits,
+                frames: (used.start, used.end),
+                nearest: self.params.interpolation == Interpolation::Nearest,
+            }
+        };
+        let kind = match self.kind {
+            PictureKind::Frame(index) => KindKey::Frame(index),
+            PictureKind::Stack { slope } => KindKey::Stack(stack(slope)),
+            PictureKind::Dog { octave, level, slope } => KindKey::Dog {
+                stack: stack(slope),
+                octave,
+                level,
+                levels: self.params.levels,
+                first_octave: self.params.first_octave,
+            },
+        };
+        PictureKey { burst: self.burst.id, kind }
+    }
+
+    /// Whether both ask for the same pixels.
+    pub fn same_picture(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+
+    /// Makes the picture, on the calling thread and its pool.
+    ///
+    /// # Errors
+    /// [`JobError::Failed`] for a frame that the burst has not, [`JobError::Cancelled`] once `monitor` was cancelled.
+    pub fn compute(&self, monitor: &Monitor) -> Result<Picture, JobError> {
+        let burst = &self.burst.burst;
+        let plane = match self.kind {
+            PictureKind::Frame(index) => burst.frames.get(index).cloned().ok_or_else(|| {
+                JobError::Failed(format!("there is no frame {index}; the burst has {} frames", burst.len()))
+            })?,
+            PictureKind::Stack { slope } => Arc::new(stack_view(burst, &self.params, slope, monitor)?),
+            PictureKind::Dog { octave, level, slope } => {
+                Arc::new(dog_view(burst, &self.params, slope, octave, level, monitor).map_err(job_error)?)
+            }
+        };
+        Ok(Picture { request: self.clone(), plane })
+    }
+}
+
+/// The engine's error for one of the detector's.
+pub(super) fn job_error(error: DetectError) -> JobError {
+    match error {
+        DetectError::Cancelled(_) => JobError::Cancelled,
+        DetectError::Param(error) => JobError::Failed(error.to_string()),
+    }
+}
+
+/// A picture with what was asked for. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// What it shows.
+    pub request: PictureRequest,
+    /// Its pixels; fraction of full scale.
+    pub plane: Arc<Plane>,
+}
+
+impl Picture {
+    /// Bytes of its pixels.
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.plane.data())
+    }
+
+    pub(super) fn is_frame(&self) -> bool {
+        matches!(self.request.kind, PictureKind::Frame(_))
+    }
+}

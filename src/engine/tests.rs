@@ -1,0 +1,278 @@
+//! The engine's promises: latest wins, cancel, a panic becomes a message, the cache keeps its budget.
+
+use super::*;
+use crate::burst::Burst;
+use crate::detector::Slope;
+use crate::monitor::{Monitor, Stage};
+use crate::plane::Plane;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+const PATIENCE: Duration = Duration::from_secs(20);
+
+fn nobody() -> OnUpdate {
+    Arc::new(|| {})
+}
+
+fn wait_for<T>(mut poll: impl FnMut() -> Option<T>) -> T {
+    let end = Instant::now() + PATIENCE;
+    loop {
+        if let Some(found) = poll() {
+            return found;
+        }
+        assert!(Instant::now() < end, "nothing happened in {PATIENCE:?}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Work that runs until it is cancelled or let go.
+fn stubborn(go: mpsc::Receiver<()>) -> impl Fn(u32, &Monitor) -> Result<u32, JobError> + Send + Sync {
+    let go = Mutex::new(go);
+    move |request, monitor| {
+        loop {
+            monitor.check()?;
+            if go.lock().expect("not poisoned").try_recv().is_ok() {
+                return Ok(request);
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+#[test]
+fn the_latest_request_wins_and_the_others_say_nothing() {
+    let (go, gone) = mpsc::channel();
+    let lane = Lane::new("test", Duration::ZERO, nobody(), stubborn(gone));
+    let ids: Vec<JobId> = (0..50).map(|i| lane.submit(i)).collect();
+    wait_for(|| lane.running().filter(|r| r.id == ids[49]));
+    go.send(()).expect("the lane listens");
+    let answer = wait_for(|| lane.take_answer());
+    assert_eq!(answer.id, ids[49]);
+    assert_eq!(answer.result, Ok(49));
+    wait_for(|| lane.is_idle().then_some(()));
+    assert!(lane.take_answer().is_none(), "superseded requests give no answer");
+}
+
+#[test]
+fn within_its_grace_a_superseded_request_is_still_shown() {
+    let (go, gone) = mpsc::channel();
+    let lane = Lane::new("test", Duration::from_secs(60), nobody(), stubborn(gone));
+    let first = lane.submit(1);
+    wait_for(|| lane.running().filter(|r| r.id == first && !r.started.elapsed().is_zero()));
+    std::thread::sleep(Duration::from_millis(5));
+    let second = lane.submit(2);
+    go.send(()).expect("the lane listens");
+    let answer = wait_for(|| lane.take_answer());
+    assert_eq!((answer.id, answer.result), (first, Ok(1)));
+    go.send(()).expect("the lane listens");
+    let answer = wait_for(|| lane.take_answer());
+    assert_eq!((answer.id, answer.result), (second, Ok(2)));
+}
+
+#[test]
+fn after_its_grace_a_superseded_request_is_cancelled_without_a_word() {
+    let (go, gone) = mpsc::channel();
+    let lane = Lane::new("test", Duration::from_millis(30), nobody(), stubborn(gone));
+    let first = lane.submit(1);
+    wait_for(|| lane.running().filter(|r| r.id == first && r.started.elapsed() > Duration::from_millis(1)));
+    let second = lane.submit(2);
+    wait_for(|| {
+        lane.enforce_grace();
+        lane.running().filter(|r| r.id == second)
+    });
+    assert!(lane.take_answer().is_none());
+    go.send(()).expect("the lane listens");
+    assert_eq!(wait_for(|| lane.take_answer()).id, second);
+}
+
+#[test]
+fn cancelling_answers_cancelled_and_the_lane_works_on() {
+    let (go, gone) = mpsc::channel();
+    let lane = Lane::new("test", Duration::ZERO, nobody(), stubborn(gone));
+    let id = lane.submit(1);
+    lane.cancel();
+    let answer = wait_for(|| lane.take_answer());
+    assert_eq!((answer.id, answer.result), (id, Err(JobError::Cancelled)));
+    let next = lane.submit(2);
+    go.send(()).expect("the lane listens");
+    let answer = wait_for(|| lane.take_answer());
+    assert_eq!((answer.id, answer.result), (next, Ok(2)));
+}
+
+#[test]
+fn a_panic_becomes_a_message_with_its_place_and_the_lane_works_on() {
+    let lane = Lane::new("test", Duration::ZERO, nobody(), |request: u32, _: &Monitor| {
+        use rayon::prelude::*;
+        // Deep inside a parallel loop, where the panic happens on another thread than the lane's.
+        let sum: u32 = (0..1000u32).into_par_iter().map(|i| if i == request { panic!("no {request}") } else { 1 }).sum();
+        Ok(sum)
+    });
+    lane.submit(7);
+    match wait_for(|| lane.take_answer()).result {
+        Err(JobError::Panicked { message, place }) => {
+            assert_eq!(message, "no 7");
+            assert!(place.contains("tests.rs:"), "{place}");
+        }
+        other => panic!("expected a panic's message, got {other:?}"),
+    }
+    lane.submit(5000);
+    assert_eq!(wait_for(|| lane.take_answer()).result, Ok(1000));
+}
+
+#[test]
+fn an_answer_is_published_before_the_listener_hears_of_it() {
+    let heard = Arc::new(AtomicUsize::new(0));
+    let lane: Arc<Mutex<Option<Lane<u32, u32>>>> = Arc::default();
+    let (count, its) = (heard.clone(), lane.clone());
+    let on_update: OnUpdate = Arc::new(move || {
+        if let Some(lane) = &*its.lock().expect("not poisoned")
+            && lane.take_answer().is_some()
+        {
+            count.fetch_add(1, Ordering::SeqCst);
+        }
+    });
+    *lane.lock().expect("not poisoned") =
+        Some(Lane::new("test", Duration::ZERO, on_update, |request: u32, _: &Monitor| Ok(request)));
+    lane.lock().expect("not poisoned").as_ref().expect("just put there").submit(3);
+    wait_for(|| (heard.load(Ordering::SeqCst) == 1).then_some(()));
+}
+
+#[test]
+fn progress_can_be_read_while_it_runs() {
+    let lane = Lane::new("test", Duration::ZERO, nobody(), |(): (), monitor: &Monitor| -> Result<(), JobError> {
+        monitor.report(Stage::Search { octave: 2 }, 0.25);
+        loop {
+            monitor.check()?;
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    });
+    lane.submit(());
+    let progress = wait_for(|| lane.running().and_then(|r| r.progress));
+    assert_eq!((progress.stage, progress.fraction), (Stage::Search { octave: 2 }, 0.25));
+    lane.cancel();
+}
+
+fn small_burst() -> OpenBurst {
+    let frame = |t: usize| Plane::from_fn(40, 32, |u, v| ((u * 7 + v * 3 + t) % 11) as f32 / 11.0);
+    OpenBurst::new(Burst::from_planes("test", (0..3).map(frame).collect()), BurstSource::Demo)
+}
+
+fn stack_request(burst: &OpenBurst, slope_u: f32) -> PictureRequest {
+    let kind = PictureKind::Stack { slope: Slope::new(slope_u, 0.0) };
+    PictureRequest { burst: burst.clone(), kind, params: DetectorParams::default() }
+}
+
+#[test]
+fn the_cache_keeps_its_budget_and_drops_the_least_recently_used() {
+    let burst = small_burst();
+    let one = 40 * 32 * 4;
+    let mut cache = PictureCache::new(3 * one);
+    let requests: Vec<_> = (0..4).map(|i| stack_request(&burst, i as f32)).collect();
+    let monitor = Monitor::default();
+    for request in &requests[..3] {
+        cache.insert(&request.compute(&monitor).expect("not cancelled"));
+    }
+    assert_eq!(cache.bytes(), 3 * one);
+    assert!(cache.get(&requests[0]).is_some());
+    cache.insert(&requests[3].compute(&monitor).expect("not cancelled"));
+    assert_eq!((cache.len(), cache.bytes()), (3, 3 * one));
+    assert!(cache.get(&requests[1]).is_none(), "the one not used for longest went");
+    assert!(cache.get(&requests[0]).is_some() && cache.get(&requests[3]).is_some());
+    let mut tiny = PictureCache::new(one - 1);
+    tiny.insert(&requests[0].compute(&monitor).expect("not cancelled"));
+    assert!(tiny.is_empty());
+}
+
+#[test]
+fn only_what_decides_a_picture_makes_it_another() {
+    let burst = small_burst();
+    let request = stack_request(&burst, 1.0);
+    let mut other = request.clone();
+    other.params.peak_threshold = 0.5;
+    other.params.levels = 5;
+    assert!(request.same_picture(&other));
+    other.params.frames = Some(crate::detector::FrameRange { start: 0, end: 2 });
+    assert!(!request.same_picture(&other));
+    let reopened = PictureRequest { burst: small_burst(), ..request.clone() };
+    assert!(!request.same_picture(&reopened), "another opening may have other pixels");
+}
+
+#[test]
+fn a_picture_asked_for_again_comes_from_the_cache() {
+    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    let burst = small_burst();
+    let picture = |engine: &Engine| {
+        wait_for(|| {
+            engine.poll().into_iter().find_map(|u| match u {
+                Update::Picture(answer) => Some(answer),
+                _ => None,
+            })
+        })
+    };
+    engine.request_picture(stack_request(&burst, 0.5));
+    let first = picture(&engine).result.expect("valid");
+    engine.request_picture(stack_request(&burst, 0.5));
+    let second = picture(&engine);
+    assert_eq!(second.elapsed, Duration::ZERO);
+    assert!(Arc::ptr_eq(&first.plane, &second.result.expect("valid").plane));
+    assert!(engine.wait_idle(PATIENCE));
+}
+
+#[test]
+fn a_missing_file_is_a_message_that_names_it() {
+    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    engine.open(BurstSource::Paths(vec!["/no/such/folder-of-frames".into()]));
+    let answer = wait_for(|| {
+        engine.poll().into_iter().find_map(|u| match u {
+            Update::Opened(answer) => Some(answer),
+            _ => None,
+        })
+    });
+    match answer.result {
+        Err(JobError::Failed(message)) => assert!(message.contains("folder-of-frames"), "{message}"),
+        other => panic!("expected a message, got {other:?}"),
+    }
+}
+
+#[test]
+fn a_detection_can_be_cancelled_while_pictures_go_on() {
+    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    let frame = |t: usize| Plane::from_fn(512, 384, |u, v| ((u * 7919 + v * 104_729 + t * 31) % 997) as f32 / 997.0);
+    let burst =
+        OpenBurst::new(Burst::from_planes("large", (0..9).map(frame).collect()), BurstSource::Demo);
+    let slopes = crate::detector::SlopeGrid::plane(-3.0..=3.0, 9, -3.0..=3.0, 9);
+    let params = DetectorParams { slopes, ..DetectorParams::default() };
+    engine.detect(DetectRequest { burst: burst.clone(), params });
+    wait_for(|| engine.running(LaneKind::Detect));
+    engine.request_picture(stack_request(&burst, 0.25));
+    wait_for(|| engine.poll().into_iter().find(|u| matches!(u, Update::Picture(a) if a.result.is_ok())));
+    engine.cancel(LaneKind::Detect);
+    let answer = wait_for(|| {
+        engine.poll().into_iter().find_map(|u| match u {
+            Update::Detected(answer) => Some(answer),
+            _ => None,
+        })
+    });
+    assert!(matches!(answer.result, Err(JobError::Cancelled)), "{:?}", answer.result.map(|d| d.detection.times));
+}
+
+#[test]
+fn a_task_says_what_it_did_or_why_not() {
+    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    engine.task("Good", || Ok("written".into()));
+    engine.task("Bad", || Err("disk full".into()));
+    engine.task("Ugly", || panic!("oh"));
+    assert!(engine.wait_idle(PATIENCE));
+    let mut done: Vec<TaskDone> = engine
+        .poll()
+        .into_iter()
+        .filter_map(|u| match u {
+            Update::Task(done) => Some(done),
+            _ => None,
+        })
+        .collect();
+    done.sort_by(|a, b| a.label.cmp(&b.label));
+    assert_eq!(done[0].result, Err(JobError::Failed("disk full".into())));
+    assert_eq!(done[1].result, Ok("written".into()));
+    assert!(matches!(&done[2].result, Err(JobError::Panicked { message, .. }) if message == "oh"));
+}

@@ -1,0 +1,19 @@
+//! The window, driven as a person drives it: by what is written on its buttons, and by keys.
+
+mod common;
+
+#[path = "window/support.rs"]
+mod support;
+
+#[path = "window/detecting.rs"]
+mod detecting;
+#[path = "window/finding_ones_way.rs"]
+mod finding_ones_way;
+#[path = "window/keeping.rs"]
+mod keeping;
+#[path = "window/looks.rs"]
+mod looks;
+#[path = "window/opening.rs"]
+mod opening;
+#[path = "window/scrubbing.rs"]
+mod scrubbing;

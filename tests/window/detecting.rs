@@ -1,0 +1,127 @@
+//! Detecting, cancelling, selecting, sorting, filtering.
+
+use crate::support::{Start, noisy_stack};
+use burstscope::app::state::filter::Column;
+use burstscope::detector::{Method, SlopeGrid};
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+#[test]
+fn detect_finds_what_the_detector_finds() {
+    let mut window = Start::without_auto_detect().open();
+    assert!(window.app().model.found.is_none());
+    window.click("Detect");
+    window.settle();
+    let model = &window.app().model;
+    let burst = &model.burst.as_ref().unwrap().burst;
+    let expected = burstscope::detect(burst, &model.params, &burstscope::Monitor::default()).unwrap();
+    assert_eq!(model.features(), expected.features);
+    assert!(window.shows(&format!("{} features in", expected.features.len())));
+}
+
+#[test]
+fn a_feature_is_selected_in_the_picture_and_in_the_table() {
+    let mut window = Start::default().open();
+    let features = window.app().model.features().to_vec();
+    let (index, feature) = features
+        .iter()
+        .enumerate()
+        .find(|(i, f)| {
+            // One that stands alone, so that the click can mean no other.
+            features.iter().enumerate().all(|(j, g)| *i == j || (f.u - g.u).hypot(f.v - g.v) > 6.0 * (f.sigma + g.sigma))
+        })
+        .expect("the demo has a feature that stands alone");
+    let pos = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).unwrap();
+    window.click_at(pos);
+    assert_eq!(window.app().model.selected, Some(index));
+    window.settle();
+    assert!(window.shows(&format!("{:.2}, {:.2} px", feature.u, feature.v)), "the panel shows its numbers");
+    assert!(window.harness.query_by_role_and_label(Role::Image, "Descriptor").is_some());
+    assert!(window.harness.query_by_role_and_label(Role::Image, "Patch in the motion stack").is_some());
+    window.harness.get_by_role_and_label(Role::Row, "Feature 2").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.selected, Some(1));
+    window.key(Key::N);
+    assert_eq!(window.app().model.selected, Some(2));
+    window.key(Key::Escape);
+    assert_eq!(window.app().model.selected, None);
+}
+
+#[test]
+fn a_detection_is_cancelled_and_the_window_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut start = Start::of(&noisy_stack(folder.path(), 12, 700, 900));
+    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
+    let mut window = start.open();
+    window.click("Detect");
+    window.wait("the detection runs", |app| app.model.busy.detecting.is_some());
+    // Scrubbing is live while it runs.
+    window.slide("Slope u", 1.0);
+    window.wait("the picture of the new slope", |app| app.model.picture_is_current());
+    assert!(window.app().model.busy.detecting.is_some(), "the detection must still run for this test to mean something");
+    window.click("Cancel");
+    window.wait("the detection ends", |app| app.model.busy.detecting.is_none());
+    assert!(window.app().model.found.is_none());
+    assert!(window.shows("Detection cancelled"));
+    window.settle();
+}
+
+#[test]
+fn features_of_other_parameters_are_marked_as_stale_until_detected_again() {
+    let mut window = Start::without_auto_detect().open();
+    window.click("Detect");
+    window.settle();
+    window.click("SIFT");
+    window.settle();
+    assert_eq!(window.app().model.params.method, Method::Sift);
+    assert!(window.shows("Stale features"));
+    window.click("Detect again");
+    window.settle();
+    assert!(!window.shows("Stale features"));
+    assert_eq!(window.app().model.found.as_ref().unwrap().detection.slopes.len(), 1);
+}
+
+#[test]
+fn with_the_switch_on_a_change_is_detected_by_itself() {
+    let mut window = Start::default().open();
+    let before = window.app().model.features().len();
+    window.app_mut().model.params.max_features = 3;
+    window.settle();
+    assert!(before > 3);
+    assert_eq!(window.app().model.found.as_ref().unwrap().params.max_features, 3);
+    assert!(window.app().model.stale().is_none());
+}
+
+#[test]
+fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
+    let mut window = Start::default().open();
+    window.app_mut().model.params.slopes.u.count = 0;
+    window.settle();
+    assert!(window.shows("the count is 0: give at least 1 slope"));
+    assert!(window.shows("the parameters make no sense"));
+    assert!(window.app().model.picture_is_current(), "pictures go on");
+    window.click("Reset Slopes u");
+    window.settle();
+    assert!(window.app().model.param_error.is_none());
+}
+
+#[test]
+fn headings_sort_and_the_filter_leaves_out() {
+    let mut window = Start::default().open();
+    window.click("Sort by σ");
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.order.column, Column::Sigma);
+    let sigmas: Vec<f32> = model.listed.iter().map(|&i| model.features()[i].sigma).collect();
+    assert!(sigmas.is_sorted() && sigmas.len() > 5);
+    let total = sigmas.len();
+    window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
+    window.settle();
+    let model = &window.app().model;
+    assert!(!model.listed.is_empty() && model.listed.len() < total);
+    assert!(window.shows(&format!("{} of {total}", model.listed.len())));
+    window.click("Clear filter");
+    window.settle();
+    assert_eq!(window.app().model.listed.len(), total);
+}

@@ -1,0 +1,162 @@
+//! Saving and loading parameters and sessions, exporting, remembering.
+
+use crate::support::{Start, noisy_stack};
+use burstscope::app::settings::Settings;
+use burstscope::detector::{DetectorParams, Slope};
+
+#[test]
+fn parameters_are_saved_and_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("params.toml");
+    let mut window = Start::without_auto_detect().open();
+    window.app_mut().model.params.peak_threshold = 0.0125;
+    window.dialogs.will_choose(&file);
+    window.run_action("save parameters");
+    window.settle();
+    let saved = DetectorParams::from_toml(&std::fs::read_to_string(&file).unwrap()).unwrap();
+    assert_eq!(saved.peak_threshold, 0.0125);
+    window.click("Reset all");
+    assert_eq!(window.app().model.params, DetectorParams::default());
+    window.dialogs.will_choose(&file);
+    window.run_action("load parameters");
+    window.settle();
+    assert_eq!(window.app().model.params, saved);
+}
+
+#[test]
+fn a_parameter_file_with_a_mistake_is_named_and_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wrong.toml");
+    std::fs::write(&file, "peak_treshold = 0.1\n").unwrap();
+    let mut window = Start::without_auto_detect().open();
+    let before = window.app().model.params.clone();
+    window.dialogs.will_choose(&file);
+    window.run_action("load parameters");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows("peak_treshold") && window.shows("wrong.toml"));
+    assert_eq!(window.app().model.params, before);
+}
+
+#[test]
+fn a_session_brings_everything_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let stack = noisy_stack(folder.path(), 7, 96, 128);
+    let file = folder.path().join("night.burstscope.toml");
+    let mut window = Start::of(&stack).open();
+    window.click("Detect");
+    window.settle();
+    let features = window.app().model.features().to_vec();
+    assert!(features.len() >= 2, "{features:?}");
+    window.slide("Slope u", 1.25);
+    window.app_mut().model.selected = Some(1);
+    window.run_action("zoom in");
+    window.run_action("motion vectors");
+    window.settle();
+    let (view, scrub) = (window.app().view, window.app().model.scrub);
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+
+    let mut other = Start::without_auto_detect().open();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    let model = &other.app().model;
+    assert_eq!(model.size(), (128, 96));
+    assert_eq!(model.scrub, scrub);
+    assert_eq!(model.scrub.slope, Slope::new(1.25, 0.0));
+    assert_eq!(model.features(), features, "the same burst and parameters give the same bits");
+    assert_eq!(model.selected, Some(1));
+    assert!(!model.look.motion_vectors);
+    assert_eq!(other.app().view.zoom, view.zoom);
+}
+
+#[test]
+fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let stack = noisy_stack(folder.path(), 3, 48, 48);
+    let file = folder.path().join("night.burstscope.toml");
+    let mut window = Start::of(&stack).open();
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    std::fs::remove_file(&stack).unwrap();
+    let mut other = Start::without_auto_detect().open();
+    let before = (other.app().model.burst.as_ref().unwrap().id, other.app().model.params.clone());
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(other.shows("noisy.npy"));
+    assert_eq!((other.app().model.burst.as_ref().unwrap().id, other.app().model.params.clone()), before);
+}
+
+#[test]
+fn features_pictures_and_figures_are_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start::default().open();
+    let count = window.app().model.features().len();
+    let exports = [
+        ("features as csv", "f.csv"),
+        ("features for colmap", "f.txt"),
+        ("features as npz", "f.npz"),
+        ("32-bit tiff", "p.tiff"),
+        ("picture as png", "p.png"),
+        ("figure as svg", "p.svg"),
+    ];
+    for (action, name) in exports {
+        window.dialogs.will_choose(folder.path().join(name));
+        window.run_action(action);
+        window.settle();
+        assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
+    }
+    let csv = std::fs::read_to_string(folder.path().join("f.csv")).unwrap();
+    assert_eq!(csv.lines().count(), count + 1);
+    let colmap = std::fs::read_to_string(folder.path().join("f.txt")).unwrap();
+    assert!(colmap.starts_with(&format!("{count} 128\n")));
+    let tiff = burstscope::Burst::open(folder.path().join("p.tiff")).unwrap();
+    assert_eq!(tiff.frames[0].data(), window.app().model.picture.as_ref().unwrap().plane.data());
+    let png = burstscope::Burst::open(folder.path().join("p.png")).unwrap();
+    assert_eq!(png.size(), (480, 360));
+    let svg = std::fs::read_to_string(folder.path().join("p.svg")).unwrap();
+    let circles = svg.matches("<circle").count();
+    assert!(circles >= count, "{circles} circles for {count} features");
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start::default().open();
+    window.dialogs.will_choose(folder.path());
+    window.run_action("features as csv");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows(&folder.path().display().to_string()));
+}
+
+#[test]
+fn theme_panels_and_recent_bursts_are_remembered() {
+    #[derive(Default)]
+    struct Memory(std::collections::HashMap<String, String>);
+    impl eframe::Storage for Memory {
+        fn get_string(&self, key: &str) -> Option<String> {
+            self.0.get(key).cloned()
+        }
+        fn set_string(&mut self, key: &str, value: String) {
+            self.0.insert(key.to_owned(), value);
+        }
+        fn remove_string(&mut self, key: &str) {
+            self.0.remove(key);
+        }
+        fn flush(&mut self) {}
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let stack = noisy_stack(folder.path(), 3, 48, 48);
+    let mut window = Start::of(&stack).open();
+    window.run_action("light theme");
+    window.settle();
+    let mut memory = Memory::default();
+    eframe::App::save(window.app_mut(), &mut memory);
+    let settings = Settings::load(&memory);
+    assert_eq!(settings.theme, egui::ThemePreference::Light);
+    assert_eq!(settings.recent.len(), 1);
+    assert!(!settings.auto_detect);
+}

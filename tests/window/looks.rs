@@ -1,0 +1,109 @@
+//! How the window looks. Each picture was looked at; a change of one has to be looked at again.
+
+use crate::support::{Start, Window};
+use burstscope::app::Startup;
+use burstscope::app::settings::Settings;
+use burstscope::app::state::BottomTab;
+use burstscope::detector::{Slope, SlopeGrid};
+use egui::Key;
+
+const PLAIN: [f32; 2] = [1280.0, 800.0];
+
+fn open() -> Window {
+    Start { size: PLAIN, ..Start::default() }.open()
+}
+
+#[test]
+fn start() {
+    open().snapshot("start");
+}
+
+#[test]
+fn single_frame() {
+    let mut window = open();
+    window.key(Key::Num1);
+    window.snapshot("single_frame");
+}
+
+#[test]
+fn dog_response() {
+    let mut window = open();
+    window.key(Key::Num3);
+    window.slide("Octave", 1.0);
+    window.app_mut().model.bottom_tab = BottomTab::Tally;
+    window.snapshot("dog_response");
+}
+
+#[test]
+fn selected_feature() {
+    let mut window = open();
+    window.key(Key::Home);
+    window.key(Key::Enter);
+    window.snapshot("selected_feature");
+}
+
+#[test]
+fn parameter_error() {
+    let mut window = open();
+    window.app_mut().model.params.slopes = SlopeGrid::line(3.0..=-3.0, 7);
+    window.snapshot("parameter_error");
+}
+
+#[test]
+fn palette() {
+    let mut window = open();
+    window.ctrl(Key::P);
+    {
+        use egui_kittest::kittest::Queryable;
+        let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Find an action");
+        field.type_text("exp");
+    }
+    window.harness.run_steps(3);
+    window.snapshot("palette");
+}
+
+#[test]
+fn shortcuts() {
+    let mut window = open();
+    window.key(Key::Questionmark);
+    window.snapshot("shortcuts");
+}
+
+#[test]
+fn light_theme() {
+    let settings = Settings { theme: egui::ThemePreference::Light, ..Settings::default() };
+    let startup = Startup { settings, ..Startup::default() };
+    let mut window = Start { size: PLAIN, startup, ..Start::default() }.open();
+    window.key(Key::Home);
+    window.snapshot("light_theme");
+}
+
+#[test]
+fn small_hidpi() {
+    let mut window = Start { size: [1000.0, 600.0], pixels_per_point: 2.0, ..Start::default() }.open();
+    window.snapshot("small_hidpi");
+}
+
+#[test]
+fn plane_of_slopes() {
+    let mut start = Start { size: [1280.0, 720.0], ..Start::default() };
+    start.startup.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
+    let mut window = start.open();
+    window.app_mut().model.scrub.slope = Slope::new(1.6, -1.2);
+    window.snapshot("plane_of_slopes");
+}
+
+#[test]
+fn first_page() {
+    Start { size: PLAIN, ..Start::nothing_open() }.open().snapshot("first_page");
+}
+
+#[test]
+fn error_message() {
+    let mut window = open();
+    window.app_mut().model.messages.error(
+        "Open",
+        "this is not a picture that can be read; give PNG, JPEG, TIFF, PNM, WebP, BMP or .npy: /data/night/frame_003.png",
+    );
+    window.snapshot("error_message");
+}

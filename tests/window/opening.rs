@@ -1,0 +1,102 @@
+//! Opening bursts, and what happens when that fails.
+
+use crate::support::{Start, noisy_stack};
+use burstscope::engine::BurstSource;
+use std::io::Write;
+
+#[test]
+fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
+    let window = Start::default().open();
+    let model = &window.app().model;
+    assert_eq!(model.frame_count(), 10);
+    assert!(model.features().len() > 5, "{}", model.features().len());
+    assert!(model.scrub.slope.magnitude() > 0.5, "the slope with the most features is shown: {:?}", model.scrub.slope);
+    assert!(window.shows("features in"));
+    assert!(window.shows("10 frames"));
+}
+
+#[test]
+fn with_nothing_open_the_first_page_leads_on() {
+    let mut window = Start::nothing_open().open();
+    assert!(window.app().model.burst.is_none());
+    assert!(window.shows("or drop a folder"));
+    window.click("Open demo burst");
+    window.settle();
+    assert_eq!(window.app().model.frame_count(), 10);
+}
+
+#[test]
+fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = noisy_stack(folder.path(), 4, 48, 64);
+    let mut window = Start::without_auto_detect().open();
+    window.dialogs.will_choose(&path);
+    window.click("Open…");
+    window.settle();
+    assert_eq!((window.app().model.frame_count(), window.app().model.size()), (4, (64, 48)));
+    assert_eq!(window.app().recent(), [BurstSource::Paths(vec![path])]);
+}
+
+#[test]
+fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("broken-frame.png");
+    std::fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
+    let mut window = Start::without_auto_detect().open();
+    let before = window.app().model.burst.as_ref().unwrap().id;
+    let plane = window.app().model.picture.clone().unwrap().plane;
+    window.dialogs.will_choose(&path);
+    window.click("Open…");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows("broken-frame.png"));
+    assert_eq!(window.app().model.burst.as_ref().unwrap().id, before);
+    assert_eq!(window.app().model.picture.as_ref().unwrap().plane, plane);
+    window.click("Dismiss: Open");
+    assert!(!window.shows("broken-frame.png"));
+}
+
+#[test]
+fn where_the_system_has_no_dialog_a_path_can_be_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = noisy_stack(folder.path(), 3, 40, 40);
+    let mut window = Start::without_auto_detect().open();
+    // The script is empty, so the dialog answers "nothing" at once, as rfd does without a portal.
+    window.click("Open…");
+    window.wait("the dialog's answer", |app| app.is_settled());
+    assert!(window.shows("This system shows no file dialog"));
+    type_path(&mut window, &path.display().to_string());
+    window.settle();
+    assert_eq!(window.app().model.frame_count(), 3);
+}
+
+#[test]
+fn files_that_are_dropped_are_opened() {
+    #[derive(Debug)]
+    struct Dropped(std::path::PathBuf);
+    impl egui::DroppedFile for Dropped {
+        fn path(&self) -> &std::path::Path {
+            &self.0
+        }
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            std::fs::read(&self.0).map_err(|e| e.to_string())
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = noisy_stack(folder.path(), 5, 40, 40);
+    let mut window = Start::without_auto_detect().open();
+    window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
+    window.harness.step();
+    window.settle();
+    assert_eq!(window.app().model.frame_count(), 5);
+}
+
+/// Types into the path field and accepts.
+pub fn type_path(window: &mut crate::support::Window, text: &str) {
+    use egui::accesskit::Role;
+    use egui_kittest::kittest::Queryable;
+    let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
+    field.focus();
+    field.type_text(text);
+    window.harness.run_steps(2);
+    window.key(egui::Key::Enter);
+}

@@ -1,0 +1,86 @@
+//! The picture follows the hand.
+
+use crate::support::Start;
+use burstscope::Monitor;
+use burstscope::app::state::scrub::ViewKind;
+use burstscope::detector::Slope;
+use burstscope::detector::view::{dog_view, stack_view};
+use egui::Key;
+
+#[test]
+fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
+    let mut window = Start::without_auto_detect().open();
+    let before = window.app().model.picture.clone().unwrap();
+    window.slide("Slope u", 1.37);
+    window.settle();
+    let model = &window.app().model;
+    let after = model.picture.clone().unwrap();
+    assert_ne!(before.plane, after.plane);
+    let burst = &model.burst.as_ref().unwrap().burst;
+    let slope = Slope::new(model.scrub.slope.u, 0.0);
+    assert!((slope.u - 1.37).abs() < 1e-6, "slopes between the grid's are shown");
+    let expected = stack_view(burst, &model.params, slope, &Monitor::default()).unwrap();
+    assert_eq!(*after.plane, expected);
+    assert!(window.shows("slope (1.37, 0.00) px/frame"));
+}
+
+#[test]
+fn keys_step_through_the_grid_and_snap_to_it() {
+    let mut window = Start::without_auto_detect().open();
+    window.key(Key::ArrowRight);
+    assert_eq!(window.app().model.scrub.slope, Slope::new(1.0, 0.0));
+    window.key(Key::ArrowRight);
+    window.key(Key::ArrowLeft);
+    window.key(Key::ArrowLeft);
+    assert_eq!(window.app().model.scrub.slope, Slope::new(0.0, 0.0));
+    window.slide("Slope u", 1.8);
+    window.click("Snap");
+    assert_eq!(window.app().model.scrub.slope, Slope::new(2.0, 0.0));
+}
+
+#[test]
+fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
+    let mut window = Start::without_auto_detect().open();
+    window.key(Key::Num1);
+    window.settle();
+    let model = &window.app().model;
+    let frame = model.burst.as_ref().unwrap().burst.frames[model.scrub.frame].clone();
+    assert_eq!(model.picture.as_ref().unwrap().plane, frame);
+    window.key(Key::Num3);
+    window.slide("Octave", 1.0);
+    window.settle();
+    let model = &window.app().model;
+    let burst = &model.burst.as_ref().unwrap().burst;
+    let expected = dog_view(burst, &model.params, model.scrub.slope, 1, model.scrub.level, &Monitor::default()).unwrap();
+    assert_eq!(*model.picture.as_ref().unwrap().plane, expected);
+    assert!(window.shows("octave 1"));
+    window.slide("Frame", 7.0);
+    window.settle();
+    assert_eq!((window.app().model.scrub.kind, window.app().model.scrub.frame), (ViewKind::Frame, 7));
+}
+
+#[test]
+fn the_range_stays_while_the_hand_moves() {
+    let mut window = Start::without_auto_detect().open();
+    let before = window.app().model.look.intensity;
+    for slope in [-2.0, 0.7, 2.9] {
+        window.slide("Slope u", slope);
+        window.settle();
+    }
+    window.key(Key::Num1);
+    window.settle();
+    assert_eq!(window.app().model.look.intensity, before);
+}
+
+#[test]
+fn playing_runs_through_the_slopes_until_it_is_paused() {
+    let mut window = Start::without_auto_detect().open();
+    let first = window.app().model.scrub.slope;
+    window.click("▶ Play");
+    window.wait("another slope", |app| app.model.scrub.slope != first);
+    let second = window.app().model.scrub.slope;
+    window.wait("a third slope", |app| app.model.scrub.slope != first && app.model.scrub.slope != second);
+    assert!(window.app().model.params.slopes.slopes().any(|s| s == second), "the grid's slopes are played");
+    window.click("⏸ Pause");
+    assert!(!window.app().model.playing);
+}

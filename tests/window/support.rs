@@ -1,0 +1,209 @@
+//! A window for tests, and what a person's hands do to it.
+
+use crate::common;
+use burstscope::app::dialogs::{FileDialogs, Question};
+use burstscope::app::settings::Settings;
+use burstscope::app::{BurstscopeApp, Startup};
+use burstscope::engine::BurstSource;
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use ndarray::Array3;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// How long anything may take before a test gives up.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Dialogs that answer from a list.
+#[derive(Default, Clone)]
+pub struct Scripted(Arc<Mutex<VecDeque<Option<PathBuf>>>>);
+
+impl Scripted {
+    /// The next dialog answers this path.
+    pub fn will_choose(&self, path: impl Into<PathBuf>) {
+        self.0.lock().unwrap().push_back(Some(path.into()));
+    }
+}
+
+impl FileDialogs for Scripted {
+    fn ask(&self, _: &Question) -> Option<Vec<PathBuf>> {
+        self.0.lock().unwrap().pop_front().flatten().map(|p| vec![p])
+    }
+}
+
+/// A window and the dialogs' script.
+pub struct Window {
+    pub harness: Harness<'static, BurstscopeApp>,
+    pub dialogs: Scripted,
+}
+
+/// How a window starts.
+pub struct Start {
+    pub size: [f32; 2],
+    pub pixels_per_point: f32,
+    pub startup: Startup,
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Self { size: [1280.0, 720.0], pixels_per_point: 1.0, startup: Startup::default() }
+    }
+}
+
+impl Start {
+    pub fn nothing_open() -> Self {
+        Self { startup: Startup { source: None, ..Startup::default() }, ..Self::default() }
+    }
+
+    pub fn without_auto_detect() -> Self {
+        let settings = Settings { auto_detect: false, ..Settings::default() };
+        Self { startup: Startup { settings, ..Startup::default() }, ..Self::default() }
+    }
+
+    pub fn of(path: &Path) -> Self {
+        let source = Some(BurstSource::Paths(vec![path.to_owned()]));
+        let startup = Startup { source, ..Self::without_auto_detect().startup };
+        Self { startup, ..Self::default() }
+    }
+
+    /// Opens the window and waits until everything is there.
+    pub fn open(self) -> Window {
+        let mut window = self.open_without_waiting();
+        window.settle();
+        window
+    }
+
+    pub fn open_without_waiting(mut self) -> Window {
+        let dialogs = Scripted::default();
+        self.startup.dialogs = Arc::new(dialogs.clone());
+        let harness = common::builder(self.size)
+            .with_pixels_per_point(self.pixels_per_point)
+            .wgpu_setup(common::wgpu_setup())
+            .build_eframe(|cc| BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), self.startup));
+        Window { harness, dialogs }
+    }
+}
+
+impl Window {
+    pub fn app(&self) -> &BurstscopeApp {
+        self.harness.state()
+    }
+
+    pub fn app_mut(&mut self) -> &mut BurstscopeApp {
+        self.harness.state_mut()
+    }
+
+    /// Runs the window until nothing is wanted that is not there.
+    pub fn settle(&mut self) {
+        self.wait("the window comes to rest", |app| app.is_settled());
+        // What was measured in one pass is placed in the next.
+        self.harness.run_steps(3);
+        self.wait("the window comes to rest", |app| app.is_settled());
+    }
+
+    /// Runs the window until `wanted` holds.
+    pub fn wait(&mut self, what: &str, wanted: impl Fn(&BurstscopeApp) -> bool) {
+        let end = Instant::now() + PATIENCE;
+        let mut held = 0;
+        while held < 2 {
+            assert!(Instant::now() < end, "in {PATIENCE:?} this did not happen: {what}");
+            self.harness.step();
+            held = if wanted(self.harness.state()) { held + 1 } else { 0 };
+            if held == 0 {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        }
+    }
+
+    /// Presses a button (or another thing to click) with this text.
+    pub fn click(&mut self, label: &str) {
+        self.harness.get_by_role_and_label(Role::Button, label).click();
+        self.harness.run_steps(2);
+    }
+
+    /// Presses a key.
+    pub fn key(&mut self, key: egui::Key) {
+        self.harness.key_press(key);
+        self.harness.run_steps(2);
+    }
+
+    /// Presses keys with Ctrl (Cmd on a Mac).
+    pub fn ctrl(&mut self, key: egui::Key) {
+        self.harness.key_press_modifiers(egui::Modifiers::COMMAND, key);
+        self.harness.run_steps(2);
+    }
+
+    /// Chooses an action in the command palette by typing its name.
+    pub fn run_action(&mut self, name: &str) {
+        self.ctrl(egui::Key::P);
+        self.harness.get_by_role_and_label(Role::TextInput, "Find an action").type_text(name);
+        self.harness.run_steps(2);
+        self.key(egui::Key::Enter);
+        self.harness.run_steps(2);
+    }
+
+    /// Moves a slider.
+    pub fn slide(&mut self, label: &str, value: f64) {
+        self.harness.get_by_role_and_label(Role::Slider, label).set_value_accesskit(value);
+        self.harness.run_steps(2);
+    }
+
+    /// Clicks at a place of the window, with the pauses that a hand makes.
+    pub fn click_at(&mut self, pos: egui::Pos2) {
+        self.harness.hover_at(pos);
+        self.harness.run_steps(1);
+        self.harness.drag_at(pos);
+        self.harness.run_steps(1);
+        self.harness.event(egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed: false,
+            modifiers: egui::Modifiers::NONE,
+        });
+        self.harness.run_steps(2);
+    }
+
+    /// Whether this text can be read somewhere.
+    pub fn shows(&self, text: &str) -> bool {
+        self.harness.query_all_by_label_contains(text).next().is_some()
+            || self.harness.query_all(egui_kittest::kittest::by().predicate(|n| {
+                n.value().is_some_and(|v| v.contains(text))
+            })).next().is_some()
+    }
+
+    /// Compares the window with the picture of this name.
+    pub fn snapshot(&mut self, name: &str) {
+        self.harness.remove_cursor();
+        self.settle();
+        // How long it took differs from run to run.
+        if let Some(found) = &mut self.app_mut().model.found {
+            found.elapsed = Duration::from_millis(120);
+        }
+        self.harness.run_steps(2);
+        self.harness.snapshot(name);
+    }
+}
+
+/// A burst of noise with a few discs that move by (1, 0), as a `.npy` stack in `folder`.
+pub fn noisy_stack(folder: &Path, frames: usize, height: usize, width: usize) -> PathBuf {
+    let noise = |i: usize| {
+        let mut h = (i as u32).wrapping_mul(0x9E37_79B9) ^ 0x85EB_CA6B;
+        h = (h ^ (h >> 15)).wrapping_mul(0x2C1B_3C6D);
+        h = (h ^ (h >> 12)).wrapping_mul(0x297A_2D39);
+        (h >> 8) as f32 / (1 << 24) as f32 - 0.5
+    };
+    let array = Array3::from_shape_fn((frames, height, width), |(t, v, u)| {
+        let disc = |cu: f32, cv: f32| {
+            let d2 = (u as f32 - cu - t as f32).powi(2) + (v as f32 - cv).powi(2);
+            (-d2 / 32.0).exp()
+        };
+        let light = disc(0.3 * width as f32, 0.4 * height as f32) + disc(0.6 * width as f32, 0.7 * height as f32);
+        0.1 + 0.1 * light + 0.08 * noise((t * height + v) * width + u)
+    });
+    let path = folder.join("noisy.npy");
+    ndarray_npy::write_npy(&path, &array).unwrap();
+    path
+}
