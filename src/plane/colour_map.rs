@@ -138,14 +138,15 @@ fn neutral_centre(map: impl Fn(f64) -> Rgb, t: f64) -> Rgb {
 
 /// A cyclic colour for a direction: the hue tells `angle_rad` (from +u towards +v), the saturation tells `magnitude_fraction` in [0, 1].
 ///
-/// Lightness is the same all around, so no direction looks stronger than another; magnitude 0 is a neutral grey. The hues are those of the
-/// OKLCH colour space (Ottosson 2020, "A perceptual color space for image processing").
+/// Lightness is about the same all around, so no direction looks much stronger than another; magnitude 0 is a neutral grey. Saturation grows
+/// faster at first (power 0.6), so that small motions can be told from none. The hues are those of the OKLCH colour space (Ottosson 2020,
+/// "A perceptual color space for image processing").
 pub fn direction_colour(angle_rad: f32, magnitude_fraction: f32) -> Rgb {
-    const LIGHTNESS: f32 = 0.76;
-    // The largest chroma that stays inside sRGB for every hue at this lightness.
-    const CHROMA: f32 = 0.126;
+    const LIGHTNESS: f32 = 0.75;
+    // A little beyond what sRGB holds for every hue: cyan is clamped, the others gain.
+    const CHROMA: f32 = 0.165;
     const HUE_OF_RIGHT_RAD: f32 = 0.5;
-    let fraction = if magnitude_fraction.is_finite() { magnitude_fraction.clamp(0.0, 1.0) } else { 0.0 };
+    let fraction = if magnitude_fraction.is_finite() { magnitude_fraction.clamp(0.0, 1.0).powf(0.6) } else { 0.0 };
     let (angle_rad, chroma) = if angle_rad.is_finite() { (angle_rad, CHROMA * fraction) } else { (0.0, 0.0) };
     let hue = angle_rad + HUE_OF_RIGHT_RAD;
     oklab_to_srgb(LIGHTNESS, chroma * hue.cos(), chroma * hue.sin())

@@ -78,7 +78,9 @@ impl HistogramPanel {
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, false, "Histogram"));
             ui.painter().rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
         }
-        range_ui(ui, display);
+        if range_ui(ui, display) {
+            self.axis = None;
+        }
         self.buttons_ui(ui, picture, visible, display);
         ui.add_space(4.0);
         colours_ui(ui, display);
@@ -106,11 +108,6 @@ impl HistogramPanel {
                     wanted = percentile_range(picture, &Region::whole(&picture.plane));
                 } else if let Some(region) = region.filter(|_| seen.clicked()) {
                     wanted = percentile_range(picture, &region);
-                }
-                if !display.symmetric
-                    && ui.button("0 – 1").on_hover_text("The full scale of the file: black to saturated.").clicked()
-                {
-                    wanted = Some((0.0, 1.0));
                 }
             });
         });
@@ -182,7 +179,7 @@ impl HistogramPanel {
         if !response.dragged() {
             self.drag = None;
         }
-        let Some(pointer) = response.interact_pointer_pos().or(response.hover_pos()) else { return None };
+        let pointer = response.interact_pointer_pos().or(response.hover_pos())?;
         let Some(drag) = self.drag else { return grip_at(pointer, geometry, display) };
         *display = dragged(drag, geometry.value_at(pointer.x), geometry.axis);
         Some(drag.grip)
@@ -261,8 +258,9 @@ fn bin_text(histogram: &Histogram, value: f32) -> String {
     format!("{} … {}: {count} {pixels}", number(from, 4), number(to, 4))
 }
 
-/// The numbers of the range.
-fn range_ui(ui: &mut Ui, display: &mut Display) {
+/// The numbers of the range; answers whether its button was pressed.
+fn range_ui(ui: &mut Ui, display: &mut Display) -> bool {
+    let mut full_scale = false;
     let speed = f64::from((display.max - display.min) * 0.004);
     ui.horizontal(|ui| {
         if display.symmetric {
@@ -277,13 +275,18 @@ fn range_ui(ui: &mut Ui, display: &mut Display) {
             if value_ui(ui, &mut min, speed).labelled_by(label.id).changed() {
                 *display = display.with_range(min, max.max(min));
             }
-            ui.add_space(6.0);
             let label = ui.label("Max");
             if value_ui(ui, &mut max, speed).labelled_by(label.id).changed() {
                 *display = display.with_range(min.min(max), max);
             }
+            let button = ui.button("0 – 1").on_hover_text("The full scale of the file: from black to saturated.");
+            if button.clicked() {
+                *display = display.with_range(0.0, 1.0);
+                full_scale = true;
+            }
         }
     });
+    full_scale
 }
 
 /// A number of the range, to be dragged or typed.
@@ -295,7 +298,7 @@ fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
         .custom_parser(|text| {
             text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
         });
-    ui.add_sized(vec2(72.0, ui.spacing().interact_size.y), drag).on_hover_text("As a fraction of full scale.")
+    ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), drag).on_hover_text("As a fraction of full scale.")
 }
 
 /// Colour map and gamma.

@@ -49,9 +49,9 @@ impl ColourBy {
     /// The map and the part of it that is used: ends too dark to be seen over a dark picture are left out.
     fn map(self) -> (ColourMap, f32, f32) {
         match self {
-            Self::SlopeDirection | Self::SlopeU | Self::SlopeV => (ColourMap::Turbo, 0.08, 0.92),
-            Self::Scale => (ColourMap::Viridis, 0.3, 1.0),
-            Self::Response => (ColourMap::BlueWhiteRed, 0.12, 0.88),
+            // Turbo stands out from grey pictures and from the diverging maps of DoG responses alike.
+            Self::SlopeDirection | Self::SlopeU | Self::SlopeV | Self::Response => (ColourMap::Turbo, 0.08, 0.92),
+            Self::Scale => (ColourMap::Magma, 0.45, 1.0),
         }
     }
 }
@@ -163,12 +163,18 @@ impl ColourScale {
         let centre = rect.left_center() + vec2(RADIUS_POINTS, 0.0);
         let mut mesh = Mesh::default();
         const SECTORS: u32 = 72;
-        mesh.colored_vertex(centre, rgb(direction_colour(0.0, 0.0)));
-        for i in 0..=SECTORS {
-            let angle = i as f32 * std::f32::consts::TAU / SECTORS as f32;
-            mesh.colored_vertex(centre + RADIUS_POINTS * Vec2::angled(angle), rgb(direction_colour(angle, 1.0)));
-            if i > 0 {
-                mesh.add_triangle(0, i, i + 1);
+        const RINGS: u32 = 6;
+        for ring in 0..=RINGS {
+            let fraction = ring as f32 / RINGS as f32;
+            for sector in 0..=SECTORS {
+                let angle = sector as f32 * std::f32::consts::TAU / SECTORS as f32;
+                let colour = rgb(direction_colour(angle, fraction));
+                mesh.colored_vertex(centre + RADIUS_POINTS * fraction * Vec2::angled(angle), colour);
+                if ring > 0 && sector > 0 {
+                    let (outer, row) = (ring * (SECTORS + 1) + sector, SECTORS + 1);
+                    mesh.add_triangle(outer - 1, outer, outer - row);
+                    mesh.add_triangle(outer - 1, outer - row, outer - row - 1);
+                }
             }
         }
         ui.painter().add(Shape::mesh(mesh));

@@ -11,9 +11,10 @@ mod strokes;
 pub use colour_by::{ColourBy, ColourScale};
 pub use hit::feature_at;
 
-use super::CanvasOutput;
+use super::{CanvasOutput, RectTransform};
 use crate::detector::feature::Feature;
-use egui::{Color32, Pos2, Shape, pos2};
+use egui::{Color32, Mesh, Pos2, Shape, pos2};
+use rayon::prelude::*;
 use strokes::Strokes;
 
 /// How features are drawn.
@@ -86,17 +87,25 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
         .filter(|&i| is_shown(style.shown, i) && is_visible(output, &features[i], style.frames))
         .collect();
     let opacity = if style.stale { 0.35 } else { 0.95 };
+    let edges = visible.len() <= MAX_WITH_EDGE && !style.stale;
+    // Meshes are built in parallel; their order is that of the features.
+    let meshes: Vec<Mesh> = visible
+        .par_chunks(256)
+        .map(|chunk| {
+            let mut strokes = Strokes::new(pixels_per_point);
+            for feature in chunk.iter().filter(|_| edges).map(|&i| &features[i]) {
+                let edge = Color32::from_black_alpha(90);
+                draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 3.2, colour: edge });
+            }
+            for feature in chunk.iter().map(|&i| &features[i]) {
+                let colour = style.scale.colour(feature).gamma_multiply(opacity);
+                draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 1.4, colour });
+            }
+            strokes.into_mesh()
+        })
+        .collect();
+    output.painter.extend(meshes.into_iter().filter(|mesh| !mesh.is_empty()).map(Shape::mesh));
     let mut strokes = Strokes::new(pixels_per_point);
-    if visible.len() <= MAX_WITH_EDGE && !style.stale {
-        for &i in &visible {
-            let edge = Color32::from_black_alpha(90);
-            draw_one(&mut strokes, output, &features[i], style, Line { width: 3.2, colour: edge });
-        }
-    }
-    for &i in &visible {
-        let colour = style.scale.colour(&features[i]).gamma_multiply(opacity);
-        draw_one(&mut strokes, output, &features[i], style, Line { width: 1.4, colour });
-    }
     // What is pointed at and what is selected lie above all others.
     for (highlight, width) in [(style.hovered, 2.0), (style.selected, 2.6)] {
         let Some(feature) = highlight.filter(|&i| is_shown(style.shown, i)).and_then(|i| features.get(i)) else {
@@ -105,7 +114,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
         for (extra, colour) in
             [(4.5, Color32::from_black_alpha(150)), (2.4, Color32::WHITE), (0.0, style.scale.colour(feature))]
         {
-            draw_one(&mut strokes, output, feature, style, Line { width: width + extra, colour });
+            draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: width + extra, colour });
         }
     }
     let mesh = strokes.into_mesh();
@@ -120,8 +129,7 @@ struct Line {
     colour: Color32,
 }
 
-fn draw_one(strokes: &mut Strokes, output: &CanvasOutput, feature: &Feature, style: &OverlayStyle<'_>, line: Line) {
-    let t = output.ui_from_image;
+fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &OverlayStyle<'_>, line: Line) {
     let centre = t.pos(pos2(feature.u, feature.v));
     let radius = (circle_radius_image(feature) * t.scale()).max(MIN_RADIUS_POINTS);
     if style.motion {

@@ -22,16 +22,29 @@ impl Strokes {
         self.mesh
     }
 
-    /// The four places across a stroke, as (distance from its middle, whether it is opaque there).
-    fn profile(&self, width: f32) -> [(f32, bool); 4] {
-        let solid = 0.5 * (width - self.feather).max(0.0);
-        let soft = solid + self.feather;
-        [(-soft, false), (-solid, true), (solid, true), (soft, false)]
+    /// Adds the vertices across a stroke at one place: `at(distance)` is the position at a distance from its middle. Four of them, from one
+    /// soft edge over the solid part to the other; three for a line so thin that nearly all of it is soft edge. Answers how many.
+    fn across(&mut self, width: f32, colour: Color32, at: impl Fn(f32) -> Pos2) -> u32 {
+        if width < 1.7 * self.feather {
+            // The same area as four vertices would cover.
+            let reach = width;
+            self.mesh.colored_vertex(at(-reach), Color32::TRANSPARENT);
+            self.mesh.colored_vertex(at(0.0), colour);
+            self.mesh.colored_vertex(at(reach), Color32::TRANSPARENT);
+            return 3;
+        }
+        let solid = 0.5 * (width - self.feather);
+        let reach = solid + self.feather;
+        self.mesh.colored_vertex(at(-reach), Color32::TRANSPARENT);
+        self.mesh.colored_vertex(at(-solid), colour);
+        self.mesh.colored_vertex(at(solid), colour);
+        self.mesh.colored_vertex(at(reach), Color32::TRANSPARENT);
+        4
     }
 
-    /// Two rows of four vertices become three bands of two triangles.
-    fn join(&mut self, a: u32, b: u32) {
-        for band in 0..3 {
+    /// Two rows of `count` vertices become bands of two triangles.
+    fn join(&mut self, a: u32, b: u32, count: u32) {
+        for band in 0..count - 1 {
             self.mesh.add_triangle(a + band, a + band + 1, b + band);
             self.mesh.add_triangle(a + band + 1, b + band, b + band + 1);
         }
@@ -40,20 +53,17 @@ impl Strokes {
     /// A circle line. With `dashed` every other piece is left out.
     pub fn circle(&mut self, centre: Pos2, radius: f32, width: f32, colour: Color32, dashed: bool) {
         let table = unit_circle(radius);
-        let profile = self.profile(width);
         let first = self.mesh.vertices.len() as u32;
+        let mut count = 0;
         for &direction in table {
-            for (offset, opaque) in profile {
-                let colour = if opaque { colour } else { Color32::TRANSPARENT };
-                self.mesh.colored_vertex(centre + (radius + offset).max(0.0) * direction, colour);
-            }
+            count = self.across(width, colour, |offset| centre + (radius + offset).max(0.0) * direction);
         }
         let pieces = table.len() as u32;
         // Dashes of equal length: as many as divide the circle.
         let per_dash = (pieces / 16).max(1);
         for i in 0..pieces {
             if !dashed || (i / per_dash).is_multiple_of(2) {
-                self.join(first + 4 * i, first + 4 * ((i + 1) % pieces));
+                self.join(first + count * i, first + count * ((i + 1) % pieces), count);
             }
         }
     }
@@ -65,14 +75,10 @@ impl Strokes {
             return;
         }
         let across = along.normalized().rot90();
-        let profile = self.profile(width);
         let first = self.mesh.vertices.len() as u32;
-        for end in [from, to] {
-            for (offset, opaque) in profile {
-                self.mesh.colored_vertex(end + offset * across, if opaque { colour } else { Color32::TRANSPARENT });
-            }
-        }
-        self.join(first, first + 4);
+        let count = self.across(width, colour, |offset| from + offset * across);
+        self.across(width, colour, |offset| to + offset * across);
+        self.join(first, first + count, count);
     }
 
     /// A line with an arrow head at `to`.
@@ -95,10 +101,11 @@ fn unit_circle(radius: f32) -> &'static [Vec2] {
             .map(|n| (0..n).map(|i| Vec2::angled(i as f32 * std::f32::consts::TAU / n as f32)).collect())
     });
     let index = match radius {
-        r if r < 3.0 => 0,
-        r if r < 12.0 => 1,
-        r if r < 50.0 => 2,
-        r if r < 200.0 => 3,
+        // The largest distance between circle and polygon stays below a sixth of a point (half a point for the very large).
+        r if r < 2.5 => 0,
+        r if r < 9.0 => 1,
+        r if r < 36.0 => 2,
+        r if r < 150.0 => 3,
         _ => 4,
     };
     &TABLES[index]
