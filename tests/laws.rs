@@ -5,24 +5,24 @@
 
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::detector::{DetectError, Interpolation, Method, NoiseGate, Slope, SlopeNeighbours};
+use burstscope::synth::random::Stream;
 use burstscope::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use rand::{Rng, SeedableRng};
 
 const SIZE: (usize, usize) = (128, 96);
 
 /// A burst of `n` frames of random blobs, half of them moving by `slope_a`, half by `slope_b`.
 fn blobs(seed: u64, n: usize, slope_a: Slope, slope_b: Slope) -> Burst {
-    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = Stream::new(seed, 0);
     let blobs: Vec<(f32, f32, f32, f32, Slope)> = (0..28)
         .map(|i| {
-            let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+            let sign = if rng.uniform() < 0.5 { 1.0 } else { -1.0 };
             (
-                rng.random_range(14.0..SIZE.0 as f32 - 14.0),
-                rng.random_range(14.0..SIZE.1 as f32 - 14.0),
-                rng.random_range(1.8..5.0),
-                sign * rng.random_range(0.05..0.3),
+                rng.within(14.0, SIZE.0 as f64 - 14.0) as f32,
+                rng.within(14.0, SIZE.1 as f64 - 14.0) as f32,
+                rng.within(1.8, 5.0) as f32,
+                sign * rng.within(0.05, 0.3) as f32,
                 if i % 2 == 0 { slope_a } else { slope_b },
             )
         })
@@ -31,7 +31,7 @@ fn blobs(seed: u64, n: usize, slope_a: Slope, slope_b: Slope) -> Burst {
         .map(|t| {
             let dt = t as f32 - (n as f32 - 1.0) / 2.0;
             Plane::from_fn(SIZE.0, SIZE.1, |u, v| {
-                let mut value = 0.5 + 0.004 * (rng.random::<f32>() - 0.5);
+                let mut value = 0.5 + 0.004 * (rng.uniform() as f32 - 0.5);
                 for &(bu, bv, radius, height, slope) in &blobs {
                     let (du, dv) = (u as f32 - bu - dt * slope.u, v as f32 - bv - dt * slope.v);
                     let r2 = (du * du + dv * dv) / (2.0 * radius * radius);

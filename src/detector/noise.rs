@@ -169,16 +169,14 @@ mod tests {
     use super::super::params::Interpolation;
     use super::super::slope_grid::Slope;
     use super::*;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, Normal};
+    use crate::synth::random::Stream;
 
     fn noisy_burst(sigma: f32, n: usize, scene: impl Fn(usize, usize) -> f32, round_to: f32) -> Burst {
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
-        let normal = Normal::new(0.0, sigma).expect("valid");
+        let mut noise = Stream::new(7, 0);
         let frames = (0..n)
             .map(|_| {
                 Plane::from_fn(300, 200, |u, v| {
-                    let value = scene(u, v) + normal.sample(&mut rng);
+                    let value = scene(u, v) + sigma * noise.normal() as f32;
                     if round_to > 0.0 { (value / round_to).round() * round_to } else { value }
                 })
             })
