@@ -150,9 +150,7 @@ impl FileDialogs for SystemDialogs {
         match question.purpose {
             Purpose::OpenFolder => dialog.pick_folder().map(|p| vec![p]),
             Purpose::OpenFiles => dialog.pick_files(),
-            purpose if purpose.saves() => {
-                dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p])
-            }
+            purpose if purpose.saves() => dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p]),
             _ => dialog.pick_file().map(|p| vec![p]),
         }
     }

@@ -34,5 +34,7 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
             Ok(Box::new(BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), startup)))
         }),
     )
-    .map_err(|error| anyhow!("the window cannot be opened: {error}; without a display use `burstscope render` or the other commands"))
+    .map_err(|error| {
+        anyhow!("the window cannot be opened: {error}; without a display use `burstscope render` or the other commands")
+    })
 }

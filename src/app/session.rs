@@ -118,9 +118,9 @@ impl Session {
 fn absolute(source: &BurstSource) -> BurstSource {
     match source {
         BurstSource::Demo => BurstSource::Demo,
-        BurstSource::Paths(paths) => BurstSource::Paths(
-            paths.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect(),
-        ),
+        BurstSource::Paths(paths) => {
+            BurstSource::Paths(paths.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect())
+        }
     }
 }
 

@@ -10,7 +10,8 @@ use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea};
 pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     let mut open_recent = None;
     let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
-    let side = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 8, right: 4, top: 6, bottom: 4 });
+    let side =
+        |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 8, right: 4, top: 6, bottom: 4 });
 
     Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
         ui.horizontal(|ui| {

@@ -12,8 +12,8 @@ use super::state::scrub::{ViewKind, played};
 use super::state::{Busy, Model};
 use crate::detector::DetectorParams;
 use crate::engine::{
-    Answer as JobAnswer, BurstSource, DetectRequest, Engine, JobError, JobId, LaneKind, OnUpdate, OpenBurst, PictureRequest,
-    Update,
+    Answer as JobAnswer, BurstSource, DetectRequest, Engine, JobError, JobId, LaneKind, OnUpdate, OpenBurst,
+    PictureRequest, Update,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -272,8 +272,7 @@ impl BurstscopeApp {
     }
 
     fn take_dropped_files(&mut self, ctx: &egui::Context) {
-        let paths: Vec<PathBuf> =
-            ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
+        let paths: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
         if paths.is_empty() {
             return;
         }
@@ -306,7 +305,9 @@ impl BurstscopeApp {
             Purpose::SaveParams => "params.toml".to_owned(),
             Purpose::Export(kind) => {
                 let what = match (kind, self.model.scrub.kind) {
-                    (dialogs::ExportKind::Csv | dialogs::ExportKind::Colmap | dialogs::ExportKind::Npz, _) => "features",
+                    (dialogs::ExportKind::Csv | dialogs::ExportKind::Colmap | dialogs::ExportKind::Npz, _) => {
+                        "features"
+                    }
                     (_, ViewKind::Frame) => "frame",
                     (_, ViewKind::Stack) => "stack",
                     (_, ViewKind::Dog) => "dog",

@@ -38,9 +38,7 @@ pub fn prepare(purpose: Purpose, model: &Model, view: View) -> Result<Work, Stri
 }
 
 fn text_work(text: String) -> Work {
-    Box::new(move |path| {
-        export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
-    })
+    Box::new(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string()))
 }
 
 fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {

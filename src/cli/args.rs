@@ -10,7 +10,8 @@ use clap::{Args, Parser, Subcommand};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], or 'demo'";
+const INPUT_HELP: &str =
+    "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], or 'demo'";
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
 ///
@@ -174,7 +175,8 @@ fn scene() -> SceneParams {
     SceneParams::default()
 }
 
-const OUT_HELP: &str = "Folder to make, for frame_000.png … (16 bit) and truth.json; an earlier synthetic burst in it is replaced";
+const OUT_HELP: &str =
+    "Folder to make, for frame_000.png … (16 bit) and truth.json; an earlier synthetic burst in it is replaced";
 const SNR_HELP: &str = "Signal-to-noise ratio of one pixel in one frame: the difference of the two levels over the standard deviation of the noise \
     at their mean; 'inf' makes no noise";
 

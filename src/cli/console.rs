@@ -55,11 +55,6 @@ impl Console {
         Ok(Self { monitor, bar, output: *output })
     }
 
-    /// Whether JSON was asked for.
-    pub fn json(&self) -> bool {
-        self.output.json
-    }
-
     /// Says in front of the bar which piece of the work is being done.
     pub fn begin(&self, prefix: String) {
         self.bar.set_prefix(prefix);
@@ -76,9 +71,8 @@ impl Console {
         if !self.output.json {
             return Ok(());
         }
-        let text = serde_json::to_string_pretty(value)
-            .context("cannot put the results into JSON")
-            .map_err(Failure::Failed)?;
+        let text =
+            serde_json::to_string_pretty(value).context("cannot put the results into JSON").map_err(Failure::Failed)?;
         self.bar.suspend(|| print(&(text + "\n")))
     }
 

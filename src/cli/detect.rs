@@ -15,7 +15,10 @@ use std::time::Instant;
 pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     if args.out.exists() && !args.out.is_dir() {
-        return Err(Failure::usage(format!("--out: this is not a folder; name a folder for the features: {}", args.out.display())));
+        return Err(Failure::usage(format!(
+            "--out: this is not a folder; name a folder for the features: {}",
+            args.out.display()
+        )));
     }
     let mut formats = args.format.clone();
     formats.sort_unstable();

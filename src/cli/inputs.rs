@@ -80,7 +80,11 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
 fn resolve_files(files: &[PathBuf]) -> Vec<Input> {
     let (present, missing): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(|f| f.exists());
     if missing.is_empty() || present.is_empty() {
-        return if present.is_empty() { missing.iter().flat_map(|m| look(std::slice::from_ref(m))).collect() } else { look(files) };
+        return if present.is_empty() {
+            missing.iter().flat_map(|m| look(std::slice::from_ref(m))).collect()
+        } else {
+            look(files)
+        };
     }
     match find_bursts(&present) {
         Ok(sources) if present.len() > 1 && sources.len() == present.len() => {
@@ -111,7 +115,8 @@ fn make_names_unique(inputs: &mut [Input]) {
     let mut taken: HashSet<String> = HashSet::new();
     for input in inputs {
         if !taken.insert(key(&input.name)) {
-            let number = (2..).find(|n| !taken.contains(&key(&format!("{}_{n}", input.name)))).expect("numbers never end");
+            let number =
+                (2..).find(|n| !taken.contains(&key(&format!("{}_{n}", input.name)))).expect("numbers never end");
             input.name = format!("{}_{number}", input.name);
             taken.insert(key(&input.name));
         }
@@ -128,7 +133,10 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
         (Some(input), true) => Ok(input),
         (last, _) => {
             let names: Vec<String> = inputs.into_iter().chain(last).map(|i| i.name).take(8).collect();
-            Err(Failure::usage(format!("{command} takes one burst, but the input names several: {}, …; name one of them", names.join(", "))))
+            Err(Failure::usage(format!(
+                "{command} takes one burst, but the input names several: {}, …; name one of them",
+                names.join(", ")
+            )))
         }
     }
 }
@@ -139,7 +147,9 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
 /// A bias frame for the demo burst.
 pub(super) fn open_options(inputs: &[Input], bias: Option<&PathBuf>) -> Result<OpenOptions, Failure> {
     if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
-        return Err(Failure::usage("--bias: the demo burst was made without a camera and has no bias frame; leave the option out"));
+        return Err(Failure::usage(
+            "--bias: the demo burst was made without a camera and has no bias frame; leave the option out",
+        ));
     }
     Ok(OpenOptions { bias: bias.cloned(), ..OpenOptions::default() })
 }

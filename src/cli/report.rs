@@ -223,8 +223,7 @@ mod tests {
 
     #[test]
     fn a_long_histogram_shows_the_largest_and_counts_the_rest() {
-        let slopes: Vec<SlopeCount> =
-            (0..40).map(|k| SlopeCount { u: k as f32, v: 0.0, features: k }).collect();
+        let slopes: Vec<SlopeCount> = (0..40).map(|k| SlopeCount { u: k as f32, v: 0.0, features: k }).collect();
         let mut text = String::new();
         write_histogram(&mut text, &slopes).expect("written");
         assert_eq!(text.lines().count(), 1 + SLOPES_SHOWN + 1);

@@ -6,7 +6,9 @@
 use super::choices::{INTERPOLATIONS, METHODS, SLOPE_NEIGHBOURS, words};
 use super::failure::Failure;
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, FrameRange, Interpolation, Method, NoiseGate, SlopeAxis, SlopeNeighbours};
+use crate::detector::{
+    DetectorParams, FrameRange, Interpolation, Method, NoiseGate, ParamDoc, SlopeAxis, SlopeNeighbours,
+};
 use anyhow::Context;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -27,46 +29,75 @@ pub struct ParamsFileArg {
 pub struct SearchArgs {
     #[command(flatten)]
     pub file: ParamsFileArg,
-    #[arg(long = doc::METHOD.name, value_name = "METHOD", help = doc::METHOD.meaning, long_help = doc::METHOD.help(),
+    #[arg(long = doc::METHOD.name, value_name = "METHOD", help = short_help(doc::METHOD), long_help = long_help(doc::METHOD),
         value_parser = words::<Method>(METHODS))]
     pub method: Option<Method>,
-    #[arg(long = doc::SLOPES_U.name, value_name = "MIN:MAX:COUNT", help = doc::SLOPES_U.meaning, long_help = doc::SLOPES_U.help(),
+    #[arg(long = doc::SLOPES_U.name, value_name = "MIN:MAX:COUNT", help = short_help(doc::SLOPES_U), long_help = long_help(doc::SLOPES_U),
         allow_hyphen_values = true, value_parser = SlopeAxis::from_str)]
     pub slopes_u: Option<SlopeAxis>,
-    #[arg(long = doc::SLOPES_V.name, value_name = "MIN:MAX:COUNT", help = doc::SLOPES_V.meaning, long_help = doc::SLOPES_V.help(),
+    #[arg(long = doc::SLOPES_V.name, value_name = "MIN:MAX:COUNT", help = short_help(doc::SLOPES_V), long_help = long_help(doc::SLOPES_V),
         allow_hyphen_values = true, value_parser = SlopeAxis::from_str)]
     pub slopes_v: Option<SlopeAxis>,
-    #[arg(long = doc::SLOPE_DIRECTION.name, value_name = "DEGREES", help = doc::SLOPE_DIRECTION.meaning,
-        long_help = doc::SLOPE_DIRECTION.help(), allow_hyphen_values = true)]
+    #[arg(long = doc::SLOPE_DIRECTION.name, value_name = "DEGREES", help = short_help(doc::SLOPE_DIRECTION),
+        long_help = long_help(doc::SLOPE_DIRECTION), allow_hyphen_values = true)]
     pub slope_direction: Option<f32>,
-    #[arg(long = doc::FRAMES.name, value_name = "A..B", help = doc::FRAMES.meaning, long_help = doc::FRAMES.help(),
+    #[arg(long = doc::FRAMES.name, value_name = "A..B", help = short_help(doc::FRAMES), long_help = long_help(doc::FRAMES),
         value_parser = FrameRange::from_str)]
     pub frames: Option<FrameRange>,
-    #[arg(long = doc::OCTAVES.name, value_name = "N", help = doc::OCTAVES.meaning, long_help = doc::OCTAVES.help())]
+    #[arg(long = doc::OCTAVES.name, value_name = "N", help = short_help(doc::OCTAVES), long_help = long_help(doc::OCTAVES))]
     pub octaves: Option<u32>,
-    #[arg(long = doc::LEVELS.name, value_name = "N", help = doc::LEVELS.meaning, long_help = doc::LEVELS.help())]
+    #[arg(long = doc::LEVELS.name, value_name = "N", help = short_help(doc::LEVELS), long_help = long_help(doc::LEVELS))]
     pub levels: Option<u32>,
-    #[arg(long = doc::FIRST_OCTAVE.name, value_name = "O", help = doc::FIRST_OCTAVE.meaning, long_help = doc::FIRST_OCTAVE.help(),
+    #[arg(long = doc::FIRST_OCTAVE.name, value_name = "O", help = short_help(doc::FIRST_OCTAVE), long_help = long_help(doc::FIRST_OCTAVE),
         allow_hyphen_values = true)]
     pub first_octave: Option<i32>,
-    #[arg(long = doc::PEAK_THRESHOLD.name, value_name = "T", help = doc::PEAK_THRESHOLD.meaning, long_help = doc::PEAK_THRESHOLD.help())]
+    #[arg(long = doc::PEAK_THRESHOLD.name, value_name = "T", help = short_help(doc::PEAK_THRESHOLD), long_help = long_help(doc::PEAK_THRESHOLD))]
     pub peak_threshold: Option<f32>,
-    #[arg(long = doc::NOISE_GATE.name, value_name = "K", help = doc::NOISE_GATE.meaning, long_help = doc::NOISE_GATE.help(),
+    #[arg(long = doc::NOISE_GATE.name, value_name = "K", help = short_help(doc::NOISE_GATE), long_help = long_help(doc::NOISE_GATE),
         value_parser = NoiseGate::from_str)]
     pub noise_gate: Option<NoiseGate>,
-    #[arg(long = doc::EDGE_THRESHOLD.name, value_name = "R", help = doc::EDGE_THRESHOLD.meaning, long_help = doc::EDGE_THRESHOLD.help())]
+    #[arg(long = doc::EDGE_THRESHOLD.name, value_name = "R", help = short_help(doc::EDGE_THRESHOLD), long_help = long_help(doc::EDGE_THRESHOLD))]
     pub edge_threshold: Option<f32>,
-    #[arg(long = doc::SLOPE_NEIGHBOURS.name, value_name = "WHICH", help = doc::SLOPE_NEIGHBOURS.meaning,
-        long_help = doc::SLOPE_NEIGHBOURS.help(), value_parser = words::<SlopeNeighbours>(SLOPE_NEIGHBOURS))]
+    #[arg(long = doc::SLOPE_NEIGHBOURS.name, value_name = "WHICH", help = short_help(doc::SLOPE_NEIGHBOURS),
+        long_help = long_help(doc::SLOPE_NEIGHBOURS), value_parser = words::<SlopeNeighbours>(SLOPE_NEIGHBOURS))]
     pub slope_neighbours: Option<SlopeNeighbours>,
-    #[arg(long = doc::INTERPOLATION.name, value_name = "HOW", help = doc::INTERPOLATION.meaning, long_help = doc::INTERPOLATION.help(),
+    #[arg(long = doc::INTERPOLATION.name, value_name = "HOW", help = short_help(doc::INTERPOLATION), long_help = long_help(doc::INTERPOLATION),
         value_parser = words::<Interpolation>(INTERPOLATIONS))]
     pub interpolation: Option<Interpolation>,
-    #[arg(long = doc::MAX_FEATURES.name, value_name = "N", help = doc::MAX_FEATURES.meaning, long_help = doc::MAX_FEATURES.help())]
+    #[arg(long = doc::KERNEL_CUT.name, value_name = "N", help = short_help(doc::KERNEL_CUT), long_help = long_help(doc::KERNEL_CUT))]
+    pub kernel_cut: Option<f32>,
+    #[arg(long = doc::MAX_FEATURES.name, value_name = "N", help = short_help(doc::MAX_FEATURES), long_help = long_help(doc::MAX_FEATURES))]
     pub max_features: Option<usize>,
-    #[arg(long = doc::MAX_ORIENTATIONS.name, value_name = "N", help = doc::MAX_ORIENTATIONS.meaning,
-        long_help = doc::MAX_ORIENTATIONS.help())]
+    #[arg(long = doc::MAX_ORIENTATIONS.name, value_name = "N", help = short_help(doc::MAX_ORIENTATIONS),
+        long_help = long_help(doc::MAX_ORIENTATIONS))]
     pub max_orientations: Option<usize>,
+}
+
+/// What `-h` says of a parameter: its meaning and default.
+fn short_help(doc: ParamDoc) -> String {
+    format!("{} [default: {}]", doc.meaning.trim_end_matches('.'), default_of(doc))
+}
+
+/// What `--help` says of a parameter: all there is to say, and its default.
+fn long_help(doc: ParamDoc) -> String {
+    format!("{} [default: {}]", doc.help(), default_of(doc))
+}
+
+/// A parameter's default, as it is written on the command line.
+fn default_of(doc: ParamDoc) -> String {
+    let params = DetectorParams::default();
+    match doc.name {
+        name if name == doc::SLOPES_U.name => params.slopes.u.to_string(),
+        name if name == doc::SLOPES_V.name => params.slopes.v.to_string(),
+        name if name == doc::SLOPE_DIRECTION.name => params.slopes.direction_deg.to_string(),
+        name => match serde_json::to_value(params).ok().as_ref().and_then(|v| v.get(name.replace('-', "_"))) {
+            None => "all".to_owned(),
+            Some(serde_json::Value::String(word)) => word.clone(),
+            // By way of f32, so that 0.001 is not shown with the digits of a double.
+            Some(serde_json::Value::Number(n)) if n.is_f64() => (n.as_f64().unwrap_or_default() as f32).to_string(),
+            Some(value) => value.to_string(),
+        },
+    }
 }
 
 impl ParamsFileArg {
@@ -118,6 +149,7 @@ impl SearchArgs {
         set(&mut params.edge_threshold, self.edge_threshold);
         set(&mut params.slope_neighbours, self.slope_neighbours);
         set(&mut params.interpolation, self.interpolation);
+        set(&mut params.kernel_cut, self.kernel_cut);
         set(&mut params.max_features, self.max_features);
         set(&mut params.max_orientations, self.max_orientations);
         params.validate()?;
@@ -147,8 +179,20 @@ mod tests {
         for doc in doc::ALL {
             let arg = command.get_arguments().find(|a| a.get_long() == Some(doc.name));
             let arg = arg.unwrap_or_else(|| panic!("--{} is missing", doc.name));
-            assert_eq!(arg.get_help().map(ToString::to_string).as_deref(), Some(doc.meaning));
-            assert_eq!(arg.get_long_help().map(ToString::to_string), Some(doc.help()));
+            let text = |help: Option<&clap::builder::StyledStr>| help.expect("it has help").to_string();
+            assert!(text(arg.get_help()).starts_with(doc.meaning.trim_end_matches('.')));
+            assert!(text(arg.get_long_help()).starts_with(&doc.help()));
+            // The default that is shown is one that can be typed.
+            let default = default_of(doc);
+            let option = format!("--{}", doc.name);
+            let mut arguments = vec![option.as_str(), &default];
+            let slopes_u = default_of(doc::SLOPES_U);
+            if doc.name == doc::SLOPES_V.name {
+                arguments.extend(["--slopes-u", &slopes_u]);
+            }
+            if doc.name != doc::FRAMES.name {
+                assert_eq!(params(&arguments), Ok(DetectorParams::default()), "{}", doc.name);
+            }
         }
     }
 
@@ -160,10 +204,38 @@ mod tests {
     #[test]
     fn every_option_reaches_its_parameter() {
         let got = params(&[
-            "--method", "sift", "--slopes-u", "-6:6:25", "--slopes-v", "-1:1:3", "--slope-direction", "-30", "--frames", "2..9",
-            "--octaves", "4", "--levels", "5", "--first-octave", "-1", "--peak-threshold", "0.002", "--noise-gate", "4.5",
-            "--edge-threshold", "12", "--slope-neighbours", "all", "--interpolation", "nearest", "--max-features", "100",
-            "--max-orientations", "2",
+            "--method",
+            "sift",
+            "--slopes-u",
+            "-6:6:25",
+            "--slopes-v",
+            "-1:1:3",
+            "--slope-direction",
+            "-30",
+            "--frames",
+            "2..9",
+            "--octaves",
+            "4",
+            "--levels",
+            "5",
+            "--first-octave",
+            "-1",
+            "--peak-threshold",
+            "0.002",
+            "--noise-gate",
+            "4.5",
+            "--edge-threshold",
+            "12",
+            "--slope-neighbours",
+            "all",
+            "--interpolation",
+            "nearest",
+            "--kernel-cut",
+            "3",
+            "--max-features",
+            "100",
+            "--max-orientations",
+            "2",
         ])
         .expect("valid");
         let mut slopes = crate::SlopeGrid::plane(-6.0..=6.0, 25, -1.0..=1.0, 3);
@@ -179,6 +251,7 @@ mod tests {
             edge_threshold: 12.0,
             slope_neighbours: SlopeNeighbours::All,
             interpolation: Interpolation::Nearest,
+            kernel_cut: 3.0,
             max_features: 100,
             max_orientations: 2,
             slopes,
@@ -196,7 +269,8 @@ mod tests {
     fn options_override_the_file() {
         let file = tempfile::NamedTempFile::new().expect("a file");
         let path = file.path().to_str().expect("plain");
-        std::fs::write(path, "octaves = 3\nlevels = 5\n[slopes]\nv = { min = -1.0, max = 1.0, count = 3 }\n").expect("written");
+        std::fs::write(path, "octaves = 3\nlevels = 5\n[slopes]\nv = { min = -1.0, max = 1.0, count = 3 }\n")
+            .expect("written");
         let got = params(&["--params", path, "--levels", "4", "--slopes-u", "0:2:3"]).expect("valid");
         assert_eq!((got.octaves, got.levels, got.slopes.u.count, got.slopes.v.count), (3, 4, 3, 3));
     }

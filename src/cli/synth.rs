@@ -64,10 +64,9 @@ fn scene_params(args: &SceneArgs) -> SceneParams {
 
 fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result<(), Failure> {
     write_burst(out, burst, truth, &console.monitor)?;
-    let noise = truth.noise.map_or_else(
-        || "no noise".to_owned(),
-        |n| format!("noise {:.5} of full scale in a frame", n.sigma_background),
-    );
+    let noise = truth
+        .noise
+        .map_or_else(|| "no noise".to_owned(), |n| format!("noise {:.5} of full scale in a frame", n.sigma_background));
     console.say(&format!(
         "{} frames of {}×{}, {} features with known place and slope, {noise}\nwrote {}\n",
         truth.frames,

@@ -57,6 +57,7 @@ fn without_display(input: Input, params: DetectorParams) -> Result<(), Failure> 
     ))?;
     let place = if paths.is_empty() { Place::Demo } else { Place::Paths(paths) };
     let options = RenderOptions { source: source_of(Input { name, place })?, params, ..RenderOptions::default() };
-    render_to_png(&options, &file).map_err(|e| Failure::Failed(anyhow::Error::new(e).context("the window cannot be drawn")))?;
+    render_to_png(&options, &file)
+        .map_err(|e| Failure::Failed(anyhow::Error::new(e).context("the window cannot be drawn")))?;
     console.say(&format!("wrote {}\n", file.display()))
 }

@@ -152,7 +152,8 @@ impl<Q: Send + 'static, A: Send + 'static> Lane<Q, A> {
     /// The request that runs, or the one that waits to.
     pub fn running(&self) -> Option<Running> {
         let slots = self.shared.lock();
-        let waiting = slots.waiting.as_ref().map(|(id, _)| Running { id: *id, started: Instant::now(), progress: None });
+        let waiting =
+            slots.waiting.as_ref().map(|(id, _)| Running { id: *id, started: Instant::now(), progress: None });
         slots
             .current
             .as_ref()
@@ -211,7 +212,8 @@ fn worker<Q: Send, A: Send>(
                     let progress = Arc::new(Mutex::new(None));
                     let monitor = listening_monitor(progress.clone(), on_update.clone());
                     let started = Instant::now();
-                    slots.current = Some(Current { id, monitor: monitor.clone(), started, superseded: false, progress });
+                    slots.current =
+                        Some(Current { id, monitor: monitor.clone(), started, superseded: false, progress });
                     break (id, request, monitor, started);
                 }
                 slots = shared.wake.wait(slots).unwrap_or_else(PoisonError::into_inner);

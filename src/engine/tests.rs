@@ -104,7 +104,8 @@ fn a_panic_becomes_a_message_with_its_place_and_the_lane_works_on() {
     let lane = Lane::new("test", Duration::ZERO, nobody(), |request: u32, _: &Monitor| {
         use rayon::prelude::*;
         // Deep inside a parallel loop, where the panic happens on another thread than the lane's.
-        let sum: u32 = (0..1000u32).into_par_iter().map(|i| if i == request { panic!("no {request}") } else { 1 }).sum();
+        let sum: u32 =
+            (0..1000u32).into_par_iter().map(|i| if i == request { panic!("no {request}") } else { 1 }).sum();
         Ok(sum)
     });
     lane.submit(7);
@@ -238,8 +239,7 @@ fn a_missing_file_is_a_message_that_names_it() {
 fn a_detection_can_be_cancelled_while_pictures_go_on() {
     let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
     let frame = |t: usize| Plane::from_fn(512, 384, |u, v| ((u * 7919 + v * 104_729 + t * 31) % 997) as f32 / 997.0);
-    let burst =
-        OpenBurst::new(Burst::from_planes("large", (0..9).map(frame).collect()), BurstSource::Demo);
+    let burst = OpenBurst::new(Burst::from_planes("large", (0..9).map(frame).collect()), BurstSource::Demo);
     let slopes = crate::detector::SlopeGrid::plane(-3.0..=3.0, 9, -3.0..=3.0, 9);
     let params = DetectorParams { slopes, ..DetectorParams::default() };
     engine.detect(DetectRequest { burst: burst.clone(), params });

@@ -29,7 +29,10 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
         .enumerate()
         .find(|(i, f)| {
             // One that stands alone, so that the click can mean no other.
-            features.iter().enumerate().all(|(j, g)| *i == j || (f.u - g.u).hypot(f.v - g.v) > 6.0 * (f.sigma + g.sigma))
+            features
+                .iter()
+                .enumerate()
+                .all(|(j, g)| *i == j || (f.u - g.u).hypot(f.v - g.v) > 6.0 * (f.sigma + g.sigma))
         })
         .expect("the demo has a feature that stands alone");
     let pos = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).unwrap();
@@ -59,7 +62,10 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     // Scrubbing is live while it runs.
     window.slide("Slope u", 1.0);
     window.wait("the picture of the new slope", |app| app.model.picture_is_current());
-    assert!(window.app().model.busy.detecting.is_some(), "the detection must still run for this test to mean something");
+    assert!(
+        window.app().model.busy.detecting.is_some(),
+        "the detection must still run for this test to mean something"
+    );
     window.click("Cancel");
     window.wait("the detection ends", |app| app.model.busy.detecting.is_none());
     assert!(window.app().model.found.is_none());

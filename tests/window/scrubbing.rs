@@ -51,7 +51,8 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     window.settle();
     let model = &window.app().model;
     let burst = &model.burst.as_ref().unwrap().burst;
-    let expected = dog_view(burst, &model.params, model.scrub.slope, 1, model.scrub.level, &Monitor::default()).unwrap();
+    let expected =
+        dog_view(burst, &model.params, model.scrub.slope, 1, model.scrub.level, &Monitor::default()).unwrap();
     assert_eq!(*model.picture.as_ref().unwrap().plane, expected);
     assert!(window.shows("octave 1"));
     window.slide("Frame", 7.0);

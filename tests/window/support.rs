@@ -169,9 +169,11 @@ impl Window {
     /// Whether this text can be read somewhere.
     pub fn shows(&self, text: &str) -> bool {
         self.harness.query_all_by_label_contains(text).next().is_some()
-            || self.harness.query_all(egui_kittest::kittest::by().predicate(|n| {
-                n.value().is_some_and(|v| v.contains(text))
-            })).next().is_some()
+            || self
+                .harness
+                .query_all(egui_kittest::kittest::by().predicate(|n| n.value().is_some_and(|v| v.contains(text))))
+                .next()
+                .is_some()
     }
 
     /// Compares the window with the picture of this name.

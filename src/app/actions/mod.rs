@@ -27,7 +27,13 @@ pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
 }
 
 /// A button for an action with the action's label, or with `label` where that is shown in short.
-pub fn button_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId, label: Option<&str>) -> egui::Response {
+pub fn button_ui(
+    ui: &mut egui::Ui,
+    model: &Model,
+    queue: &mut Queue,
+    id: ActionId,
+    label: Option<&str>,
+) -> egui::Response {
     let action = id.action();
     let text = label.unwrap_or(action.label);
     let on = checked(id, model).unwrap_or(false);

@@ -131,7 +131,13 @@ fn move_hand(model: &mut Model, id: ActionId) {
     match id {
         A::FramePrevious | A::FrameNext => model.scrub.kind = ViewKind::Frame,
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => model.scrub.kind = ViewKind::Dog,
-        A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope | A::BusiestSlope
+        A::SlopeULess
+        | A::SlopeUMore
+        | A::SlopeVLess
+        | A::SlopeVMore
+        | A::SlopeZero
+        | A::SnapSlope
+        | A::BusiestSlope
             if model.scrub.kind == ViewKind::Frame =>
         {
             model.scrub.kind = ViewKind::Stack;

@@ -49,9 +49,9 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
         A::Play => Some(model.playing),
         A::AutoDetect => Some(model.auto_detect),
-        A::Preset1d => {
-            Some(model.params.method == Method::Buff && !model.params.slopes.is_plane() && model.params.slopes.len() > 1)
-        }
+        A::Preset1d => Some(
+            model.params.method == Method::Buff && !model.params.slopes.is_plane() && model.params.slopes.len() > 1,
+        ),
         A::Preset2d => Some(model.params.method == Method::Buff && model.params.slopes.is_plane()),
         A::PresetSift => Some(model.params.method == Method::Sift),
         _ => None,

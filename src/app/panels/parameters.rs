@@ -66,54 +66,136 @@ fn all_rows_ui(ui: &mut Ui, table: &Table<'_>, p: &mut DetectorParams, frame_cou
     let sift = p.method == Method::Sift;
     let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
     let interpolation = [(Interpolation::Linear, "Linear"), (Interpolation::Nearest, "Nearest")];
-    table.row(ui, &doc::METHOD, p, |p| &mut p.method, |ui, value, label| {
-        let names = Method::ALL.map(|m| (m, m.name()));
-        rows::choice_ui(ui, value, label, &names);
-    });
+    table.row(
+        ui,
+        &doc::METHOD,
+        p,
+        |p| &mut p.method,
+        |ui, value, label| {
+            let names = Method::ALL.map(|m| (m, m.name()));
+            rows::choice_ui(ui, value, label, &names);
+        },
+    );
     ui.add_enabled_ui(!sift, |ui| {
         table.row(ui, &doc::SLOPES_U, p, |p| &mut p.slopes.u, rows::axis_ui);
         table.row(ui, &doc::SLOPES_V, p, |p| &mut p.slopes.v, rows::axis_ui);
-        table.row(ui, &doc::SLOPE_DIRECTION, p, |p| &mut p.slopes.direction_deg, |ui, value, label| {
-            rows::number_ui(ui, egui::DragValue::new(value).speed(0.5).suffix("°").max_decimals(1), label);
-        });
+        table.row(
+            ui,
+            &doc::SLOPE_DIRECTION,
+            p,
+            |p| &mut p.slopes.direction_deg,
+            |ui, value, label| {
+                rows::number_ui(ui, egui::DragValue::new(value).speed(0.5).suffix("°").max_decimals(1), label);
+            },
+        );
     });
-    table.row(ui, &doc::FRAMES, p, |p| &mut p.frames, |ui, value, label| {
-        rows::frames_ui(ui, value, label, frame_count);
-    });
-    table.row(ui, &doc::OCTAVES, p, |p| &mut p.octaves, |ui, value, label| {
-        rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
-    });
-    table.row(ui, &doc::LEVELS, p, |p| &mut p.levels, |ui, value, label| {
-        rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
-    });
-    table.row(ui, &doc::FIRST_OCTAVE, p, |p| &mut p.first_octave, |ui, value, label| {
-        rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
-    });
-    table.row(ui, &doc::PEAK_THRESHOLD, p, |p| &mut p.peak_threshold, |ui, value, label| {
-        rows::number_ui(ui, egui::DragValue::new(value).speed(0.0001).max_decimals(5), label);
-    });
-    table.row(ui, &doc::NOISE_GATE, p, |p| &mut p.noise_gate, |ui, value: &mut NoiseGate, label| {
-        rows::gate_ui(ui, value, label);
-    });
-    table.row(ui, &doc::EDGE_THRESHOLD, p, |p| &mut p.edge_threshold, |ui, value, label| {
-        rows::number_ui(ui, egui::DragValue::new(value).speed(0.1).max_decimals(2), label);
-    });
+    table.row(
+        ui,
+        &doc::FRAMES,
+        p,
+        |p| &mut p.frames,
+        |ui, value, label| {
+            rows::frames_ui(ui, value, label, frame_count);
+        },
+    );
+    table.row(
+        ui,
+        &doc::OCTAVES,
+        p,
+        |p| &mut p.octaves,
+        |ui, value, label| {
+            rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
+        },
+    );
+    table.row(
+        ui,
+        &doc::LEVELS,
+        p,
+        |p| &mut p.levels,
+        |ui, value, label| {
+            rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
+        },
+    );
+    table.row(
+        ui,
+        &doc::FIRST_OCTAVE,
+        p,
+        |p| &mut p.first_octave,
+        |ui, value, label| {
+            rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
+        },
+    );
+    table.row(
+        ui,
+        &doc::PEAK_THRESHOLD,
+        p,
+        |p| &mut p.peak_threshold,
+        |ui, value, label| {
+            rows::number_ui(ui, egui::DragValue::new(value).speed(0.0001).max_decimals(5), label);
+        },
+    );
+    table.row(
+        ui,
+        &doc::NOISE_GATE,
+        p,
+        |p| &mut p.noise_gate,
+        |ui, value: &mut NoiseGate, label| {
+            rows::gate_ui(ui, value, label);
+        },
+    );
+    table.row(
+        ui,
+        &doc::EDGE_THRESHOLD,
+        p,
+        |p| &mut p.edge_threshold,
+        |ui, value, label| {
+            rows::number_ui(ui, egui::DragValue::new(value).speed(0.1).max_decimals(2), label);
+        },
+    );
     ui.add_enabled_ui(!sift, |ui| {
-        table.row(ui, &doc::SLOPE_NEIGHBOURS, p, |p| &mut p.slope_neighbours, |ui, value, label| {
-            rows::choice_ui(ui, value, label, &adjacent);
-        });
-        table.row(ui, &doc::INTERPOLATION, p, |p| &mut p.interpolation, |ui, value, label| {
-            rows::choice_ui(ui, value, label, &interpolation);
-        });
+        table.row(
+            ui,
+            &doc::SLOPE_NEIGHBOURS,
+            p,
+            |p| &mut p.slope_neighbours,
+            |ui, value, label| {
+                rows::choice_ui(ui, value, label, &adjacent);
+            },
+        );
+        table.row(
+            ui,
+            &doc::INTERPOLATION,
+            p,
+            |p| &mut p.interpolation,
+            |ui, value, label| {
+                rows::choice_ui(ui, value, label, &interpolation);
+            },
+        );
     });
-    table.row(ui, &doc::MAX_FEATURES, p, |p| &mut p.max_features, |ui, value, label| {
-        let all = |n: f64, _: std::ops::RangeInclusive<usize>| {
-            if n < 0.5 { "all".to_owned() } else { format!("{n:.0}") }
-        };
-        let parse = |text: &str| if text.trim() == "all" { Some(0.0) } else { text.trim().parse().ok() };
-        rows::number_ui(ui, egui::DragValue::new(value).speed(5.0).custom_formatter(all).custom_parser(parse), label);
-    });
-    table.row(ui, &doc::MAX_ORIENTATIONS, p, |p| &mut p.max_orientations, |ui, value, label| {
-        rows::number_ui(ui, egui::DragValue::new(value).speed(0.02), label);
-    });
+    table.row(
+        ui,
+        &doc::MAX_FEATURES,
+        p,
+        |p| &mut p.max_features,
+        |ui, value, label| {
+            let all = |n: f64, _: std::ops::RangeInclusive<usize>| {
+                if n < 0.5 { "all".to_owned() } else { format!("{n:.0}") }
+            };
+            let parse = |text: &str| if text.trim() == "all" { Some(0.0) } else { text.trim().parse().ok() };
+            rows::number_ui(
+                ui,
+                egui::DragValue::new(value).speed(5.0).custom_formatter(all).custom_parser(parse),
+                label,
+            );
+        },
+    );
+    table.row(
+        ui,
+        &doc::MAX_ORIENTATIONS,
+        p,
+        |p| &mut p.max_orientations,
+        |ui, value, label| {
+            rows::number_ui(ui, egui::DragValue::new(value).speed(0.02), label);
+        },
+    );
 }

@@ -72,10 +72,9 @@ pub fn describe(picture: &Picture) -> String {
             format!("Frame {index} of 0 … {}  ·  {name}", burst.len() - 1)
         }
         PictureKind::Stack { slope } => format!("Motion stack  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v),
-        PictureKind::Dog { octave, level, slope } => format!(
-            "DoG  ·  octave {octave}, level {level}  ·  slope ({:.2}, {:.2}) px/frame",
-            slope.u, slope.v
-        ),
+        PictureKind::Dog { octave, level, slope } => {
+            format!("DoG  ·  octave {octave}, level {level}  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v)
+        }
     }
 }
 
@@ -136,9 +135,8 @@ fn features_ui(ui: &Ui, model: &mut Model, state: &mut PictureState, output: &Ca
     let features = &detection.features;
     let scale = state.colour_scale(model);
     let shown = model.listed_flags();
-    let pointed = output
-        .pointer_ui
-        .and_then(|pos| overlay::feature_at(features, Some(&shown), output.ui_from_image, pos));
+    let pointed =
+        output.pointer_ui.and_then(|pos| overlay::feature_at(features, Some(&shown), output.ui_from_image, pos));
     if output.pointer_ui.is_some() {
         model.hovered = pointed;
     }
@@ -168,9 +166,14 @@ fn features_ui(ui: &Ui, model: &mut Model, state: &mut PictureState, output: &Ca
             f.response,
             f.snr
         );
-        egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), egui::Id::unique("feature tip"), egui::PopupAnchor::Pointer)
-            .gap(14.0)
-            .show(|ui| ui.label(RichText::new(text).monospace()));
+        egui::Tooltip::always_open(
+            ui.ctx().clone(),
+            ui.layer_id(),
+            egui::Id::unique("feature tip"),
+            egui::PopupAnchor::Pointer,
+        )
+        .gap(14.0)
+        .show(|ui| ui.label(RichText::new(text).monospace()));
     }
 }
 
@@ -201,11 +204,14 @@ fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let room = Rect::from_min_max(rect.left_top() + vec2(10.0, 10.0), rect.right_top() + vec2(-10.0, 44.0));
     ui.scope_builder(UiBuilder::new().max_rect(room).layout(Layout::left_to_right(Align::Min)), |ui| {
         let colour = style::warning(ui);
-        Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour)).inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
-            ui.label(RichText::new(text).color(colour));
-            if stale == Stale::Parameters && ui.small_button("Detect again").clicked() {
-                queue.push(ActionId::Detect);
-            }
-        });
+        Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour)).inner_margin(Margin::symmetric(8, 4)).show(
+            ui,
+            |ui| {
+                ui.label(RichText::new(text).color(colour));
+                if stale == Stale::Parameters && ui.small_button("Detect again").clicked() {
+                    queue.push(ActionId::Detect);
+                }
+            },
+        );
     });
 }

@@ -99,8 +99,12 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
         whole: true,
         suffix: "",
     };
-    let a = row("Octave", "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG.", octaves)
-        .ui(ui, &mut octave);
+    let a = row(
+        "Octave",
+        "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG.",
+        octaves,
+    )
+    .ui(ui, &mut octave);
     let b = row(
         "Level",
         "Level within the octave. Features come from levels 0 and up; the outermost two only take part in comparisons. Moving it shows the DoG.",
@@ -111,8 +115,9 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
         (model.scrub.octave, model.scrub.level) = (octave as i32, level as i32);
         model.scrub.kind = ViewKind::Dog;
     }
-    let space = ScaleSpace::new(model.usable_params.levels as usize, model.usable_params.first_octave);
+    let space = ScaleSpace::of(&model.usable_params);
     let sigma = space.sigma_image(model.scrub.octave, f64::from(model.scrub.level));
-    ui.weak(format!("Scale σ = {sigma:.2} px"))
-        .on_hover_text("Blobs of about this σ answer most strongly: their radius is √2·σ, in pixels of the input image.");
+    ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(
+        "Blobs of about this σ answer most strongly: their radius is √2·σ, in pixels of the input image.",
+    );
 }

@@ -70,12 +70,24 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature) {
     egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
         row("Rank", "By strength of the response", format!("{}", index + 1));
-        row("Place (u, v)", "At mid-burst, pixels; the centre of the first pixel is (0, 0)", format!("{:.2}, {:.2} px", f.u, f.v));
+        row(
+            "Place (u, v)",
+            "At mid-burst, pixels; the centre of the first pixel is (0, 0)",
+            format!("{:.2}, {:.2} px", f.u, f.v),
+        );
         row("Scale σ", "Of the blob, in input pixels", format!("{:.2} px", f.sigma));
         row("Orientation", "From +u towards +v, clockwise on screen", format!("{:.1}°", f.orientation.to_degrees()));
-        row("Slope (u, v)", "Apparent motion, refined between the grid's slopes", format!("{:+.3}, {:+.3} px/frame", f.slope.u, f.slope.v));
+        row(
+            "Slope (u, v)",
+            "Apparent motion, refined between the grid's slopes",
+            format!("{:+.3}, {:+.3} px/frame", f.slope.u, f.slope.v),
+        );
         row("Speed", "Length of the slope", format!("{:.3} px/frame", f.slope.magnitude()));
-        row("Response", "Interpolated DoG value; bright blobs are negative", format!("{:+.5} of full scale", f.response));
+        row(
+            "Response",
+            "Interpolated DoG value; bright blobs are negative",
+            format!("{:+.5} of full scale", f.response),
+        );
         row("SNR", "|response| over the noise in D", format!("{:.1}", f.snr));
         row("Octave, level", "Where in the scale space it was found", format!("{}, {}", f.octave, f.level));
         row("Slope index", "Running index of the grid's slope at which it was found", format!("{}", f.slope_index));
@@ -92,9 +104,10 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
     let display = model.look.intensity;
     let half_width_px = (PATCH_SIGMAS * feature.sigma).max(4.0);
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
-    let stack = model.patch.as_ref().filter(|p| {
-        p.request.burst.id == burst.id && p.request.kind == PictureKind::Stack { slope: feature.slope }
-    });
+    let stack = model
+        .patch
+        .as_ref()
+        .filter(|p| p.request.burst.id == burst.id && p.request.kind == PictureKind::Stack { slope: feature.slope });
     ui.horizontal(|ui| {
         ui.vertical(|ui| {
             ui.set_width(side);

@@ -22,11 +22,9 @@ pub fn toolbar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             }
             button_ui(ui, model, queue, ActionId::Shortcuts, Some("?"));
             ui.separator();
-            for (id, label) in [
-                (ActionId::ToggleRight, "Right"),
-                (ActionId::ToggleBottom, "Bottom"),
-                (ActionId::ToggleLeft, "Left"),
-            ] {
+            for (id, label) in
+                [(ActionId::ToggleRight, "Right"), (ActionId::ToggleBottom, "Bottom"), (ActionId::ToggleLeft, "Left")]
+            {
                 button_ui(ui, model, queue, id, Some(label));
             }
         });
@@ -36,9 +34,7 @@ pub fn toolbar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for (kind, id) in
-            ViewKind::ALL.into_iter().zip([ActionId::ShowFrame, ActionId::ShowStack, ActionId::ShowDog])
-        {
+        for (kind, id) in ViewKind::ALL.into_iter().zip([ActionId::ShowFrame, ActionId::ShowStack, ActionId::ShowDog]) {
             button_ui(ui, model, queue, id, Some(kind.label()));
         }
     });
@@ -47,7 +43,8 @@ fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 fn detect_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if let Some(running) = model.busy.detecting {
         button_ui(ui, model, queue, ActionId::Cancel, None);
-        let (fraction, stage) = running.progress.map_or((0.0, "Starting".to_owned()), |p| (p.fraction, p.stage.to_string()));
+        let (fraction, stage) =
+            running.progress.map_or((0.0, "Starting".to_owned()), |p| (p.fraction, p.stage.to_string()));
         let seconds = running.started.elapsed().as_secs_f32();
         let text = format!("{stage}  {:.0} %  {seconds:.1} s", 100.0 * fraction);
         ui.add(ProgressBar::new(fraction).desired_width(210.0).text(text));

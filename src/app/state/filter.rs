@@ -50,9 +50,7 @@ impl Filter {
             && inside(self.sigma, feature.sigma)
             && inside(self.response, feature.response.abs())
             && !(self.hide_slope_limit && feature.at_slope_limit)
-            && self
-                .near_slope
-                .is_none_or(|limit| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= limit)
+            && self.near_slope.is_none_or(|limit| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= limit)
     }
 }
 

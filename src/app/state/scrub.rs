@@ -112,11 +112,7 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     let axis = if along_second { &grid.v } else { &grid.u };
     if axis.count <= 1 {
         let step = 0.25 * sign;
-        return if along_second {
-            Slope::new(slope.u, slope.v + step)
-        } else {
-            Slope::new(slope.u + step, slope.v)
-        };
+        return if along_second { Slope::new(slope.u, slope.v + step) } else { Slope::new(slope.u + step, slope.v) };
     }
     let (i, j) = nearest_on_grid(grid, slope);
     let moved = |x: usize, count: usize| if forward { (x + 1).min(count - 1) } else { x.saturating_sub(1) };
@@ -153,13 +149,7 @@ mod tests {
     #[test]
     fn everything_is_brought_into_range() {
         let params = DetectorParams::default();
-        let wild = Scrub {
-            kind: ViewKind::Dog,
-            frame: 99,
-            slope: Slope::new(f32::NAN, 1e9),
-            octave: 77,
-            level: -9,
-        };
+        let wild = Scrub { kind: ViewKind::Dog, frame: 99, slope: Slope::new(f32::NAN, 1e9), octave: 77, level: -9 };
         let tame = wild.within(&params, 10, (640, 480));
         assert_eq!((tame.frame, tame.level), (9, -1));
         assert_eq!(tame.slope, Slope::new(0.0, slope_limit(&params.slopes)));

@@ -77,11 +77,8 @@ fn changed_parameters_make_features_stale_and_undoing_makes_them_good() {
 fn answers_of_another_burst_are_dropped() {
     let mut model = with_features();
     let other = open((64, 48), 5);
-    let request = PictureRequest {
-        burst: other.clone(),
-        kind: PictureKind::Frame(0),
-        params: DetectorParams::default(),
-    };
+    let request =
+        PictureRequest { burst: other.clone(), kind: PictureKind::Frame(0), params: DetectorParams::default() };
     model.take_picture(request.compute(&Monitor::default()).expect("frame 0 is there"));
     assert!(model.picture.is_none());
     let before = model.features().len();
@@ -143,11 +140,8 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
 fn a_range_is_set_once_and_then_stays() {
     let mut model = with_features();
     let show = |model: &mut Model, kind| {
-        let request = PictureRequest {
-            burst: model.burst.clone().expect("open"),
-            kind,
-            params: model.usable_params.clone(),
-        };
+        let request =
+            PictureRequest { burst: model.burst.clone().expect("open"), kind, params: model.usable_params.clone() };
         model.take_picture(request.compute(&Monitor::default()).expect("not cancelled"));
     };
     show(&mut model, PictureKind::Frame(0));
