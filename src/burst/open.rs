@@ -43,8 +43,9 @@ impl Burst {
     /// **Values.** Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if signed), also when the camera has
     /// fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless [`OpenOptions::full_scale`] says otherwise. Float files are
     /// taken as they are if their values lie in [0, 1] (magnitudes up to 2 are taken for noise around that), otherwise they are
-    /// divided by the burst's largest magnitude; so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the divisor. Colour becomes
-    /// luma with the weights of Rec. 709 on the stored values ([`super::LUMA_WEIGHTS`]); alpha is ignored.
+    /// divided by the burst's largest magnitude (before the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the divisor. Colour becomes
+    /// luma with the weights of Rec. 709 on the stored values ([`super::LUMA_WEIGHTS`]); alpha is ignored. Pixels stay where
+    /// the file has them: notes on how to turn a photograph (EXIF) are not followed.
     ///
     /// Frames are decoded in parallel; `monitor` hears of every frame and is asked before each.
     ///
@@ -67,9 +68,13 @@ impl Burst {
             monitor.check()?;
             Ok(Arc::new(calibrated(frame, bias.as_ref(), options.full_scale, full_scale)))
         });
+        let frames = frames.collect::<Result<Vec<_>, OpenError>>()?;
+        if bias.is_some() || options.full_scale.is_some() {
+            check_overflow(&frames, &raw.origins)?;
+        }
         Ok(Self {
             name: raw.name,
-            frames: frames.collect::<Result<_, OpenError>>()?,
+            frames,
             frame_names: raw.frame_names,
             full_scale,
             quantisation_step: if integer { 1.0 / full_scale } else { 0.0 },
@@ -83,6 +88,8 @@ struct RawBurst {
     name: String,
     frames: Vec<RawFrame>,
     frame_names: Vec<String>,
+    /// The file of each frame, and its index there.
+    origins: Vec<(PathBuf, usize)>,
 }
 
 /// `ticker` makes the counter for a number of frames.
@@ -108,7 +115,8 @@ fn read<'a>(inputs: &[PathBuf], limits: &Limits, ticker: &dyn Fn(usize) -> Ticke
             1 => vec![name],
             n => (0..n).map(|t| format!("{name} [{t}]")).collect(),
         };
-        return Ok(RawBurst { name: source.name, frames, frame_names });
+        let origins = (0..frames.len()).map(|t| (first.clone(), t)).collect();
+        return Ok(RawBurst { name: source.name, frames, frame_names, origins });
     }
     let size = (header.width, header.height);
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
@@ -124,7 +132,9 @@ fn read<'a>(inputs: &[PathBuf], limits: &Limits, ticker: &dyn Fn(usize) -> Ticke
     if let Some(odd) = frames.iter().position(|f| ranged(f) != ranged(&frames[0])) {
         return Err(OpenError::MixedSamples { first: first.clone(), path: files[odd].clone() });
     }
-    Ok(RawBurst { name: source.name, frame_names: files.iter().map(|f| file_name(f)).collect(), frames })
+    let frame_names = files.iter().map(|f| file_name(f)).collect();
+    let origins = files.into_iter().map(|f| (f, 0)).collect();
+    Ok(RawBurst { name: source.name, frames, frame_names, origins })
 }
 
 fn file_name(path: &Path) -> String {
@@ -176,4 +186,16 @@ fn calibrated(frame: RawFrame, bias: Option<&Plane>, forced: Option<f32>, full_s
         plane.data_mut().iter_mut().zip(bias.data()).for_each(|(v, b)| *v -= b / divisor);
     }
     plane
+}
+
+/// Fails over the first value that the bias or a tiny full scale has driven out of the range of `f32`.
+fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result<(), OpenError> {
+    let bad = frames.par_iter().map(|plane| plane.data().iter().position(|v| !v.is_finite())).collect::<Vec<_>>();
+    for ((plane, (path, frame)), index) in frames.iter().zip(origins).zip(bad) {
+        if let Some(index) = index {
+            let (u, v, value) = (index % plane.width(), index / plane.width(), plane.data()[index]);
+            return Err(OpenError::NotFinite { path: path.clone(), frame: *frame, u, v, value });
+        }
+    }
+    Ok(())
 }

@@ -61,7 +61,7 @@ pub(super) struct PictureKey {
 enum KindKey {
     Frame(usize),
     Stack(StackKey),
-    Dog { stack: StackKey, octave: i32, level: i32, levels: u32, first_octave: i32 },
+    Dog { stack: StackKey, octave: i32, level: i32, levels: u32, first_octave: i32, kernel_cut_bits: u32 },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -92,6 +92,7 @@ impl PictureRequest {
                 level,
                 levels: self.params.levels,
                 first_octave: self.params.first_octave,
+                kernel_cut_bits: self.params.kernel_cut.to_bits(),
             },
         };
         PictureKey { burst: self.burst.id, kind }

@@ -1,7 +1,7 @@
 //! Round trips: what is written in each format comes back with the right values, order and full scale.
 
-use crate::support::{assert_close, folder, grey8, open, save, tiff_pages};
-use burstscope::burst::{Burst, LUMA_WEIGHTS};
+use crate::support::{assert_close, folder, grey8, open, raw_tiff, save, tiff_pages};
+use burstscope::burst::{Burst, LUMA_WEIGHTS, OpenError};
 use image::{ImageBuffer, Luma, LumaA, Rgb, Rgba};
 use ndarray::{Array2, Array3, ShapeBuilder};
 use ndarray_npy::write_npy;
@@ -230,4 +230,37 @@ fn frames_of_8_and_16_bit_are_each_divided_by_their_own_range() {
     let burst = Burst::open(folder.path()).expect("opens");
     assert_eq!((burst.frames[0].at(0, 0), burst.frames[1].at(0, 0)), (1.0, 1.0));
     assert_eq!(burst.full_scale, 65535.0);
+}
+
+#[test]
+fn tiffs_of_rarer_layouts() {
+    let folder = folder();
+    let path = folder.path().join("a.tif");
+    let values = |bytes: Vec<u8>| {
+        std::fs::write(&path, bytes).expect("written");
+        Burst::open(&path).map(|b| b.frames[0].data().to_vec())
+    };
+    // Grey of 16 bit in both byte orders; the other sense of grey.
+    let found = values(raw_tiff(true, (2, 1), &[16], &[(262, 1)], &[&[0, 1, 0xff, 0xff]])).expect("big endian");
+    assert_eq!(found, [1.0 / 65535.0, 1.0]);
+    let found = values(raw_tiff(false, (2, 1), &[16], &[(262, 1)], &[&[1, 0, 0xff, 0xff]])).expect("little endian");
+    assert_eq!(found, [1.0 / 65535.0, 1.0]);
+    let found = values(raw_tiff(false, (2, 1), &[8], &[(262, 0)], &[&[0, 255]])).expect("white is zero");
+    assert_eq!(found, [1.0, 0.0]);
+    // RGB in planes: red, then green, then blue.
+    let found = values(raw_tiff(false, (2, 1), &[8, 8, 8], &[(262, 2), (284, 2)], &[&[255, 0], &[0, 255], &[0, 255]]));
+    assert_close(&found.expect("planar"), &[LUMA_WEIGHTS[0], 1.0 - LUMA_WEIGHTS[0]]);
+    // Floats of 16 bit.
+    let found = values(raw_tiff(false, (2, 1), &[16], &[(262, 1), (339, 3)], &[&[0x00, 0x38, 0x00, 0x3c]]));
+    assert_eq!(found.expect("half floats"), [0.5, 1.0]);
+    // What cannot be opened says so.
+    for (what, bytes) in [
+        ("12 bit", raw_tiff(false, (2, 1), &[12], &[(262, 1)], &[&[0; 3]])),
+        ("1 bit", raw_tiff(false, (8, 1), &[1], &[(262, 1)], &[&[0x55]])),
+        ("CMYK", raw_tiff(false, (1, 1), &[8; 4], &[(262, 5)], &[&[0; 4]])),
+        ("palette", raw_tiff(false, (2, 1), &[8], &[(262, 3)], &[&[0; 2]])),
+    ] {
+        let error = values(bytes).expect_err(what);
+        assert!(matches!(error, OpenError::Unsupported { .. }), "{what}: {error}");
+    }
 }

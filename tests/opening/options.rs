@@ -75,6 +75,20 @@ fn a_full_scale_of_ones_own() {
 }
 
 #[test]
+fn no_option_makes_values_that_are_not_finite() {
+    let folder = folder();
+    let (path, bias) = (folder.path().join("a.npy"), folder.path().join("bias.npy"));
+    write_npy(&path, &Array3::from_shape_vec((1, 1, 2), vec![-1e38f32, -3e38]).expect("two values")).expect("written");
+    write_npy(&bias, &Array2::from_elem((1, 2), 3e38f32)).expect("written");
+    let located = |options: OpenOptions, column: usize| {
+        let error = open(&path, &options).expect_err("beyond the range of 32-bit float");
+        assert!(matches!(error, OpenError::NotFinite { u, v: 0, .. } if u == column), "{error}");
+    };
+    located(OpenOptions { full_scale: Some(0.5), ..OpenOptions::default() }, 1);
+    located(OpenOptions { full_scale: Some(1.0), bias: Some(bias), ..OpenOptions::default() }, 0);
+}
+
+#[test]
 fn progress_counts_frames() {
     let folder = folder();
     for t in 0..8 {

@@ -106,10 +106,11 @@ impl View {
         self.centre_image = [self.centre_image[0] + delta_image.x, self.centre_image[1] + delta_image.y];
     }
 
-    /// From the whole image (or 1 point a pixel, if that is smaller) to [`MAX_POINTS_PER_PIXEL`].
+    /// From half the fitted size, or a quarter point a pixel if that is smaller (1:1 must be in reach on a screen of any density), to
+    /// [`MAX_POINTS_PER_PIXEL`].
     fn limited(&self, points_per_pixel: f32) -> f32 {
         let fit = if self.fit_points_per_pixel > 0.0 { self.fit_points_per_pixel } else { 1.0 };
-        points_per_pixel.clamp((0.5 * fit).min(1.0), MAX_POINTS_PER_PIXEL.max(fit))
+        points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
 
     /// Fits the view to this frame's canvas `rect_ui` and image of `image_size` = (columns, rows), keeps the middle of the canvas on the image,

@@ -174,6 +174,15 @@ fn all_rows_ui(ui: &mut Ui, table: &Table<'_>, p: &mut DetectorParams, frame_cou
     });
     table.row(
         ui,
+        &doc::KERNEL_CUT,
+        p,
+        |p| &mut p.kernel_cut,
+        |ui, value, label| {
+            rows::number_ui(ui, egui::DragValue::new(value).speed(0.02).max_decimals(2), label);
+        },
+    );
+    table.row(
+        ui,
         &doc::MAX_FEATURES,
         p,
         |p| &mut p.max_features,
