@@ -182,6 +182,7 @@ const SNR_HELP: &str = "Signal-to-noise ratio of one pixel in one frame: the dif
 
 /// Discs on an even background, each with its own slope.
 #[derive(Debug, Clone, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct ChartArgs {
     #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
     #[allow(missing_docs)]
@@ -232,6 +233,7 @@ pub struct ChartArgs {
 
 /// Textured layers at several depths, each with its own slope.
 #[derive(Debug, Clone, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct SceneArgs {
     #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
     #[allow(missing_docs)]

@@ -24,7 +24,7 @@ pub struct ParamsFileArg {
 
 /// The search options as they are written.
 #[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Search options")]
+#[command(next_help_heading = "Search options", allow_negative_numbers = true)]
 #[allow(missing_docs)] // each is described by its `doc` constant
 pub struct SearchArgs {
     #[command(flatten)]
