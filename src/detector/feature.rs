@@ -29,6 +29,16 @@ pub struct Feature {
     pub at_slope_limit: bool,
 }
 
+impl Feature {
+    /// By how much a feature stands out, for ranking: |response|·√snr, or |response| where the burst has no noise.
+    ///
+    /// Response alone puts noise at fine scales above large faint blobs; signal-to-noise alone puts the weak hollows between large blobs
+    /// above everything. Their mix found most discs of the charts among 10 % of false features, over powers 0, ½, 1 and 2 of the snr.
+    pub fn strength(&self) -> f32 {
+        self.response.abs() * if self.snr.is_finite() { self.snr.sqrt() } else { 1.0 }
+    }
+}
+
 /// A 128-element descriptor: 4×4 cells (rows of cells from the top in the feature's own frame, u fastest) × 8 orientations,
 /// L1-root normalised, ×512, clamped to 255, in UBC/COLMAP's order.
 pub type Descriptor = [u8; 128];
@@ -144,7 +154,7 @@ impl StageTimes {
 /// The answer of the detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detection {
-    /// Features, strongest first (by |response|·1, ties by place).
+    /// Features, strongest first (by [`Feature::strength`], ties by place).
     pub features: Vec<Feature>,
     /// One descriptor for each feature, in the same order.
     pub descriptors: Vec<Descriptor>,

@@ -179,7 +179,7 @@ impl Default for DetectorParams {
             octaves: 6,
             levels: 3,
             first_octave: 0,
-            peak_threshold: 0.001,
+            peak_threshold: 0.0003,
             noise_gate: NoiseGate::Auto,
             edge_threshold: 10.0,
             slope_neighbours: SlopeNeighbours::Adjacent,
@@ -346,7 +346,7 @@ pub mod doc {
         "max-features",
         "Max features",
         "features",
-        "Keep only this many features, the strongest by signal-to-noise ratio; 0 keeps all.",
+        "Keep only this many features, the strongest by response times the square root of the signal-to-noise ratio; 0 keeps all.",
         "Lower it to keep only the most reliable."
     );
     doc!(

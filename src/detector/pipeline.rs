@@ -115,11 +115,7 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     }
     monitor.check()?;
     found.sort_by(|(a, _), (b, _)| {
-        b.snr
-            .total_cmp(&a.snr)
-            .then(b.response.abs().total_cmp(&a.response.abs()))
-            .then(a.v.total_cmp(&b.v))
-            .then(a.u.total_cmp(&b.u))
+        b.strength().total_cmp(&a.strength()).then(a.v.total_cmp(&b.v)).then(a.u.total_cmp(&b.u))
     });
     if params.max_features > 0 && found.len() > params.max_features {
         tally.reject(Test::MaxFeatures, (found.len() - params.max_features) as u64);

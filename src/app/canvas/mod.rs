@@ -198,7 +198,7 @@ impl<'a> Canvas<'a> {
             message(ui, &output.painter, rect, &obstacle);
             return;
         }
-        let dim = ui.ctx().animate_bool_with_time(output.response.id.with("dim"), self.dim, 0.15);
+        let dim = ui.ctx().animate_bool(output.response.id.with("dim"), self.dim);
         let paint = PicturePaint {
             pane: output.response.id,
             id: picture.id,

@@ -3,6 +3,8 @@
 //! The range is never changed behind one's back: it moves when a handle is dragged, a number typed or a button pressed, and stays when the
 //! picture changes, so that pictures can be compared. The axis stays too, as long as range and values fit on it.
 
+mod axis;
+mod drag;
 mod plot;
 
 use crate::app::canvas::{Picture, number};
@@ -10,7 +12,9 @@ use crate::app::gpu::PictureId;
 use crate::plane::colour_map::ColourMap;
 use crate::plane::display::{Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
-use egui::{CursorIcon, DragValue, Pos2, Rect, Response, Sense, Slider, Ui, vec2};
+use axis::{axis_fits, axis_for};
+use drag::{Drag, dragged, grip_at, nearest_end};
+use egui::{CursorIcon, DragValue, Rect, Response, Sense, Slider, Ui, vec2};
 use plot::{Grip, PlotGeometry};
 
 /// Bars of the histogram.
@@ -18,9 +22,6 @@ const BINS: usize = 256;
 
 /// Height of the plot with its strip and labels, in points.
 const PLOT_POINTS: f32 = 118.0;
-
-/// How near the pointer must come to a handle, in points.
-const GRAB_POINTS: f32 = 9.0;
 
 /// What "percentiles" means: the range that leaves out the darkest and the brightest thousandth.
 pub const PERCENTILES: [f32; 2] = [0.1, 99.9];
@@ -40,14 +41,6 @@ struct Counted {
     data_range: Option<(f32, f32)>,
     axis: (f32, f32),
     histogram: Histogram,
-}
-
-/// What is being dragged, and the range and pointer value when it began.
-#[derive(Debug, Clone, Copy)]
-struct Drag {
-    grip: Grip,
-    start: Display,
-    start_value: f32,
 }
 
 /// The range of values that "full range" gives: the smallest and the largest value of the picture.
@@ -153,7 +146,7 @@ impl HistogramPanel {
         };
         // While a handle is dragged the axis must not run away under the hand.
         let axis = match self.axis {
-            Some(axis) if self.drag.is_some() || axis_still_fits(axis, data_range, display) => axis,
+            Some(axis) if self.drag.is_some() || axis_fits(axis, data_range, display) => axis,
             _ => axis_for(data_range, display),
         };
         self.axis = Some(axis);
@@ -184,68 +177,6 @@ impl HistogramPanel {
         *display = dragged(drag, geometry.value_at(pointer.x), geometry.axis);
         Some(drag.grip)
     }
-}
-
-/// The display after the pointer of `drag` has come to `value`.
-fn dragged(drag: Drag, value: f32, axis: (f32, f32)) -> Display {
-    let Drag { grip, start, start_value } = drag;
-    let value = value.clamp(axis.0, axis.1);
-    let moved = value - start_value;
-    // An end never passes the other one.
-    let least = (axis.1 - axis.0) * 1e-3;
-    let narrower = |limit: f32| start.with_range(-limit.max(least), limit.max(least));
-    match (grip, start.symmetric) {
-        (Grip::Min, true) => narrower(-value),
-        (Grip::Max, true) => narrower(value),
-        // Moving a symmetric range as a whole would break its symmetry: it is made wider and narrower instead.
-        (Grip::Both, true) => narrower(start.max + if start_value < 0.0 { -moved } else { moved }),
-        (Grip::Min, false) => start.with_range(value.min(start.max - least), start.max),
-        (Grip::Max, false) => start.with_range(start.min, value.max(start.min + least)),
-        (Grip::Both, false) => start.with_range(start.min + moved, start.max + moved),
-    }
-}
-
-/// What the pointer would grab.
-fn grip_at(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Option<Grip> {
-    let (low, high) = (geometry.x_of(display.min), geometry.x_of(display.max));
-    let (to_low, to_high) = ((pointer.x - low).abs(), (pointer.x - high).abs());
-    // In a narrow range the middle third still moves it as a whole.
-    let reach = GRAB_POINTS.min(0.34 * (high - low).max(3.0));
-    let outside = pointer.x < low || pointer.x > high;
-    let reach = if outside { GRAB_POINTS } else { reach };
-    if to_low.min(to_high) <= reach {
-        Some(if to_low < to_high { Grip::Min } else { Grip::Max })
-    } else {
-        (!outside).then_some(Grip::Both)
-    }
-}
-
-/// The end that a press outside the range takes along.
-fn nearest_end(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Grip {
-    if pointer.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max }
-}
-
-/// An axis that shows all values and the whole range, with a little room.
-fn axis_for(data_range: Option<(f32, f32)>, display: &Display) -> (f32, f32) {
-    let (low, high) =
-        data_range.map_or((display.min, display.max), |(low, high)| (low.min(display.min), high.max(display.max)));
-    let (low, high) = if display.symmetric {
-        let limit = low.abs().max(high.abs());
-        (-limit, limit)
-    } else {
-        (low, high)
-    };
-    let room = 0.04 * (high - low);
-    (low - room, high + room)
-}
-
-/// Whether an axis can stay: it shows the range and the values, and they do not hide in a small part of it.
-fn axis_still_fits(axis: (f32, f32), data_range: Option<(f32, f32)>, display: &Display) -> bool {
-    let needed = axis_for(data_range, display);
-    let holds = |low: f32, high: f32| low >= axis.0 && high <= axis.1;
-    holds(display.min, display.max)
-        && data_range.is_none_or(|(low, high)| holds(low, high))
-        && (needed.1 - needed.0) > 0.4 * (axis.1 - axis.0)
 }
 
 /// What the bar at `value` says.
@@ -346,48 +277,7 @@ fn swatch_ui(ui: &mut Ui, map: ColourMap) {
 mod tests {
     use super::*;
     use crate::plane::Plane;
-    use proptest::prelude::*;
     use std::sync::Arc;
-
-    fn drag(grip: Grip, start: Display, start_value: f32) -> Drag {
-        Drag { grip, start, start_value }
-    }
-
-    #[test]
-    fn handles_move_their_end_and_the_middle_moves_both() {
-        let start = Display { min: 0.2, max: 0.6, ..Display::default() };
-        let axis = (0.0, 1.0);
-        let range = |grip, from, to| {
-            let d = dragged(drag(grip, start, from), to, axis);
-            ((d.min * 1e4).round() / 1e4, (d.max * 1e4).round() / 1e4)
-        };
-        assert_eq!(range(Grip::Min, 0.2, 0.3), (0.3, 0.6));
-        assert_eq!(range(Grip::Max, 0.6, 0.9), (0.2, 0.9));
-        assert_eq!(range(Grip::Both, 0.4, 0.5), (0.3, 0.7));
-        assert_eq!(range(Grip::Min, 0.2, 0.9), (0.599, 0.6));
-    }
-
-    #[test]
-    fn a_symmetric_range_stays_symmetric() {
-        let start = Display::symmetric(0.1);
-        for (grip, from, to) in [(Grip::Min, -0.1, -0.05), (Grip::Max, 0.1, 0.05), (Grip::Both, 0.06, 0.01)] {
-            let d = dragged(drag(grip, start, from), to, (-0.2, 0.2));
-            assert_eq!(d.min, -d.max);
-            assert!((d.max - 0.05).abs() < 1e-6, "{grip:?}: {d:?}");
-        }
-    }
-
-    #[test]
-    fn the_axis_stays_while_pictures_change_a_little() {
-        let display = Display { min: 0.0, max: 0.1, ..Display::default() };
-        let axis = axis_for(Some((0.01, 0.09)), &display);
-        assert!(axis_still_fits(axis, Some((0.02, 0.095)), &display));
-        assert!(!axis_still_fits(axis, Some((0.0, 0.2)), &display), "values outside must be seen");
-        let narrow = Display { max: 0.001, ..display };
-        assert!(!axis_still_fits(axis, Some((0.0, 0.001)), &narrow), "a range must not hide in a corner");
-        let symmetric = axis_for(Some((-0.01, 0.05)), &Display::symmetric(0.02));
-        assert_eq!(symmetric.0, -symmetric.1);
-    }
 
     #[test]
     fn ranges_of_buttons() {
@@ -398,19 +288,5 @@ mod tests {
         assert!(low == 0.0 && (high - 0.099).abs() < 1e-6, "{high}");
         let region = Region { u: 0..100, v: 50..60 };
         assert_eq!(percentile_range(&picture, &region), Some((0.05, 0.059)));
-    }
-
-    proptest! {
-        #[test]
-        fn dragging_anywhere_keeps_a_usable_range(
-            min in -1f32..1.0, width in 0.001f32..2.0, symmetric in any::<bool>(), from in -2f32..2.0, to in -5f32..5.0, which in 0..3
-        ) {
-            let start = Display { symmetric, ..Display::default() }.with_range(min, min + width);
-            let grip = [Grip::Min, Grip::Max, Grip::Both][which as usize];
-            let axis = axis_for(None, &start);
-            let end = dragged(drag(grip, start, from), to, axis);
-            prop_assert!(end.min < end.max && end.min.is_finite() && end.max.is_finite(), "{end:?}");
-            prop_assert!(!symmetric || end.min == -end.max);
-        }
     }
 }
