@@ -9,9 +9,11 @@ use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea};
 /// Draws the whole window except what floats over it.
 pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     let mut open_recent = None;
+    // On a small screen the picture needs the room more than the panels do.
+    let side_width = (0.235 * ui.available_width()).clamp(256.0, 300.0);
     let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
     let side =
-        |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 8, right: 4, top: 6, bottom: 4 });
+        |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 8, right: 5, top: 6, bottom: 4 });
 
     Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
         ui.horizontal(|ui| {
@@ -21,7 +23,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar::toolbar_ui(ui, &mut app.model, queue));
     Panel::bottom("status bar")
         .frame(bar(ui))
-        .show(ui, |ui| panels::status::status_ui(ui, &app.model, app.pictures.readout.as_ref()));
+        .show(ui, |ui| panels::status::status_ui(ui, &app.model, app.pictures.readout.as_ref(), queue));
 
     if app.model.burst.is_none() {
         CentralPanel::default().show(ui, |ui| {
@@ -29,7 +31,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
         });
     } else {
         if app.model.panels.left {
-            Panel::left("left").frame(side(ui)).default_size(286.0).size_range(250.0..=420.0).show(ui, |ui| {
+            Panel::left("left").frame(side(ui)).default_size(side_width).size_range(250.0..=420.0).show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     panels::scrub::scrub_ui(ui, &mut app.model, queue);
                     panels::parameters::parameters_ui(ui, &mut app.model, queue);
@@ -37,7 +39,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
             });
         }
         if app.model.panels.right {
-            Panel::right("right").frame(side(ui)).default_size(286.0).size_range(250.0..=460.0).show(ui, |ui| {
+            Panel::right("right").frame(side(ui)).default_size(side_width).size_range(250.0..=460.0).show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     panels::display::display_ui(ui, &mut app.model, &app.pictures, &mut app.display);
                     panels::selection::selection_ui(ui, &mut app.model, &mut app.selection, queue);

@@ -1,6 +1,6 @@
 //! How the window looks: quiet colours, small type, little space, so that the picture has the room.
 
-use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, vec2};
+use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, style::ScrollStyle, vec2};
 
 /// The accent in both themes: a blue that is neither end of a diverging map.
 pub const ACCENT: Color32 = Color32::from_rgb(0x2f, 0x7f, 0xd6);
@@ -29,6 +29,8 @@ fn common(style: &mut Style) {
     style.spacing.item_spacing = vec2(6.0, 4.0);
     style.spacing.button_padding = vec2(7.0, 2.0);
     style.spacing.interact_size.y = 20.0;
+    // Room is kept for the scroll bar, so that it never lies over what one wants to click.
+    style.spacing.scroll = ScrollStyle { floating_allocated_width: 9.0, ..ScrollStyle::floating() };
     style.spacing.combo_width = 60.0;
     for widget in [
         &mut style.visuals.widgets.noninteractive,
@@ -55,6 +57,7 @@ fn dark(style: &mut Style) {
     visuals.selection.bg_fill = Color32::from_rgb(0x1f, 0x56, 0x92);
     visuals.selection.stroke = Stroke::new(1.0, Color32::from_rgb(0xdd, 0xec, 0xff));
     visuals.hyperlink_color = Color32::from_rgb(0x7a, 0xb5, 0xf5);
+    visuals.error_fg_color = Color32::from_rgb(0xff, 0x7b, 0x72);
 }
 
 fn light(style: &mut Style) {
@@ -68,4 +71,5 @@ fn light(style: &mut Style) {
     visuals.selection.bg_fill = Color32::from_rgb(0xb9, 0xd8, 0xf8);
     visuals.selection.stroke = Stroke::new(1.0, Color32::from_rgb(0x0b, 0x3a, 0x6b));
     visuals.hyperlink_color = ACCENT;
+    visuals.error_fg_color = Color32::from_rgb(0xb4, 0x23, 0x18);
 }

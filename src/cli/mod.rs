@@ -1,1 +1,54 @@
 //! The commands: what the window can compute, a command can.
+//!
+//! Raw arguments are described in [`args`] and turned once into checked values (see [`search_options`]); each command is a module of its own
+//! that calls the same functions as the window. Results go to the standard output, progress and errors to the standard error.
+//!
+//! Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
+
+pub mod args;
+mod choices;
+mod console;
+mod detect;
+mod failure;
+mod inputs;
+mod render;
+mod report;
+pub mod search_options;
+mod stack;
+mod synth;
+mod table;
+mod window;
+
+pub use failure::Failure;
+
+use args::{Cli, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+/// Does what the program's arguments ask for, and answers with its exit code.
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are "errors" of clap that go to the standard output with code 0; wrong use is 2.
+            let code = if error.use_stderr() { 2 } else { 0 };
+            // A closed pipe is no reason to complain about a help page.
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    let result = match &cli.command {
+        None => window::open(&cli),
+        Some(Command::Detect(args)) => detect::run(args),
+        Some(Command::Stack(args)) => stack::run(args),
+        Some(Command::Synth(args)) => synth::run(args),
+        Some(Command::Render(args)) => render::run(args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.print();
+            failure.exit_code()
+        }
+    }
+}

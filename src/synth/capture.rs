@@ -26,8 +26,7 @@ pub(super) fn capture_burst(
         .map(|t| {
             monitor.check()?;
             let signal = signal_at(t as f64 - t0)?;
-            monitor.check()?;
-            let frame = camera.capture(&signal, &mut Stream::new(seed, t as u64 + 1));
+            let frame = camera.capture(&signal, &mut Stream::new(seed, t as u64 + 1), monitor)?;
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             monitor.report(Stage::Synth, count as f32 / frames as f32);
             Ok(frame)

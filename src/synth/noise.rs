@@ -21,6 +21,7 @@
 
 use super::SynthError;
 use super::random::Stream;
+use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
 /// A camera: how many electrons full scale is, what reading out adds, the pedestal, the converter.
@@ -101,12 +102,18 @@ impl Camera {
     }
 
     /// One frame: `signal` (fractions of full scale above black) with black level, noise and rounding, in [0, 1].
-    pub fn capture(&self, signal: &Plane, stream: &mut Stream) -> Plane {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn capture(&self, signal: &Plane, stream: &mut Stream, monitor: &Monitor) -> Result<Plane, Cancelled> {
         let mut frame = signal.clone();
-        for value in frame.data_mut() {
-            *value = self.capture_pixel(f64::from(*value), stream);
+        for row in 0..frame.height() {
+            monitor.check()?;
+            for value in frame.row_mut(row) {
+                *value = self.capture_pixel(f64::from(*value), stream);
+            }
         }
-        frame
+        Ok(frame)
     }
 
     fn capture_pixel(&self, signal: f64, stream: &mut Stream) -> f32 {
@@ -141,6 +148,10 @@ pub fn quantisation_step(bits: u32) -> f64 {
 mod tests {
     use super::*;
 
+    fn expose(camera: &Camera, signal: &Plane, seed: u64) -> Plane {
+        camera.capture(signal, &mut Stream::new(seed, 1), &Monitor::default()).expect("not cancelled")
+    }
+
     fn statistics(plane: &Plane) -> (f64, f64) {
         let n = plane.data().len() as f64;
         let mean = plane.data().iter().map(|&x| f64::from(x)).sum::<f64>() / n;
@@ -157,7 +168,7 @@ mod tests {
                 black_level: 0.45,
                 bits: Some(bits),
             };
-            let frame = camera.capture(&Plane::from_fn(SIDE, SIDE, |_, _| signal as f32), &mut Stream::new(2, 1));
+            let frame = expose(&camera, &Plane::from_fn(SIDE, SIDE, |_, _| signal as f32), 2);
             let (mean, variance) = statistics(&frame);
             let n = (SIDE * SIDE) as f64;
             let sigma = camera.sigma(signal);
@@ -198,7 +209,7 @@ mod tests {
     #[test]
     fn a_noiseless_camera_only_lifts() {
         let signal = Plane::from_fn(4, 3, |u, v| 0.01 * (u + v) as f32);
-        let frame = Camera::noiseless(0.25).capture(&signal, &mut Stream::new(0, 0));
+        let frame = expose(&Camera::noiseless(0.25), &signal, 0);
         for (out, x) in frame.data().iter().zip(signal.data()) {
             assert!((out - x - 0.25).abs() < 1e-7);
         }

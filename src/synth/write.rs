@@ -127,7 +127,9 @@ mod tests {
             assert_eq!(read, frame.data());
         }
         let text = std::fs::read_to_string(dir.join("truth.json")).expect("a file");
-        assert_eq!(serde_json::from_str::<Truth>(&text).expect("valid"), truth);
+        // Numbers are written with all their digits (the JSON reader may be off by the last one).
+        assert_eq!(text.trim_end(), serde_json::to_string_pretty(&truth).expect("valid"));
+        assert_eq!(serde_json::from_str::<Truth>(&text).expect("valid").features.len(), truth.features.len());
         assert_eq!(std::fs::read_dir(dir.parent().expect("it has one")).expect("a folder").count(), 1, "no leftovers");
     }
 

@@ -24,17 +24,19 @@ fn detect_finds_what_the_detector_finds() {
 fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let mut window = Start::default().open();
     let features = window.app().model.features().to_vec();
-    let (index, feature) = features
-        .iter()
-        .enumerate()
-        .find(|(i, f)| {
-            // One that stands alone, so that the click can mean no other.
-            features
-                .iter()
-                .enumerate()
-                .all(|(j, g)| *i == j || (f.u - g.u).hypot(f.v - g.v) > 6.0 * (f.sigma + g.sigma))
+    // Close enough to tell features apart, and one that no other comes near, so that the click can mean no other.
+    const POINTS_PER_PX: f32 = 8.0;
+    let alone = |i: usize| {
+        features.iter().enumerate().all(|(j, g)| {
+            let f = &features[i];
+            let (distance, radius) = ((f.u - g.u).hypot(f.v - g.v), std::f32::consts::SQRT_2 * g.sigma);
+            i == j || distance.min((distance - radius).abs()) * POINTS_PER_PX > 12.0
         })
-        .expect("the demo has a feature that stands alone");
+    };
+    let index = (0..features.len()).find(|&i| alone(i)).expect("the demo has a feature that stands alone");
+    let feature = features[index];
+    window.app_mut().view.look_at(egui::pos2(feature.u, feature.v), POINTS_PER_PX);
+    window.settle();
     let pos = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).unwrap();
     window.click_at(pos);
     assert_eq!(window.app().model.selected, Some(index));
@@ -47,6 +49,8 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     assert_eq!(window.app().model.selected, Some(1));
     window.key(Key::N);
     assert_eq!(window.app().model.selected, Some(2));
+    window.key(Key::P);
+    assert_eq!(window.app().model.selected, Some(1));
     window.key(Key::Escape);
     assert_eq!(window.app().model.selected, None);
 }

@@ -1,6 +1,6 @@
 //! The menu bar, drawn from the registry.
 
-use super::{ACTIONS, ActionId, Menu, Queue, checked, enabled, tooltip};
+use super::{ACTIONS, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::state::Model;
 use crate::engine::BurstSource;
 
@@ -40,7 +40,7 @@ fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     };
     let mut button = egui::Button::new(format!("{mark}{}", action.label));
     if let Some(shortcut) = &action.shortcut {
-        button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
+        button = button.shortcut_text(keys_text(ui.ctx(), shortcut));
     }
     let response = ui.add_enabled(enabled(id, model), button).on_hover_text(tooltip(ui.ctx(), action));
     if response.clicked() {

@@ -18,10 +18,23 @@ use crate::app::state::Model;
 /// Actions that were asked for in this pass, to be run after it.
 pub type Queue = Vec<ActionId>;
 
+/// Keys as a person reads them: `Ctrl+O`, `[`, `?`.
+pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> String {
+    let text = ctx.format_shortcut(shortcut);
+    let key = shortcut.logical_key;
+    // egui writes out the names of signs; the sign itself is what is printed on the key.
+    match (text.strip_suffix(key.name()), key.symbol_or_name()) {
+        (Some(modifiers), sign) if !sign.starts_with('⏴') && !"⏵⏶⏷".contains(sign) => {
+            format!("{modifiers}{sign}")
+        }
+        _ => text,
+    }
+}
+
 /// The tooltip of an action: its help and its shortcut.
 pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
     match &action.shortcut {
-        Some(shortcut) => format!("{}  ({})", action.help, ctx.format_shortcut(shortcut)),
+        Some(shortcut) => format!("{}  ({})", action.help, keys_text(ctx, shortcut)),
         None => action.help.to_owned(),
     }
 }

@@ -1,6 +1,6 @@
 //! The command palette: type part of an action's name, press Enter.
 
-use super::{ACTIONS, Action, Queue, checked, enabled};
+use super::{ACTIONS, Action, Queue, checked, enabled, keys_text};
 use crate::app::state::Model;
 use egui::{Key, Modifiers, RichText};
 
@@ -84,12 +84,12 @@ impl Palette {
 
 fn row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: bool) -> egui::Response {
     let on = if checked(action.id, model) == Some(true) { " ✔" } else { "" };
-    let mut button = egui::Button::selectable(chosen, format!("{}{on}", action.label))
+    let weak = ui.visuals().weak_text_color();
+    let menu = RichText::new(format!("{} ›", action.menu.label())).color(weak);
+    let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
+    let button = egui::Button::selectable(chosen, (menu, format!("{}{on}", action.label)))
         .min_size(egui::vec2(ui.available_width(), 0.0))
-        .right_text(RichText::new(action.menu.label()).weak());
-    if let Some(shortcut) = &action.shortcut {
-        button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
-    }
+        .right_text(RichText::new(keys).color(weak));
     ui.add(button).on_hover_text(action.help)
 }
 

@@ -29,7 +29,7 @@ impl Menu {
             Self::File => "File",
             Self::View => "View",
             Self::Scrub => "Scrub",
-            Self::Detect => "Detect",
+            Self::Detect => "Detection",
             Self::Features => "Features",
             Self::Help => "Help",
         }

@@ -1,6 +1,6 @@
 //! The `?` sheet: every action with its keys, by menu.
 
-use super::{ACTIONS, Menu};
+use super::{ACTIONS, Menu, keys_text};
 use egui::RichText;
 
 /// Draws the sheet; `open` becomes false when it is closed.
@@ -21,7 +21,8 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
             });
         });
         ui.separator();
-        egui::ScrollArea::vertical().max_height(room.y - 140.0).show(ui, |ui| {
+        egui::ScrollArea::vertical().max_height(room.y - 130.0).min_scrolled_height(room.y - 130.0).show(ui, |ui| {
+            ui.spacing_mut().item_spacing = egui::vec2(32.0, 1.0);
             ui.columns(3, |columns| {
                 for (column, menus) in columns.iter_mut().zip(COLUMNS) {
                     for menu in menus {
@@ -47,7 +48,7 @@ fn menu_ui(ui: &mut egui::Ui, menu: Menu) {
             ui.label(action.label).on_hover_text(action.help);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if let Some(shortcut) = &action.shortcut {
-                    key_ui(ui, &ui.ctx().format_shortcut(shortcut));
+                    key_ui(ui, &keys_text(ui.ctx(), shortcut));
                 }
             });
         });

@@ -7,7 +7,7 @@ use egui::{Align, Layout, Ui};
 /// Draws the tabs and the one that is open.
 pub fn bottom_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
-        ui.selectable_value(&mut model.bottom_tab, BottomTab::Table, "Features");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Table, "Table");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Tally, "Tally");
         ui.separator();
         match model.bottom_tab {

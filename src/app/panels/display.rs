@@ -2,6 +2,7 @@
 
 use super::picture::PictureState;
 use super::widgets::section_ui;
+use crate::app::canvas::overlay::ColourBy;
 use crate::app::histogram::HistogramPanel;
 use crate::app::state::Model;
 use crate::app::state::look::RangeClass;
@@ -28,16 +29,36 @@ pub fn display_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state
         panel.ui(ui, pictures.shown(), pictures.visible_image, model.look.display_mut(class));
         ui.add_space(4.0);
         ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 8.0;
+            ui.spacing_mut().item_spacing.x = 6.0;
+            ui.spacing_mut().icon_spacing = 3.0;
             let boxes = [
                 (&mut model.look.overlay, "Features", "Features over the picture (O)"),
                 (&mut model.look.motion_vectors, "Motion", "Each feature's motion over the burst (M)"),
-                (&mut model.look.orientations, "Orient.", "Each feature's orientation (R)"),
+                (&mut model.look.orientations, "Ticks", "Each feature's orientation (R)"),
                 (&mut model.look.legend, "Legend", "What the colours mean (L)"),
             ];
             for (on, label, tip) in boxes {
                 ui.checkbox(on, label).on_hover_text(tip);
             }
         });
+        colouring_ui(ui, model);
+    });
+}
+
+/// By what features are coloured.
+fn colouring_ui(ui: &mut Ui, model: &mut Model) {
+    ui.horizontal(|ui| {
+        let label = super::widgets::label_ui(ui, "Colour by", 69.0);
+        egui::ComboBox::from_id_salt("colour by")
+            .selected_text(model.colour_by.name())
+            .width(ui.available_width() - 6.0)
+            .truncate()
+            .show_ui(ui, |ui| {
+                for by in ColourBy::ALL {
+                    ui.selectable_value(&mut model.colour_by, by, by.name());
+                }
+            })
+            .response
+            .labelled_by(label.id);
     });
 }

@@ -15,7 +15,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     }
     let text = if listed == total { format!("{total}") } else { format!("{listed} of {total}") };
     ui.label(text).on_hover_text("Features that pass the filter");
-    let title = if model.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter ●") };
+    let title = if model.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
     ui.menu_button(title, |ui| {
         ui.set_min_width(330.0);
         ranges_ui(ui, model);
@@ -34,18 +34,6 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if !model.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     }
-    ui.separator();
-    ui.weak("Colour by");
-    egui::ComboBox::from_id_salt("colour by")
-        .selected_text(model.colour_by.name())
-        .width(120.0)
-        .show_ui(ui, |ui| {
-            for by in crate::app::canvas::overlay::ColourBy::ALL {
-                ui.selectable_value(&mut model.colour_by, by, by.name());
-            }
-        })
-        .response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Colour by"));
 }
 
 fn ranges_ui(ui: &mut Ui, model: &mut Model) {

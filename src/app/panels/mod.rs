@@ -4,6 +4,7 @@ pub mod about;
 pub mod bottom;
 pub mod descriptor;
 pub mod display;
+pub mod features;
 pub mod filter_bar;
 pub mod messages;
 pub mod parameter_rows;

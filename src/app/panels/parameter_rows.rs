@@ -5,7 +5,7 @@ use crate::detector::{FrameRange, NoiseGate, SlopeAxis};
 use egui::{DragValue, Id, RichText, Ui, vec2};
 
 /// Width of the names in front, in points.
-const LABEL_WIDTH: f32 = 108.0;
+const LABEL_WIDTH: f32 = 106.0;
 
 /// The parameter's name and unit, with its help as tooltip.
 pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
@@ -68,7 +68,10 @@ pub fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, nam
 /// Least, greatest and number of slopes.
 pub fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
     ui.spacing_mut().item_spacing.x = 3.0;
-    let size = vec2(38.0, ui.spacing().interact_size.y);
+    // Three fields and what is between them share the room.
+    let width = ((ui.available_width() - 24.0) / 3.0).clamp(28.0, 46.0);
+    let size = vec2(width, ui.spacing().interact_size.y);
+    ui.spacing_mut().button_padding.x = 3.0;
     let step = axis.step();
     let tip = if step > 0.0 { format!("A step of {step:.3} px/frame") } else { "A single slope".to_owned() };
     let number = |value| DragValue::new(value).speed(0.05).max_decimals(2);

@@ -29,6 +29,13 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
+fn method_label(method: Method) -> &'static str {
+    match method {
+        Method::Buff => "BuFF",
+        Method::Sift => "SIFT",
+    }
+}
+
 struct Table<'a> {
     error: Option<&'a ParamError>,
     defaults: DetectorParams,
@@ -72,7 +79,7 @@ fn all_rows_ui(ui: &mut Ui, table: &Table<'_>, p: &mut DetectorParams, frame_cou
         p,
         |p| &mut p.method,
         |ui, value, label| {
-            let names = Method::ALL.map(|m| (m, m.name()));
+            let names = Method::ALL.map(|m| (m, method_label(m)));
             rows::choice_ui(ui, value, label, &names);
         },
     );

@@ -1,12 +1,13 @@
 //! The middle of the window: the picture, the features over it, and what says what is on show.
 
+use super::features::features_ui;
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::{self, Canvas, CanvasOutput, Readout, View, overlay};
+use crate::app::canvas::{self, Canvas, Readout, View, overlay};
 use crate::app::state::look::RangeClass;
 use crate::app::state::{Model, Stale};
 use crate::app::style;
 use crate::engine::{Picture, PictureKind};
-use egui::{Align, Color32, Frame, Label, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
+use egui::{Align, Frame, Label, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
 /// What the picture's widget keeps from pass to pass.
@@ -69,7 +70,9 @@ pub fn describe(picture: &Picture) -> String {
     match picture.request.kind {
         PictureKind::Frame(index) => {
             let name = burst.frame_names.get(index).map_or("", String::as_str);
-            format!("Frame {index} of 0 … {}  ·  {name}", burst.len() - 1)
+            let place = format!("Frame {index} of {} (0 … {})", burst.len(), burst.len() - 1);
+            // Bursts without files call their frames by their number, which was said already.
+            if name.is_empty() || *name == format!("frame {index}") { place } else { format!("{place}  ·  {name}") }
         }
         PictureKind::Stack { slope } => format!("Motion stack  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v),
         PictureKind::Dog { octave, level, slope } => {
@@ -85,6 +88,7 @@ pub fn picture_ui(ui: &mut Ui, model: &mut Model, view: &mut View, state: &mut P
     let display = model.look.display(class);
     let header = Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(ui.visuals().panel_fill);
     let current = model.picture_is_current();
+    ui.spacing_mut().item_spacing.y = 0.0;
     header.show(ui, |ui| header_ui(ui, state.shown.as_ref(), current, view, (display.min, display.max)));
     let full_scale = model.burst.as_ref().map_or(1.0, |b| b.burst.full_scale);
     let output = Canvas::new("Picture")
@@ -101,10 +105,6 @@ pub fn picture_ui(ui: &mut Ui, model: &mut Model, view: &mut View, state: &mut P
     state.ui_from_image = Some(output.ui_from_image);
     state.visible_image = state.shown.is_some().then_some(output.visible_image);
     features_ui(ui, model, state, &output);
-    if model.look.overlay && model.look.legend && !model.features().is_empty() {
-        let scale = state.colour_scale(model);
-        legend_ui(ui, &scale, output.response.rect);
-    }
     stale_ui(ui, model, output.response.rect, queue);
 }
 
@@ -122,72 +122,6 @@ fn header_ui(ui: &mut Ui, shown: Option<&canvas::Picture>, current: bool, view: 
             let (min, max) = (canvas::number(range.0, 3), canvas::number(range.1, 3));
             ui.weak(format!("{min} … {max}"))
                 .on_hover_text("The value range that is shown, as a fraction of full scale; fixed until you change it");
-        });
-    });
-}
-
-fn features_ui(ui: &Ui, model: &mut Model, state: &mut PictureState, output: &CanvasOutput) {
-    if !model.look.overlay {
-        return;
-    }
-    let Some(found) = &model.found else { return };
-    let detection = found.detection.clone();
-    let features = &detection.features;
-    let scale = state.colour_scale(model);
-    let shown = model.listed_flags();
-    let pointed =
-        output.pointer_ui.and_then(|pos| overlay::feature_at(features, Some(&shown), output.ui_from_image, pos));
-    if output.pointer_ui.is_some() {
-        model.hovered = pointed;
-    }
-    let style = overlay::OverlayStyle {
-        shown: Some(&shown),
-        selected: model.selected,
-        hovered: model.hovered,
-        stale: model.stale().is_some(),
-        orientations: model.look.orientations,
-        motion: model.look.motion_vectors,
-        ..overlay::OverlayStyle::new(&scale, detection.frames_used.len())
-    };
-    overlay::draw_features(output, features, &style);
-    if output.response.clicked() {
-        model.selected = pointed;
-    }
-    if let Some(i) = pointed
-        && !output.response.dragged()
-    {
-        let f = &features[i];
-        let text = format!(
-            "#{}  σ {:.2} px\nslope ({:+.2}, {:+.2}) px/frame\nresponse {:+.4}  SNR {:.1}",
-            i + 1,
-            f.sigma,
-            f.slope.u,
-            f.slope.v,
-            f.response,
-            f.snr
-        );
-        egui::Tooltip::always_open(
-            ui.ctx().clone(),
-            ui.layer_id(),
-            egui::Id::unique("feature tip"),
-            egui::PopupAnchor::Pointer,
-        )
-        .gap(14.0)
-        .show(|ui| ui.label(RichText::new(text).monospace()));
-    }
-}
-
-fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, rect: Rect) {
-    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
-    let frame = Frame::new().fill(fill).corner_radius(5).inner_margin(Margin::symmetric(8, 6));
-    // A wheel needs more height than a bar; the frame is drawn upwards from the corner.
-    let height = if scale.by == overlay::ColourBy::SlopeDirection { 88.0 } else { 58.0 };
-    let corner = rect.left_bottom() + vec2(10.0, -10.0);
-    let room = Rect::from_min_max(corner - vec2(0.0, height), corner + vec2(210.0, 0.0));
-    ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
-        frame.show(ui, |ui| {
-            ui.label(RichText::new(scale.by.name()).small());
-            scale.legend_ui(ui);
         });
     });
 }

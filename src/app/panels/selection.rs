@@ -31,6 +31,7 @@ struct PatchKey {
     centre: (f32, f32),
     half_width_px: f32,
     display: Display,
+    dark: bool,
 }
 
 /// Draws the section.
@@ -101,7 +102,7 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature) {
 
 fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &Feature) {
     let Some(burst) = &model.burst else { return };
-    let display = model.look.intensity;
+    let (display, dark) = (model.look.intensity, ui.visuals().dark_mode);
     let half_width_px = (PATCH_SIGMAS * feature.sigma).max(4.0);
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
     let stack = model
@@ -114,7 +115,8 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
             let centre = (feature.u, feature.v);
             match stack {
                 Some(picture) => {
-                    let key = PatchKey { plane: Arc::as_ptr(&picture.plane) as usize, centre, half_width_px, display };
+                    let key =
+                        PatchKey { plane: Arc::as_ptr(&picture.plane) as usize, centre, half_width_px, display, dark };
                     patch_ui(ui, "Patch in the motion stack", &mut state.stack, key, &picture.plane, feature, side);
                 }
                 None => {
@@ -131,7 +133,7 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
             let dt = t as f32 - (used.start + used.end - 1) as f32 / 2.0;
             let centre = (feature.u + dt * feature.slope.u, feature.v + dt * feature.slope.v);
             let plane = &burst.burst.frames[t];
-            let key = PatchKey { plane: Arc::as_ptr(plane) as usize, centre, half_width_px, display };
+            let key = PatchKey { plane: Arc::as_ptr(plane) as usize, centre, half_width_px, display, dark };
             patch_ui(ui, "Patch in one frame", &mut state.frame, key, plane, feature, side);
             ui.label(RichText::new(format!("Frame {t}")).small().weak());
         });
@@ -150,7 +152,14 @@ fn patch_ui(
 ) {
     if cached.as_ref().is_none_or(|(k, _)| *k != key) {
         let patch = sample_patch(plane, key.centre, key.half_width_px, PATCH_SAMPLES);
-        let rgba = to_rgba8(&patch, &key.display);
+        let mut rgba = to_rgba8(&patch, &key.display);
+        let beside = if ui.visuals().dark_mode { 20 } else { 206 };
+        for (pixel, value) in rgba.pixels_mut().zip(patch.data()) {
+            if value.is_nan() {
+                // Beside the picture: the same neutral grey as around it.
+                pixel.0 = [beside, beside, beside, 255];
+            }
+        }
         let image = egui::ColorImage::from_rgba_unmultiplied([PATCH_SAMPLES; 2], rgba.as_raw());
         *cached = Some((key, ui.ctx().load_texture(name, image, TextureOptions::NEAREST)));
     }

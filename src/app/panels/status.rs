@@ -1,13 +1,15 @@
 //! The status bar: the value under the pointer, the last note, the open burst.
 
+use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::Readout;
 use crate::app::state::Model;
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Draws the status bar.
-pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&Readout>) {
+pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&Readout>, queue: &mut Queue) {
     ui.horizontal(|ui| {
-        let text = readout.map_or_else(|| "Point at the picture to read values".to_owned(), ToString::to_string);
+        let hint = if model.burst.is_some() { "Point at the picture to read values" } else { "" };
+        let text = readout.map_or_else(|| hint.to_owned(), ToString::to_string);
         let width = 330.0;
         ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
             ui.set_min_width(width);
@@ -20,6 +22,9 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&Readout>) {
             ui.label(RichText::new(burst_text(model)).weak());
             if let Some(running) = model.busy.opening {
                 let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
+                if model.burst.is_some() && ui.small_button("Cancel opening").clicked() {
+                    queue.push(ActionId::Cancel);
+                }
                 ui.label(format!("Opening… {percent:.0} %"));
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

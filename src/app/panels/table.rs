@@ -24,7 +24,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
         let mut table = TableBuilder::new(ui)
             .striped(true)
             .sense(Sense::click())
-            .cell_layout(Layout::right_to_left(Align::Center))
+            .cell_layout(Layout::left_to_right(Align::Center))
             .auto_shrink(false)
             .column(TableColumn::exact(40.0))
             .columns(TableColumn::remainder().at_least(52.0), Column::ALL.len() - 1);
@@ -35,11 +35,13 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
         table
             .header(20.0, |mut header| {
                 for column in Column::ALL {
-                    header.col(|ui| {
-                        if heading_ui(ui, column, model.order.column == column, model.order.descending) {
-                            order = model.order.clicked(column);
-                        }
-                    });
+                    let sorted = (model.order.column == column).then_some(model.order.descending);
+                    let (_, cell) = header.col(|ui| heading_ui(ui, column, sorted));
+                    let name = format!("Sort by {}", column.heading());
+                    cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                    if cell.on_hover_text(column.help()).clicked() {
+                        order = model.order.clicked(column);
+                    }
                 }
             })
             .body(|body| {
@@ -49,10 +51,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
                     row.set_selected(model.selected == Some(index));
                     row.set_hovered(model.hovered == Some(index));
                     for column in Column::ALL {
-                        row.col(|ui| {
-                            let text = RichText::new(column.text(index, &feature)).monospace();
-                            ui.add(Label::new(text).selectable(false).extend());
-                        });
+                        row.col(|ui| cell_ui(ui, RichText::new(column.text(index, &feature)).monospace()));
                     }
                     let response = row.response();
                     let name = format!("Feature {}", index + 1);
@@ -77,16 +76,21 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
     }
 }
 
-fn heading_ui(ui: &mut Ui, column: Column, sorted: bool, descending: bool) -> bool {
-    let arrow = match (sorted, descending) {
-        (true, true) => " ⏷",
-        (true, false) => " ⏶",
-        (false, _) => "",
+/// A heading; `sorted` says whether the table is sorted by it, and whether the largest come first.
+fn heading_ui(ui: &mut Ui, column: Column, sorted: Option<bool>) {
+    let arrow = match sorted {
+        Some(true) => " ⏷",
+        Some(false) => " ⏶",
+        None => "",
     };
     let text = RichText::new(format!("{}{arrow}", column.heading())).small();
-    let text = if sorted { text.strong() } else { text };
-    let response = ui.add(Label::new(text).sense(Sense::click()).selectable(false).extend());
-    let name = format!("Sort by {}", column.heading());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-    response.on_hover_text(column.help()).clicked()
+    let text = if sorted.is_some() { text.strong() } else { text };
+    cell_ui(ui, text);
+}
+
+/// A text at the right end of its cell. (The whole table cannot be laid out from the right: cells would then take clicks of their neighbours.)
+fn cell_ui(ui: &mut Ui, text: RichText) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.add(Label::new(text).selectable(false).extend());
+    });
 }

@@ -1,9 +1,9 @@
 //! The toolbar: open, the kind of picture, detect.
 
-use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, tooltip};
+use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, tooltip};
 use crate::app::state::Model;
 use crate::app::state::scrub::ViewKind;
-use egui::{Align, Button, Color32, Layout, ProgressBar, RichText, Ui};
+use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
 /// Draws the toolbar.
 pub fn toolbar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
@@ -15,17 +15,19 @@ pub fn toolbar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         detect_ui(ui, model, queue);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let palette = ActionId::Palette.action();
-            let keys = palette.shortcut.map(|s| ui.ctx().format_shortcut(&s)).unwrap_or_default();
+            let keys = palette.shortcut.map(|s| keys_text(ui.ctx(), &s)).unwrap_or_default();
             let find = Button::new(RichText::new("Find action").weak()).shortcut_text(RichText::new(keys).weak());
             if ui.add(find).on_hover_text(tooltip(ui.ctx(), palette)).clicked() {
                 queue.push(ActionId::Palette);
             }
             button_ui(ui, model, queue, ActionId::Shortcuts, Some("?"));
             ui.separator();
-            for (id, label) in
-                [(ActionId::ToggleRight, "Right"), (ActionId::ToggleBottom, "Bottom"), (ActionId::ToggleLeft, "Left")]
-            {
-                button_ui(ui, model, queue, id, Some(label));
+            for (id, side) in [
+                (ActionId::ToggleRight, Side::Right),
+                (ActionId::ToggleBottom, Side::Bottom),
+                (ActionId::ToggleLeft, Side::Left),
+            ] {
+                panel_switch_ui(ui, model, queue, id, side);
             }
         });
     });
@@ -83,5 +85,40 @@ fn detect_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             times.noise_secs, times.search_secs, times.describe_secs
         );
         ui.weak(text).on_hover_text(stages);
+    }
+}
+
+/// Where a panel is.
+#[derive(Clone, Copy)]
+enum Side {
+    Left,
+    Right,
+    Bottom,
+}
+
+/// A small picture of the window with the panel marked in it; a click shows or hides the panel.
+fn panel_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, side: Side) {
+    let action = id.action();
+    let on = checked(id, model).unwrap_or(false);
+    let (rect, response) = ui.allocate_exact_size(vec2(24.0, 20.0), Sense::click());
+    let name = action.label;
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, name));
+    if response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
+    }
+    let colour = if on { ui.visuals().text_color() } else { ui.visuals().weak_text_color() };
+    let frame = Rect::from_center_size(rect.center(), vec2(16.0, 12.0));
+    ui.painter().rect_stroke(frame, 2.0, Stroke::new(1.0, colour), StrokeKind::Inside);
+    let mut part = frame.shrink(2.0);
+    match side {
+        Side::Left => part.set_right(part.left() + 4.0),
+        Side::Right => part.set_left(part.right() - 4.0),
+        Side::Bottom => part.set_top(part.bottom() - 3.0),
+    }
+    if on {
+        ui.painter().rect_filled(part, 0.0, colour);
+    }
+    if response.on_hover_text(tooltip(ui.ctx(), action)).clicked() {
+        queue.push(id);
     }
 }

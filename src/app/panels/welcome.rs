@@ -1,6 +1,6 @@
 //! What the window shows before a burst is open, and while files are held over it.
 
-use crate::app::actions::{ActionId, Queue, tooltip};
+use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
 use crate::app::state::Model;
 use crate::engine::BurstSource;
 use egui::{Align2, Color32, ProgressBar, RichText, Ui, vec2};
@@ -28,11 +28,12 @@ pub fn welcome_ui(
         }
         for id in [ActionId::OpenFolder, ActionId::OpenFiles, ActionId::OpenPath, ActionId::OpenDemo] {
             let action = id.action();
-            let mut button = egui::Button::new(action.label).min_size(vec2(280.0, 28.0));
-            if let Some(shortcut) = &action.shortcut {
-                button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
-            }
-            if ui.add(button).on_hover_text(tooltip(ui.ctx(), action)).clicked() {
+            let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
+            let button =
+                egui::Button::new(action.label).min_size(vec2(280.0, 28.0)).right_text(RichText::new(keys).weak());
+            let response = ui.add(button);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, action.label));
+            if response.on_hover_text(tooltip(ui.ctx(), action)).clicked() {
                 queue.push(id);
             }
         }

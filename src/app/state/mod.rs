@@ -219,6 +219,14 @@ impl Model {
         }
     }
 
+    /// The slope by which the picture on show was shifted; `None` for a frame.
+    pub fn slope_in_picture(&self) -> Option<Slope> {
+        match self.picture.as_ref()?.request.kind {
+            PictureKind::Frame(_) => None,
+            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } => Some(slope),
+        }
+    }
+
     /// Takes a picture, unless it is of another burst.
     pub fn take_picture(&mut self, picture: Picture) {
         if self.is_of_open_burst(picture.request.burst.id) {

@@ -1,0 +1,391 @@
+//! The arguments as they are written: names, kinds and help texts. What they mean together is checked elsewhere.
+
+use super::choices::{VIEW_KINDS, words};
+use super::search_options::{ParamsFileArg, SearchArgs};
+use crate::app::state::scrub::ViewKind;
+use crate::detector::Slope;
+use crate::export::ExportFormat;
+use crate::synth::{ChartParams, Motion, SceneParams};
+use clap::{Args, Parser, Subcommand};
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+const INPUT_HELP: &str =
+    "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], or 'demo'";
+
+/// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
+///
+/// Without a command the window opens, on INPUT or on the built-in demo burst. Where there is no display it is drawn into a
+/// PNG file instead, and the strongest features are printed.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    args_conflicts_with_subcommands = true,
+    after_long_help = "Examples:\n  burstscope                                       open the window on the demo burst\n  \
+        burstscope night/                                open the window on a folder of frames\n  \
+        burstscope detect night/ --out found             features of a burst as CSV\n  \
+        burstscope detect nights/ --slopes-u -6:6:25 --out found --format csv,npz\n  \
+        burstscope stack night/ --slope -2.1,0 --out sign.tiff\n\n\
+        Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
+)]
+pub struct Cli {
+    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'.
+    #[arg(value_name = "INPUT")]
+    pub inputs: Vec<PathBuf>,
+    /// The parameter file to begin with.
+    #[command(flatten)]
+    pub params: ParamsFileArg,
+    /// The command.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Find the features of one or many bursts.
+    Detect(DetectArgs),
+    /// Write the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
+    Stack(StackArgs),
+    /// Make a burst with exactly known truth: 16-bit PNG frames and truth.json.
+    Synth(SynthArgs),
+    /// Draw the window into a PNG file, without a display.
+    Render(RenderArgs),
+}
+
+/// What is printed, and with how many threads the work is done.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Output")]
+pub struct OutputArgs {
+    /// Print one JSON document on the standard output instead of the summary.
+    #[arg(long)]
+    pub json: bool,
+    /// Print no summary and show no progress; errors are still told.
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Number of threads; results are the same for any number [default: one for each core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// The bias frame.
+#[derive(Debug, Clone, Args)]
+pub struct BiasArg {
+    /// Bias frame (or stack or folder of them, which is averaged), subtracted from each frame.
+    #[arg(long, value_name = "FILE")]
+    pub bias: Option<PathBuf>,
+}
+
+/// Find the features of one or many bursts.
+///
+/// A folder whose subfolders hold frames is a dataset: each subfolder is a burst. Image files given together are the frames of one
+/// burst, in the order given. A burst that fails is reported; the others go on.
+#[derive(Debug, Args)]
+#[command(after_long_help = DETECT_HELP)]
+pub struct DetectArgs {
+    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    #[allow(missing_docs)]
+    pub inputs: Vec<PathBuf>,
+    /// Folder for the features, made if it is missing; files are named after their burst.
+    #[arg(long, short, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Formats, separated by commas: csv, colmap, npz.
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv")]
+    pub format: Vec<ExportFormat>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub bias: BiasArg,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const DETECT_HELP: &str = "\
+Files, for each burst NAME:
+  csv     NAME.csv  u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit; strongest first
+  colmap  NAME.txt  'N 128', then x y scale orientation d1 … d128; first pixel centre at 0.5, UBC order
+  npz     NAME.npz  features [N,11] f32 in the csv's columns, descriptors [N,128] u8
+
+JSON (--json):
+  {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},
+   \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"features\",
+     \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
+     \"slopes\": [{\"u\", \"v\", \"features\"}], \"tally\": {\"samples\", \"kept\", \"rejected\": {test: count}},
+     \"times\": {\"open_secs\", \"noise_secs\", \"search_secs\", \"describe_secs\", \"write_secs\"}}],
+   \"failures\": [{\"name\", \"error\"}]}
+  Slopes are pixels per frame; frame_noise is the standard deviation of a frame's noise as a fraction of full scale.";
+
+/// Write the motion-stack image at a slope, or its DoG response.
+///
+/// The image is the mean of the frames shifted by the slope; with --octave and --level it is the DoG response of that image, on the
+/// octave's pixels. Values are fractions of full scale, written as 32-bit float TIFF.
+#[derive(Debug, Args)]
+pub struct StackArgs {
+    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    #[allow(missing_docs)]
+    pub inputs: Vec<PathBuf>,
+    /// The slope, pixels per frame to the right and down.
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope)]
+    pub slope: Slope,
+    /// Octave of the DoG response.
+    #[arg(long, value_name = "O", allow_hyphen_values = true, requires = "level")]
+    pub octave: Option<i32>,
+    /// Level of the DoG response within its octave.
+    #[arg(long, value_name = "S", allow_hyphen_values = true, requires = "octave")]
+    pub level: Option<i32>,
+    /// The TIFF file to write.
+    #[arg(long, short, value_name = "FILE.tiff")]
+    pub out: PathBuf,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub bias: BiasArg,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Make a burst with exactly known truth.
+#[derive(Debug, Args)]
+pub struct SynthArgs {
+    /// What to make.
+    #[command(subcommand)]
+    pub kind: SynthKind,
+}
+
+/// The kinds of synthetic bursts.
+#[derive(Debug, Subcommand)]
+pub enum SynthKind {
+    /// Discs on an even background, each with its own slope.
+    Chart(ChartArgs),
+    /// Textured layers at several depths, each with its own slope.
+    Scene(SceneArgs),
+}
+
+fn chart() -> ChartParams {
+    ChartParams::default()
+}
+
+fn scene() -> SceneParams {
+    SceneParams::default()
+}
+
+const OUT_HELP: &str =
+    "Folder to make, for frame_000.png … (16 bit) and truth.json; an earlier synthetic burst in it is replaced";
+const SNR_HELP: &str = "Signal-to-noise ratio of one pixel in one frame: the difference of the two levels over the standard deviation of the noise \
+    at their mean; 'inf' makes no noise";
+
+/// Discs on an even background, each with its own slope.
+#[derive(Debug, Clone, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct ChartArgs {
+    #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
+    #[allow(missing_docs)]
+    pub out: PathBuf,
+    /// Columns.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().width)]
+    pub width: usize,
+    /// Rows.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().height)]
+    pub height: usize,
+    /// Number of discs.
+    #[arg(long, value_name = "N", default_value_t = chart().discs)]
+    pub discs: usize,
+    /// Range of the discs' radii, pixels.
+    #[arg(long, value_name = "MIN:MAX", default_value = "3.6:19", value_parser = parse_range)]
+    pub radius: RangeInclusive<f64>,
+    /// Least distance between two discs at mid-burst, pixels.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().gap)]
+    pub gap: f64,
+    /// Intensity of the discs over that of the background.
+    #[arg(long, value_name = "RATIO", default_value_t = chart().contrast)]
+    pub contrast: f64,
+    /// Number of frames.
+    #[arg(long, value_name = "N", default_value_t = chart().frames)]
+    pub frames: usize,
+    /// Directions of motion: 1d is horizontal, 2d any.
+    #[arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions())]
+    pub motion: Motion,
+    /// Largest slope on each axis, pixels per frame.
+    #[arg(long, value_name = "SLOPE", default_value_t = chart().max_slope)]
+    pub max_slope: f64,
+    #[arg(long, value_name = "RATIO", default_value_t = chart().snr, help = SNR_HELP)]
+    #[allow(missing_docs)]
+    pub snr: f64,
+    /// Standard deviation of the read noise, electrons.
+    #[arg(long, value_name = "ELECTRONS", default_value_t = chart().read_noise)]
+    pub read_noise: f64,
+    /// Bits of the camera's converter.
+    #[arg(long, value_name = "BITS", default_value_t = chart().bits)]
+    pub bits: u32,
+    /// Seed: the same seed makes the same burst on every machine.
+    #[arg(long, value_name = "N", default_value_t = chart().seed)]
+    pub seed: u64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Textured layers at several depths, each with its own slope.
+#[derive(Debug, Clone, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct SceneArgs {
+    #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
+    #[allow(missing_docs)]
+    pub out: PathBuf,
+    /// Columns.
+    #[arg(long, value_name = "PIXELS", default_value_t = scene().width)]
+    pub width: usize,
+    /// Rows.
+    #[arg(long, value_name = "PIXELS", default_value_t = scene().height)]
+    pub height: usize,
+    /// Number of layers; the farthest fills the frame.
+    #[arg(long, value_name = "N", default_value_t = scene().layers)]
+    pub layers: usize,
+    /// Number of frames.
+    #[arg(long, value_name = "N", default_value_t = scene().frames)]
+    pub frames: usize,
+    /// Directions of motion: 1d is horizontal, 2d any.
+    #[arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions())]
+    pub motion: Motion,
+    /// Largest slope on each axis, pixels per frame.
+    #[arg(long, value_name = "SLOPE", default_value_t = scene().max_slope)]
+    pub max_slope: f64,
+    #[arg(long, value_name = "RATIO", default_value_t = scene().snr, help = SNR_HELP)]
+    #[allow(missing_docs)]
+    pub snr: f64,
+    /// Standard deviation of the read noise, electrons.
+    #[arg(long, value_name = "ELECTRONS", default_value_t = scene().read_noise)]
+    pub read_noise: f64,
+    /// Bits of the camera's converter.
+    #[arg(long, value_name = "BITS", default_value_t = scene().bits)]
+    pub bits: u32,
+    /// Seed: the same seed makes the same burst on every machine.
+    #[arg(long, value_name = "N", default_value_t = scene().seed)]
+    pub seed: u64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Draw the window into a PNG file, without a display.
+///
+/// The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the
+/// picture is taken at the slope with the most features.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
+    #[allow(missing_docs)]
+    pub inputs: Vec<PathBuf>,
+    /// The PNG file to write.
+    #[arg(long, short, value_name = "PNG")]
+    pub out: PathBuf,
+    /// Kind of picture.
+    #[arg(long, value_name = "KIND", default_value = "stack", value_parser = words::<ViewKind>(VIEW_KINDS))]
+    pub kind: ViewKind,
+    /// The slope, pixels per frame to the right and down.
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope)]
+    pub slope: Option<Slope>,
+    /// The frame, counted from 0 [default: the middle one].
+    #[arg(long, value_name = "T")]
+    pub frame: Option<usize>,
+    /// Octave of the DoG response [default: the finest].
+    #[arg(long, value_name = "O", allow_hyphen_values = true)]
+    pub octave: Option<i32>,
+    /// Level of the DoG response.
+    #[arg(long, value_name = "S", allow_hyphen_values = true, default_value_t = 0)]
+    pub level: i32,
+    /// Size of the window, in points.
+    #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse_size)]
+    pub size: (f32, f32),
+    /// Pixels for each point; 2 for a HiDPI screen.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_scale)]
+    pub scale: f32,
+    /// Light colours instead of dark ones.
+    #[arg(long)]
+    pub light: bool,
+    /// Draw no features, so that nothing is searched.
+    #[arg(long)]
+    pub no_detect: bool,
+    /// Select the strongest feature, so that the side panel shows it.
+    #[arg(long, conflicts_with = "no_detect")]
+    pub select_strongest: bool,
+    /// Give up after this many seconds.
+    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
+    pub timeout: u64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+fn motions() -> impl clap::builder::TypedValueParser<Value = Motion> {
+    use clap::builder::{PossibleValuesParser, TypedValueParser};
+    PossibleValuesParser::new(["1d", "2d"]).map(|word| if word == "2d" { Motion::TwoD } else { Motion::OneD })
+}
+
+fn parse_slope(text: &str) -> Result<Slope, String> {
+    let bad = || format!("'{text}' is not U,V in pixels per frame, such as -2.1,0");
+    let (u, v) = text.split_once(',').ok_or_else(bad)?;
+    let number = |s: &str| s.trim().parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
+    Ok(Slope::new(number(u)?, number(v)?))
+}
+
+fn parse_range(text: &str) -> Result<RangeInclusive<f64>, String> {
+    let bad = || format!("'{text}' is not MIN:MAX, such as 3.6:19");
+    let (low, high) = text.split_once(':').unwrap_or((text, text));
+    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
+    Ok(number(low)?..=number(high)?)
+}
+
+fn parse_size(text: &str) -> Result<(f32, f32), String> {
+    let bad = || format!("'{text}' is not WIDTHxHEIGHT from 200x150 to 16384x16384, such as 1280x800");
+    let (width, height) = text.split_once(['x', '×']).ok_or_else(bad)?;
+    let number = |s: &str, least: u32| {
+        s.trim().parse::<u32>().ok().filter(|x| (least..=16384).contains(x)).map(|x| x as f32).ok_or_else(bad)
+    };
+    Ok((number(width, 200)?, number(height, 150)?))
+}
+
+fn parse_scale(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|x| (0.5..=4.0).contains(x))
+        .ok_or_else(|| format!("'{text}' is not a factor from 0.5 to 4"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_default_radius_is_the_charts() {
+        assert_eq!(parse_range("3.6:19"), Ok(ChartParams::default().radius));
+    }
+
+    #[test]
+    fn small_parsers_refuse_nonsense() {
+        assert_eq!(parse_slope("-2.1, 0"), Ok(Slope::new(-2.1, 0.0)));
+        for bad in ["", "1", "1,", "a,b", "nan,0", "1,2,3"] {
+            assert!(parse_slope(bad).is_err(), "{bad}");
+        }
+        assert_eq!(parse_size("1280x800"), Ok((1280.0, 800.0)));
+        for bad in ["", "1280", "0x0", "-5x9", "99999x99999"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+        assert!(parse_range("x:2").is_err() && parse_scale("nan").is_err() && parse_scale("9").is_err());
+    }
+}

@@ -1,0 +1,45 @@
+//! Arguments that are one word out of a few.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde::de::DeserializeOwned;
+
+/// A parser of words that `T` can be read from in a parameter file, so that file and command line share their words.
+///
+/// `words` must be words that `T` knows; a test below holds them against it.
+pub(super) fn words<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: DeserializeOwned + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(words).try_map(|word| read_word::<T>(&word))
+}
+
+fn read_word<T: DeserializeOwned>(word: &str) -> Result<T, serde_json::Error> {
+    serde_json::from_value(serde_json::Value::String(word.to_owned()))
+}
+
+/// The words of [`crate::detector::Method`].
+pub(super) const METHODS: &[&str] = &["buff", "sift"];
+/// The words of [`crate::detector::SlopeNeighbours`].
+pub(super) const SLOPE_NEIGHBOURS: &[&str] = &["adjacent", "all"];
+/// The words of [`crate::detector::Interpolation`].
+pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest"];
+/// The words of [`crate::app::state::scrub::ViewKind`].
+pub(super) const VIEW_KINDS: &[&str] = &["frame", "stack", "dog"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::state::scrub::ViewKind;
+    use crate::detector::{Interpolation, Method, SlopeNeighbours};
+
+    #[test]
+    fn every_word_is_known_to_its_type() {
+        let methods: Vec<Method> = METHODS.iter().map(|w| read_word(w).expect(w)).collect();
+        assert_eq!(methods, Method::ALL);
+        assert_eq!(Method::ALL.map(Method::name).as_slice(), METHODS);
+        assert!(SLOPE_NEIGHBOURS.iter().all(|w| read_word::<SlopeNeighbours>(w).is_ok()));
+        assert!(INTERPOLATIONS.iter().all(|w| read_word::<Interpolation>(w).is_ok()));
+        let kinds: Vec<ViewKind> = VIEW_KINDS.iter().map(|w| read_word(w).expect(w)).collect();
+        assert_eq!(kinds, ViewKind::ALL);
+    }
+}

@@ -1,0 +1,108 @@
+//! Where a command meets the terminal: results on the standard output, progress on the standard error, Ctrl-C as a cancel.
+
+use super::args::OutputArgs;
+use super::failure::Failure;
+use crate::monitor::Monitor;
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A command's terminal.
+pub(super) struct Console {
+    /// Carries progress to the bar, and Ctrl-C to the work.
+    pub monitor: Monitor,
+    bar: ProgressBar,
+    output: OutputArgs,
+}
+
+/// Steps of the bar: a tenth of a percent.
+const STEPS: u64 = 1000;
+
+impl Console {
+    /// Sets up threads, the progress bar (only where the standard error is a terminal) and Ctrl-C: once cancels the work, twice leaves at once.
+    ///
+    /// # Errors
+    /// When threads or the Ctrl-C handler cannot be set up.
+    pub fn new(output: &OutputArgs) -> Result<Self, Failure> {
+        if let Some(threads) = output.threads {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(usize::from(threads))
+                .build_global()
+                .context("cannot start the threads")
+                .map_err(Failure::Failed)?;
+        }
+        let visible = !output.quiet && std::io::stderr().is_terminal();
+        let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let style = ProgressStyle::with_template("{prefix}{msg:22} {bar:30} {percent:>3} %")
+            .expect("the template is a constant that parses");
+        let bar = ProgressBar::with_draw_target(Some(STEPS), target).with_style(style);
+        let shown = bar.clone();
+        let monitor = Monitor::with_listener(move |progress| {
+            shown.set_message(progress.stage.to_string());
+            shown.set_position((progress.fraction * STEPS as f32) as u64);
+        });
+        let cancelled = monitor.clone();
+        let again = AtomicBool::new(false);
+        ctrlc::set_handler(move || {
+            cancelled.cancel();
+            if again.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        })
+        .context("cannot listen for Ctrl-C")
+        .map_err(Failure::Failed)?;
+        Ok(Self { monitor, bar, output: *output })
+    }
+
+    /// Says in front of the bar which piece of the work is being done.
+    pub fn begin(&self, prefix: String) {
+        self.bar.set_prefix(prefix);
+        self.bar.set_position(0);
+    }
+
+    /// Prints text for people, unless JSON or quiet was asked for.
+    pub fn say(&self, text: &str) -> Result<(), Failure> {
+        if self.output.json || self.output.quiet { Ok(()) } else { self.bar.suspend(|| print(text)) }
+    }
+
+    /// Prints a JSON document, if JSON was asked for.
+    pub fn say_json(&self, value: &impl serde::Serialize) -> Result<(), Failure> {
+        if !self.output.json {
+            return Ok(());
+        }
+        let text =
+            serde_json::to_string_pretty(value).context("cannot put the results into JSON").map_err(Failure::Failed)?;
+        self.bar.suspend(|| print(&(text + "\n")))
+    }
+
+    /// Tells of something that failed, on the standard error.
+    pub fn complain(&self, text: &str) {
+        self.bar.suspend(|| eprintln!("error: {text}"));
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Drop for Console {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+/// Prints on the standard output. A reader that has gone away, such as `head`, is no failure.
+///
+/// # Errors
+/// When the standard output cannot be written for any other reason.
+pub(super) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Failed(anyhow::Error::new(error).context("cannot write to the standard output")))
+        }
+        _ => Ok(()),
+    }
+}

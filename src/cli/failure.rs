@@ -1,0 +1,97 @@
+//! How a command can end other than well, and the exit code of each way.
+
+use crate::burst::OpenError;
+use crate::detector::{DetectError, ParamError};
+use crate::monitor::Cancelled;
+use crate::synth::{SynthError, WriteBurstError};
+use std::process::ExitCode;
+
+/// Why a command did not do all it was asked for.
+#[derive(Debug)]
+pub enum Failure {
+    /// The arguments make no sense: exit code 2.
+    Usage(anyhow::Error),
+    /// Something failed: exit code 1.
+    Failed(anyhow::Error),
+    /// Everything that failed was reported already: exit code 1.
+    Reported,
+    /// Interrupted from outside, as by Ctrl-C: exit code 130.
+    Interrupted,
+}
+
+impl Failure {
+    /// Wrong use, with a message that says what would be right.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self::Usage(anyhow::Error::msg(message.into()))
+    }
+
+    /// The exit code.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Failed(_) | Self::Reported => 1,
+            Self::Usage(_) => 2,
+            Self::Interrupted => 130,
+        })
+    }
+
+    /// Says on the standard error what went wrong.
+    pub fn print(&self) {
+        match self {
+            Self::Failed(error) => eprintln!("error: {error:#}"),
+            Self::Usage(error) => eprintln!("error: {error:#}\n\nFor more information, try '--help'."),
+            Self::Reported => {}
+            Self::Interrupted => eprintln!("interrupted"),
+        }
+    }
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Self::Interrupted
+    }
+}
+
+impl From<OpenError> for Failure {
+    fn from(error: OpenError) -> Self {
+        if error.is_cancelled() { Self::Interrupted } else { Self::Failed(error.into()) }
+    }
+}
+
+impl From<DetectError> for Failure {
+    fn from(error: DetectError) -> Self {
+        match error {
+            DetectError::Cancelled(_) => Self::Interrupted,
+            DetectError::Param(error) => error.into(),
+        }
+    }
+}
+
+impl From<ParamError> for Failure {
+    fn from(error: ParamError) -> Self {
+        Self::usage(format!("--{error}"))
+    }
+}
+
+impl From<crate::export::ExportError> for Failure {
+    fn from(error: crate::export::ExportError) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+impl From<SynthError> for Failure {
+    fn from(error: SynthError) -> Self {
+        match error {
+            SynthError::Cancelled(_) => Self::Interrupted,
+            SynthError::Param { .. } => Self::usage(format!("--{error}")),
+        }
+    }
+}
+
+impl From<WriteBurstError> for Failure {
+    fn from(error: WriteBurstError) -> Self {
+        match error {
+            WriteBurstError::Cancelled(_) => Self::Interrupted,
+            other => Self::Failed(other.into()),
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! From what was typed to the bursts it names.
+//!
+//! Each folder is looked at on its own, so that one that cannot be read does not stop the others. Files belong together: several pictures are
+//! the frames of one burst.
+
+use super::failure::Failure;
+use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, find_bursts};
+use crate::export::safe_file_name;
+use crate::monitor::Monitor;
+use crate::synth::demo_burst;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// The word that names the built-in burst; a folder of that name is `./demo`.
+pub(super) const DEMO: &str = "demo";
+
+/// One burst that was asked for.
+#[derive(Debug)]
+pub(super) struct Input {
+    /// What its files are named after; no two inputs share one.
+    pub name: String,
+    /// Where it is.
+    pub place: Place,
+}
+
+/// Where a burst is.
+#[derive(Debug)]
+pub(super) enum Place {
+    /// Built into the program.
+    Demo,
+    /// In files.
+    Paths(Vec<PathBuf>),
+    /// Nowhere: it could not even be looked for.
+    Broken(OpenError),
+}
+
+impl Input {
+    /// Opens the burst.
+    ///
+    /// # Errors
+    /// As [`Burst::open_with`], or why it was not found.
+    pub fn open(self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, OpenError> {
+        match self.place {
+            Place::Demo => Ok(demo_burst()),
+            Place::Paths(paths) => Burst::open_with(&paths, options, monitor),
+            Place::Broken(error) => Err(error),
+        }
+    }
+
+    /// The paths it is read from; none for the demo.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        match &self.place {
+            Place::Paths(paths) => paths.clone(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// The bursts that `arguments` name, in their order; files come at the place of the first one.
+pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
+    let is_demo = |path: &PathBuf| path.as_os_str() == DEMO;
+    let mut inputs = Vec::new();
+    let mut files_done = false;
+    for argument in arguments {
+        if is_demo(argument) {
+            inputs.push(Input { name: DEMO.to_owned(), place: Place::Demo });
+        } else if argument.is_dir() {
+            inputs.extend(look(std::slice::from_ref(argument)));
+        } else if !files_done {
+            files_done = true;
+            let files: Vec<PathBuf> = arguments.iter().filter(|a| !is_demo(a) && !a.is_dir()).cloned().collect();
+            inputs.extend(resolve_files(&files));
+        }
+    }
+    make_names_unique(&mut inputs);
+    inputs
+}
+
+/// Files and paths that do not exist. A missing file spoils the burst whose frame it may be, but not stacks, which are bursts of their own.
+fn resolve_files(files: &[PathBuf]) -> Vec<Input> {
+    let (present, missing): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(|f| f.exists());
+    if missing.is_empty() || present.is_empty() {
+        return if present.is_empty() {
+            missing.iter().flat_map(|m| look(std::slice::from_ref(m))).collect()
+        } else {
+            look(files)
+        };
+    }
+    match find_bursts(&present) {
+        Ok(sources) if present.len() > 1 && sources.len() == present.len() => {
+            sources.into_iter().map(found).chain(missing.iter().flat_map(|m| look(std::slice::from_ref(m)))).collect()
+        }
+        _ => look(files),
+    }
+}
+
+fn found(source: BurstSource) -> Input {
+    Input { name: source.name, place: Place::Paths(source.paths) }
+}
+
+fn look(paths: &[PathBuf]) -> Vec<Input> {
+    match find_bursts(paths) {
+        Ok(sources) => sources.into_iter().map(found).collect(),
+        Err(error) => vec![Input { name: name_of(&paths[0]), place: Place::Broken(error) }],
+    }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// Numbers names that would make the same file name, also where upper and lower case are the same.
+fn make_names_unique(inputs: &mut [Input]) {
+    let key = |name: &str| safe_file_name(name).to_lowercase();
+    let mut taken: HashSet<String> = HashSet::new();
+    for input in inputs {
+        if !taken.insert(key(&input.name)) {
+            let number =
+                (2..).find(|n| !taken.contains(&key(&format!("{}_{n}", input.name)))).expect("numbers never end");
+            input.name = format!("{}_{number}", input.name);
+            taken.insert(key(&input.name));
+        }
+    }
+}
+
+/// The one burst that `arguments` name.
+///
+/// # Errors
+/// When they name several.
+pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input, Failure> {
+    let mut inputs = resolve(arguments);
+    match (inputs.pop(), inputs.is_empty()) {
+        (Some(input), true) => Ok(input),
+        (last, _) => {
+            let names: Vec<String> = inputs.into_iter().chain(last).map(|i| i.name).take(8).collect();
+            Err(Failure::usage(format!(
+                "{command} takes one burst, but the input names several: {}, …; name one of them",
+                names.join(", ")
+            )))
+        }
+    }
+}
+
+/// How to open bursts with this bias frame.
+///
+/// # Errors
+/// A bias frame for the demo burst.
+pub(super) fn open_options(inputs: &[Input], bias: Option<&PathBuf>) -> Result<OpenOptions, Failure> {
+    if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+        return Err(Failure::usage(
+            "--bias: the demo burst was made without a camera and has no bias frame; leave the option out",
+        ));
+    }
+    Ok(OpenOptions { bias: bias.cloned(), ..OpenOptions::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(path: &Path) {
+        image::GrayImage::from_pixel(8, 8, image::Luma([9])).save(path).expect("written");
+    }
+
+    #[test]
+    fn demo_folders_and_files_are_told_apart() {
+        let home = tempfile::tempdir().expect("a folder");
+        let folder = home.path().join("night");
+        std::fs::create_dir(&folder).expect("made");
+        for t in 0..3 {
+            picture(&folder.join(format!("{t}.png")));
+            picture(&home.path().join(format!("f{t}.png")));
+        }
+        let file = |t: usize| home.path().join(format!("f{t}.png"));
+        let inputs = resolve(&[DEMO.into(), file(1), folder.clone(), file(0), DEMO.into(), home.path().join("gone")]);
+        let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();
+        // The path that does not exist may be a frame of the burst of single files, so that burst is broken.
+        assert_eq!((names[0], names[2], names[3], inputs.len()), ("demo", "night", "demo_2", 4));
+        assert!(matches!(inputs[1].place, Place::Broken(_)));
+        let inputs = resolve(&[file(2), file(0), file(1)]);
+        assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
+        assert!(resolve_one(&[DEMO.into(), folder], "stack").is_err());
+    }
+
+    #[test]
+    fn names_that_would_share_a_file_are_numbered() {
+        let input = |name: &str| Input { name: name.to_owned(), place: Place::Demo };
+        let mut inputs = [input("a"), input("A"), input("a_2"), input("a:"), input("a?")];
+        make_names_unique(&mut inputs);
+        let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();
+        assert_eq!(names, ["a", "A_2", "a_2_2", "a:", "a?_2"]);
+    }
+}

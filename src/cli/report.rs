@@ -1,0 +1,233 @@
+//! What `detect` tells about each burst: as JSON, and as a summary for people.
+
+use crate::burst::Burst;
+use crate::detector::{Detection, DetectorParams, Method, NoiseGate, Test};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// The JSON document of `detect`.
+#[derive(Debug, Serialize)]
+pub(super) struct DetectReport<'a> {
+    version: &'static str,
+    command: &'static str,
+    params: &'a DetectorParams,
+    /// Bursts that went well, in the order in which they were named.
+    pub bursts: Vec<BurstReport>,
+    /// Bursts that failed.
+    pub failures: Vec<FailureReport>,
+}
+
+impl<'a> DetectReport<'a> {
+    pub fn new(params: &'a DetectorParams) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION"), command: "detect", params, bursts: Vec::new(), failures: Vec::new() }
+    }
+}
+
+/// A burst that failed.
+#[derive(Debug, Serialize)]
+pub(super) struct FailureReport {
+    pub name: String,
+    pub error: String,
+}
+
+/// A burst that went well.
+#[derive(Debug, Serialize)]
+pub(super) struct BurstReport {
+    name: String,
+    inputs: Vec<PathBuf>,
+    frames: usize,
+    frames_used: [usize; 2],
+    width: usize,
+    height: usize,
+    pub features: usize,
+    files: BTreeMap<String, PathBuf>,
+    frame_noise: f32,
+    noise_gate_factor: f32,
+    octaves: [i32; 2],
+    slopes: Vec<SlopeCount>,
+    tally: TallyReport,
+    times: TimesReport,
+}
+
+/// How many features were found at a slope of the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(super) struct SlopeCount {
+    u: f32,
+    v: f32,
+    features: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct TallyReport {
+    samples: u64,
+    kept: u64,
+    rejected: BTreeMap<Test, u64>,
+}
+
+#[derive(Debug, Serialize)]
+struct TimesReport {
+    open_secs: f32,
+    noise_secs: f32,
+    search_secs: f32,
+    describe_secs: f32,
+    write_secs: f32,
+}
+
+impl BurstReport {
+    pub fn new(
+        name: &str,
+        inputs: Vec<PathBuf>,
+        burst: &Burst,
+        detection: &Detection,
+        files: BTreeMap<String, PathBuf>,
+        open_secs: f32,
+        write_secs: f32,
+    ) -> Self {
+        let tally = &detection.tally;
+        let times = &detection.times;
+        Self {
+            name: name.to_owned(),
+            inputs,
+            frames: burst.len(),
+            frames_used: [detection.frames_used.start, detection.frames_used.end],
+            width: burst.size().0,
+            height: burst.size().1,
+            features: detection.features.len(),
+            files,
+            frame_noise: detection.frame_noise,
+            noise_gate_factor: detection.noise_gate_factor,
+            octaves: [detection.octaves.start, detection.octaves.end],
+            slopes: slope_counts(detection),
+            tally: TallyReport {
+                samples: tally.samples,
+                kept: tally.kept,
+                rejected: Test::ALL.into_iter().map(|test| (test, tally.rejected_by(test))).collect(),
+            },
+            times: TimesReport {
+                open_secs,
+                noise_secs: times.noise_secs,
+                search_secs: times.search_secs,
+                describe_secs: times.describe_secs,
+                write_secs,
+            },
+        }
+    }
+}
+
+/// Features by the grid's slope at which they were found, in the grid's order.
+pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
+    let mut counts = vec![0; detection.slopes.len()];
+    for feature in &detection.features {
+        if let Some(count) = counts.get_mut(feature.slope_index) {
+            *count += 1;
+        }
+    }
+    detection.slopes.slopes().zip(counts).map(|(s, features)| SlopeCount { u: s.u, v: s.v, features }).collect()
+}
+
+/// Slopes that the summary shows at most.
+const SLOPES_SHOWN: usize = 25;
+/// Width of the longest bar of the histogram, characters.
+const BAR_WIDTH: usize = 30;
+
+/// The summary for people; ends with an empty line.
+pub(super) fn summary(report: &BurstReport, params: &DetectorParams, detection: &Detection) -> String {
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = write_summary(&mut text, report, params, detection);
+    text
+}
+
+fn write_summary(
+    out: &mut String,
+    report: &BurstReport,
+    params: &DetectorParams,
+    detection: &Detection,
+) -> std::fmt::Result {
+    let [first, end] = report.frames_used;
+    let used = if end - first == report.frames { String::new() } else { format!(", {first}..{end} used") };
+    writeln!(out, "{}: {} frames of {}×{}{used}", report.name, report.frames, report.width, report.height)?;
+    let gate = match params.noise_gate {
+        NoiseGate::Auto => format!("{:.2} σ (auto)", report.noise_gate_factor),
+        NoiseGate::Factor(_) => format!("{:.2} σ", report.noise_gate_factor),
+    };
+    writeln!(out, "  noise     {:.5} of full scale in a frame; noise gate {gate}", report.frame_noise)?;
+    writeln!(out, "  features  {}", report.features)?;
+    if params.method == Method::Buff && report.features > 0 {
+        write_histogram(out, &report.slopes)?;
+        let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
+        if at_limit > 0 {
+            writeln!(out, "    {at_limit} of them at the limit of the slope range; if that is many, widen it")?;
+        }
+    }
+    writeln!(out, "  rejected, of {} samples", grouped(report.tally.samples))?;
+    for (test, &count) in &report.tally.rejected {
+        if count > 0 {
+            writeln!(out, "    {:>15}  {}", grouped(count), test.reason())?;
+        }
+    }
+    let t = &report.times;
+    writeln!(
+        out,
+        "  time      open {:.2} s, noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
+        t.open_secs, t.noise_secs, t.search_secs, t.describe_secs, t.write_secs
+    )?;
+    for path in report.files.values() {
+        writeln!(out, "  wrote     {}", path.display())?;
+    }
+    writeln!(out)
+}
+
+fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result {
+    let most = slopes.iter().map(|s| s.features).max().unwrap_or(0).max(1);
+    let mut counts: Vec<usize> = slopes.iter().map(|s| s.features).filter(|&n| n > 0).collect();
+    counts.sort_unstable_by(|a, b| b.cmp(a));
+    let least = counts.get(SLOPES_SHOWN - 1).copied().unwrap_or(1);
+    let shown: Vec<&SlopeCount> = slopes.iter().filter(|s| s.features >= least).take(SLOPES_SHOWN).collect();
+    writeln!(out, "  by slope (px/frame)")?;
+    for slope in &shown {
+        let bar = "#".repeat((slope.features * BAR_WIDTH).div_ceil(most));
+        writeln!(out, "    ({:>6.2}, {:>6.2}) {:>7}  {bar}", slope.u, slope.v, slope.features)?;
+    }
+    let rest = slopes.iter().filter(|s| s.features > 0).count() - shown.len();
+    if rest > 0 {
+        let others = slopes.iter().map(|s| s.features).sum::<usize>() - shown.iter().map(|s| s.features).sum::<usize>();
+        writeln!(out, "    and {rest} more slopes with {others} features")?;
+    }
+    Ok(())
+}
+
+/// A number with thin gaps between its thousands.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() * 4 / 3);
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_by_thousands() {
+        assert_eq!([7, 999, 1000, 12_345_678].map(grouped), ["7", "999", "1 000", "12 345 678"]);
+    }
+
+    #[test]
+    fn a_long_histogram_shows_the_largest_and_counts_the_rest() {
+        let slopes: Vec<SlopeCount> = (0..40).map(|k| SlopeCount { u: k as f32, v: 0.0, features: k }).collect();
+        let mut text = String::new();
+        write_histogram(&mut text, &slopes).expect("written");
+        assert_eq!(text.lines().count(), 1 + SLOPES_SHOWN + 1);
+        assert!(text.contains("( 39.00,   0.00)      39"), "{text}");
+        assert!(text.ends_with("and 14 more slopes with 105 features\n"), "{text}");
+    }
+}

@@ -1,0 +1,293 @@
+//! The search options, shared by the commands: raw arguments on one side, checked parameters on the other.
+//!
+//! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file comes first, then the options that were given
+//! override it, one by one; the result is checked once.
+
+use super::choices::{INTERPOLATIONS, METHODS, SLOPE_NEIGHBOURS, words};
+use super::failure::Failure;
+use crate::detector::params::doc;
+use crate::detector::{
+    DetectorParams, FrameRange, Interpolation, Method, NoiseGate, ParamDoc, SlopeAxis, SlopeNeighbours,
+};
+use anyhow::Context;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// The parameter file.
+#[derive(Debug, Clone, Default, Args)]
+pub struct ParamsFileArg {
+    /// Parameter file (TOML), as the window saves it.
+    #[arg(long, value_name = "FILE.toml")]
+    pub params: Option<PathBuf>,
+}
+
+/// The search options as they are written.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Search options", allow_negative_numbers = true)]
+#[allow(missing_docs)] // each is described by its `doc` constant
+pub struct SearchArgs {
+    #[command(flatten)]
+    pub file: ParamsFileArg,
+    #[arg(long = doc::METHOD.name, value_name = "METHOD", help = short_help(doc::METHOD), long_help = long_help(doc::METHOD),
+        value_parser = words::<Method>(METHODS))]
+    pub method: Option<Method>,
+    #[arg(long = doc::SLOPES_U.name, value_name = "MIN:MAX:COUNT", help = short_help(doc::SLOPES_U), long_help = long_help(doc::SLOPES_U),
+        allow_hyphen_values = true, value_parser = SlopeAxis::from_str)]
+    pub slopes_u: Option<SlopeAxis>,
+    #[arg(long = doc::SLOPES_V.name, value_name = "MIN:MAX:COUNT", help = short_help(doc::SLOPES_V), long_help = long_help(doc::SLOPES_V),
+        allow_hyphen_values = true, value_parser = SlopeAxis::from_str)]
+    pub slopes_v: Option<SlopeAxis>,
+    #[arg(long = doc::SLOPE_DIRECTION.name, value_name = "DEGREES", help = short_help(doc::SLOPE_DIRECTION),
+        long_help = long_help(doc::SLOPE_DIRECTION), allow_hyphen_values = true)]
+    pub slope_direction: Option<f32>,
+    #[arg(long = doc::FRAMES.name, value_name = "A..B", help = short_help(doc::FRAMES), long_help = long_help(doc::FRAMES),
+        value_parser = FrameRange::from_str)]
+    pub frames: Option<FrameRange>,
+    #[arg(long = doc::OCTAVES.name, value_name = "N", help = short_help(doc::OCTAVES), long_help = long_help(doc::OCTAVES))]
+    pub octaves: Option<u32>,
+    #[arg(long = doc::LEVELS.name, value_name = "N", help = short_help(doc::LEVELS), long_help = long_help(doc::LEVELS))]
+    pub levels: Option<u32>,
+    #[arg(long = doc::FIRST_OCTAVE.name, value_name = "O", help = short_help(doc::FIRST_OCTAVE), long_help = long_help(doc::FIRST_OCTAVE),
+        allow_hyphen_values = true)]
+    pub first_octave: Option<i32>,
+    #[arg(long = doc::PEAK_THRESHOLD.name, value_name = "T", help = short_help(doc::PEAK_THRESHOLD), long_help = long_help(doc::PEAK_THRESHOLD))]
+    pub peak_threshold: Option<f32>,
+    #[arg(long = doc::NOISE_GATE.name, value_name = "K", help = short_help(doc::NOISE_GATE), long_help = long_help(doc::NOISE_GATE),
+        value_parser = NoiseGate::from_str)]
+    pub noise_gate: Option<NoiseGate>,
+    #[arg(long = doc::EDGE_THRESHOLD.name, value_name = "R", help = short_help(doc::EDGE_THRESHOLD), long_help = long_help(doc::EDGE_THRESHOLD))]
+    pub edge_threshold: Option<f32>,
+    #[arg(long = doc::SLOPE_NEIGHBOURS.name, value_name = "WHICH", help = short_help(doc::SLOPE_NEIGHBOURS),
+        long_help = long_help(doc::SLOPE_NEIGHBOURS), value_parser = words::<SlopeNeighbours>(SLOPE_NEIGHBOURS))]
+    pub slope_neighbours: Option<SlopeNeighbours>,
+    #[arg(long = doc::INTERPOLATION.name, value_name = "HOW", help = short_help(doc::INTERPOLATION), long_help = long_help(doc::INTERPOLATION),
+        value_parser = words::<Interpolation>(INTERPOLATIONS))]
+    pub interpolation: Option<Interpolation>,
+    #[arg(long = doc::KERNEL_CUT.name, value_name = "N", help = short_help(doc::KERNEL_CUT), long_help = long_help(doc::KERNEL_CUT))]
+    pub kernel_cut: Option<f32>,
+    #[arg(long = doc::MAX_FEATURES.name, value_name = "N", help = short_help(doc::MAX_FEATURES), long_help = long_help(doc::MAX_FEATURES))]
+    pub max_features: Option<usize>,
+    #[arg(long = doc::MAX_ORIENTATIONS.name, value_name = "N", help = short_help(doc::MAX_ORIENTATIONS),
+        long_help = long_help(doc::MAX_ORIENTATIONS))]
+    pub max_orientations: Option<usize>,
+}
+
+/// What `-h` says of a parameter: its meaning and default.
+fn short_help(doc: ParamDoc) -> String {
+    format!("{} [default: {}]", doc.meaning.trim_end_matches('.'), default_of(doc))
+}
+
+/// What `--help` says of a parameter: all there is to say, and its default.
+fn long_help(doc: ParamDoc) -> String {
+    format!("{} [default: {}]", doc.help(), default_of(doc))
+}
+
+/// A parameter's default, as it is written on the command line.
+fn default_of(doc: ParamDoc) -> String {
+    let params = DetectorParams::default();
+    match doc.name {
+        name if name == doc::SLOPES_U.name => params.slopes.u.to_string(),
+        name if name == doc::SLOPES_V.name => params.slopes.v.to_string(),
+        name if name == doc::SLOPE_DIRECTION.name => params.slopes.direction_deg.to_string(),
+        name => match serde_json::to_value(params).ok().as_ref().and_then(|v| v.get(name.replace('-', "_"))) {
+            None => "all".to_owned(),
+            Some(serde_json::Value::String(word)) => word.clone(),
+            // By way of f32, so that 0.001 is not shown with the digits of a double.
+            Some(serde_json::Value::Number(n)) if n.is_f64() => (n.as_f64().unwrap_or_default() as f32).to_string(),
+            Some(value) => value.to_string(),
+        },
+    }
+}
+
+impl ParamsFileArg {
+    /// The file's parameters, or the defaults without a file.
+    ///
+    /// # Errors
+    /// An unreadable file fails; a file that makes no sense is wrong use. Both name the file.
+    pub fn read(&self) -> Result<DetectorParams, Failure> {
+        self.params.as_deref().map_or_else(|| Ok(DetectorParams::default()), read_params)
+    }
+}
+
+fn read_params(path: &Path) -> Result<DetectorParams, Failure> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read the parameter file {}", path.display()))
+        .map_err(Failure::Failed)?;
+    DetectorParams::from_toml(&text)
+        .map_err(|e| Failure::usage(format!("the parameter file {} makes no sense: {}", path.display(), e.trim_end())))
+}
+
+impl SearchArgs {
+    /// The checked parameters.
+    ///
+    /// Without a parameter file, an axis of slopes that is missing means 0 as soon as the other one is given; with a file, each axis that is
+    /// missing is the file's.
+    ///
+    /// # Errors
+    /// A parameter file that cannot be read or makes no sense, or a combination that makes no sense.
+    pub fn params(&self) -> Result<DetectorParams, Failure> {
+        let mut params = self.file.read()?;
+        if self.file.params.is_none() && (self.slopes_u.is_some() || self.slopes_v.is_some()) {
+            (params.slopes.u, params.slopes.v) = (SlopeAxis::ZERO, SlopeAxis::ZERO);
+        }
+        fn set<T: Copy>(field: &mut T, given: Option<T>) {
+            if let Some(value) = given {
+                *field = value;
+            }
+        }
+        set(&mut params.method, self.method);
+        set(&mut params.slopes.u, self.slopes_u);
+        set(&mut params.slopes.v, self.slopes_v);
+        set(&mut params.slopes.direction_deg, self.slope_direction);
+        params.frames = self.frames.or(params.frames);
+        set(&mut params.octaves, self.octaves);
+        set(&mut params.levels, self.levels);
+        set(&mut params.first_octave, self.first_octave);
+        set(&mut params.peak_threshold, self.peak_threshold);
+        set(&mut params.noise_gate, self.noise_gate);
+        set(&mut params.edge_threshold, self.edge_threshold);
+        set(&mut params.slope_neighbours, self.slope_neighbours);
+        set(&mut params.interpolation, self.interpolation);
+        set(&mut params.kernel_cut, self.kernel_cut);
+        set(&mut params.max_features, self.max_features);
+        set(&mut params.max_orientations, self.max_orientations);
+        params.validate()?;
+        Ok(params)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::{CommandFactory, Parser};
+
+    #[derive(Parser)]
+    struct Only {
+        #[command(flatten)]
+        search: SearchArgs,
+    }
+
+    fn params(arguments: &[&str]) -> Result<DetectorParams, String> {
+        let only = Only::try_parse_from([&["x"], arguments].concat()).map_err(|e| e.to_string())?;
+        only.search.params().map_err(|f| format!("{f:?}"))
+    }
+
+    #[test]
+    fn every_parameter_is_an_option_with_its_help() {
+        let command = Only::command();
+        for doc in doc::ALL {
+            let arg = command.get_arguments().find(|a| a.get_long() == Some(doc.name));
+            let arg = arg.unwrap_or_else(|| panic!("--{} is missing", doc.name));
+            let text = |help: Option<&clap::builder::StyledStr>| help.expect("it has help").to_string();
+            assert!(text(arg.get_help()).starts_with(doc.meaning.trim_end_matches('.')));
+            assert!(text(arg.get_long_help()).starts_with(&doc.help()));
+            // The default that is shown is one that can be typed.
+            let default = default_of(doc);
+            let option = format!("--{}", doc.name);
+            let mut arguments = vec![option.as_str(), &default];
+            let slopes_u = default_of(doc::SLOPES_U);
+            if doc.name == doc::SLOPES_V.name {
+                arguments.extend(["--slopes-u", &slopes_u]);
+            }
+            if doc.name != doc::FRAMES.name {
+                assert_eq!(params(&arguments), Ok(DetectorParams::default()), "{}", doc.name);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_given_is_the_default() {
+        assert_eq!(params(&[]), Ok(DetectorParams::default()));
+    }
+
+    #[test]
+    fn every_option_reaches_its_parameter() {
+        let got = params(&[
+            "--method",
+            "sift",
+            "--slopes-u",
+            "-6:6:25",
+            "--slopes-v",
+            "-1:1:3",
+            "--slope-direction",
+            "-30",
+            "--frames",
+            "2..9",
+            "--octaves",
+            "4",
+            "--levels",
+            "5",
+            "--first-octave",
+            "-1",
+            "--peak-threshold",
+            "0.002",
+            "--noise-gate",
+            "4.5",
+            "--edge-threshold",
+            "12",
+            "--slope-neighbours",
+            "all",
+            "--interpolation",
+            "nearest",
+            "--kernel-cut",
+            "3",
+            "--max-features",
+            "100",
+            "--max-orientations",
+            "2",
+        ])
+        .expect("valid");
+        let mut slopes = crate::SlopeGrid::plane(-6.0..=6.0, 25, -1.0..=1.0, 3);
+        slopes.direction_deg = -30.0;
+        let expected = DetectorParams {
+            method: Method::Sift,
+            frames: Some(FrameRange { start: 2, end: 9 }),
+            octaves: 4,
+            levels: 5,
+            first_octave: -1,
+            peak_threshold: 0.002,
+            noise_gate: NoiseGate::Factor(4.5),
+            edge_threshold: 12.0,
+            slope_neighbours: SlopeNeighbours::All,
+            interpolation: Interpolation::Nearest,
+            kernel_cut: 3.0,
+            max_features: 100,
+            max_orientations: 2,
+            slopes,
+        };
+        assert_eq!(got, expected);
+    }
+
+    #[test]
+    fn one_axis_alone_makes_the_other_zero() {
+        let got = params(&["--slopes-v", "-2:2:5"]).expect("valid");
+        assert_eq!((got.slopes.u, got.slopes.v.count), (SlopeAxis::ZERO, 5));
+    }
+
+    #[test]
+    fn options_override_the_file() {
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        let path = file.path().to_str().expect("plain");
+        std::fs::write(path, "octaves = 3\nlevels = 5\n[slopes]\nv = { min = -1.0, max = 1.0, count = 3 }\n")
+            .expect("written");
+        let got = params(&["--params", path, "--levels", "4", "--slopes-u", "0:2:3"]).expect("valid");
+        assert_eq!((got.octaves, got.levels, got.slopes.u.count, got.slopes.v.count), (3, 4, 3, 3));
+    }
+
+    #[test]
+    fn nonsense_says_what_would_be_right() {
+        for (arguments, words) in [
+            (vec!["--slopes-u", "3:-3:7"], "give the smaller slope first"),
+            (vec!["--slopes-u", "1:2"], "is not MIN:MAX:COUNT"),
+            (vec!["--method", "surf"], "possible values: buff, sift"),
+            (vec!["--frames", "5"], "is not A..B"),
+            (vec!["--noise-gate", "lots"], "neither 'auto' nor a number"),
+            (vec!["--levels", "0"], "give 1 to 10"),
+            (vec!["--params", "/nowhere/p.toml"], "/nowhere/p.toml"),
+        ] {
+            let error = params(&arguments).expect_err(words);
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! `stack`: the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
+
+use super::args::StackArgs;
+use super::console::Console;
+use super::failure::Failure;
+use super::inputs::{open_options, resolve_one};
+use crate::SlopeGrid;
+use crate::detector::view::{dog_view, stack_view};
+use crate::export::write_tiff;
+use crate::monitor::Stage;
+use serde_json::json;
+
+pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
+    let mut params = args.search.params()?;
+    // Only this slope is looked at, so only this slope has to make sense.
+    params.slopes = SlopeGrid::single(args.slope);
+    let extension = args.out.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if !["tif", "tiff"].contains(&extension.as_str()) {
+        return Err(Failure::usage(format!(
+            "--out: float values are written as TIFF; name the file .tiff: {}",
+            args.out.display()
+        )));
+    }
+    let console = Console::new(&args.output)?;
+    let input = resolve_one(&args.inputs, "stack")?;
+    let options = open_options(std::slice::from_ref(&input), args.bias.bias.as_ref())?;
+    console.begin(format!("{}: ", input.name));
+    let burst = input.open(&options, &console.monitor)?;
+    params.validate_for(burst.len(), burst.size())?;
+    let image = match (args.octave, args.level) {
+        (Some(octave), Some(level)) => dog_view(&burst, &params, args.slope, octave, level, &console.monitor)?,
+        _ => stack_view(&burst, &params, args.slope, &console.monitor)?,
+    };
+    console.monitor.check()?;
+    console.monitor.report(Stage::Write, 0.0);
+    write_tiff(&args.out, &image)?;
+    let (mut low, mut high, mut sum) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f64);
+    for &x in image.data() {
+        (low, high) = (low.min(x), high.max(x));
+        sum += f64::from(x);
+    }
+    let mean = sum / image.data().len() as f64;
+    let (width, height) = image.size();
+    console.say(&format!(
+        "{} at slope ({}, {}): {width}×{height}, values {low:.5} to {high:.5}, mean {mean:.5}\nwrote {}\n",
+        if args.octave.is_some() { "DoG response" } else { "motion-stack image" },
+        args.slope.u,
+        args.slope.v,
+        args.out.display()
+    ))?;
+    console.say_json(&json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "command": "stack",
+        "file": args.out,
+        "slope": args.slope,
+        "octave": args.octave,
+        "level": args.level,
+        "width": width,
+        "height": height,
+        "min": low,
+        "max": high,
+        "mean": mean,
+    }))
+}

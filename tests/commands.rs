@@ -1,0 +1,14 @@
+//! The real program, run as people run it: its output, its files, its exit codes.
+
+#[path = "commands/detecting.rs"]
+mod detecting;
+#[path = "commands/drawing.rs"]
+mod drawing;
+#[path = "commands/interrupting.rs"]
+mod interrupting;
+#[path = "commands/making.rs"]
+mod making;
+#[path = "commands/real.rs"]
+mod real;
+#[path = "commands/support.rs"]
+mod support;

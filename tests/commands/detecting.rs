@@ -1,0 +1,202 @@
+//! `detect`, and what all commands share.
+
+use super::support::{features, names, run, run_badly, run_well, stderr};
+use burstscope::synth::demo_truth;
+use ndarray_npy::NpzReader;
+
+#[test]
+fn the_demo_gives_features_in_all_formats() {
+    let home = tempfile::tempdir().expect("a folder");
+    let out = home.path().join("found");
+    let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--format", "csv,colmap,npz"]);
+    let rows = features(&out.join("demo.csv"));
+    assert!(rows.len() > 100, "{} features", rows.len());
+    assert!(text.contains(&format!("features  {}", rows.len())), "{text}");
+    assert!(text.contains("by slope") && text.contains("not an extremum in slope"), "{text}");
+
+    let colmap = std::fs::read_to_string(out.join("demo.txt")).expect("a file");
+    let mut lines = colmap.lines();
+    assert_eq!(lines.next(), Some(format!("{} 128", rows.len()).as_str()));
+    let first: Vec<f64> = lines.next().expect("a feature").split(' ').map(|x| x.parse().expect("a number")).collect();
+    assert_eq!(first.len(), 4 + 128);
+    assert!((first[0] - rows[0][0] - 0.5).abs() < 1e-3, "COLMAP's first pixel centre is at 0.5");
+
+    let mut npz = NpzReader::new(std::fs::File::open(out.join("demo.npz")).expect("a file")).expect("an archive");
+    let array: ndarray::Array2<f32> = npz.by_name("features").expect("an array");
+    let descriptors: ndarray::Array2<u8> = npz.by_name("descriptors").expect("an array");
+    assert_eq!((array.dim(), descriptors.dim()), ((rows.len(), 11), (rows.len(), 128)));
+}
+
+#[test]
+fn the_demos_landmarks_are_found_with_their_motion() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(
+        home.path(),
+        &["detect", "demo", "--slopes-u", "-3:3:7", "--slopes-v", "-2:2:5", "--out", "found", "--quiet"],
+    );
+    let rows = features(&home.path().join("found").join("demo.csv"));
+    // Bright and dark discs that are large enough to stand out well.
+    let truth = demo_truth();
+    let discs: Vec<_> = truth.features.iter().filter(|f| f.radius >= 3.0).collect();
+    let found = discs
+        .iter()
+        .filter(|disc| {
+            rows.iter().any(|row| {
+                (row[0] - disc.u).hypot(row[1] - disc.v) < 1.5
+                    && (row[4] - disc.slope_u).hypot(row[5] - disc.slope_v) < 0.3
+                    && row[6] * f64::from(disc.contrast_sign) < 0.0
+            })
+        })
+        .count();
+    assert!(discs.len() >= 20 && found * 10 >= discs.len() * 8, "{found} of {} found", discs.len());
+}
+
+#[test]
+fn json_is_one_document_that_agrees_with_the_files() {
+    let home = tempfile::tempdir().expect("a folder");
+    let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--json", "--noise-gate", "6"]);
+    let json: serde_json::Value = serde_json::from_str(&text).expect("one JSON document");
+    let burst = &json["bursts"][0];
+    let rows = features(&home.path().join("found").join("demo.csv"));
+    assert_eq!(burst["features"], rows.len());
+    assert_eq!((&burst["frames"], &burst["width"], &burst["height"]), (&10.into(), &480.into(), &360.into()));
+    assert_eq!(burst["noise_gate_factor"], 6.0);
+    assert_eq!(json["params"]["noise_gate"], 6.0);
+    let slopes = burst["slopes"].as_array().expect("a list");
+    assert_eq!(slopes.len(), 7);
+    assert_eq!(slopes.iter().map(|s| s["features"].as_u64().expect("a count")).sum::<u64>(), rows.len() as u64);
+    let tally = &burst["tally"];
+    let rejected: u64 = tally["rejected"].as_object().expect("a map").values().filter_map(|x| x.as_u64()).sum();
+    assert_eq!(rejected + tally["kept"].as_u64().expect("a count"), tally["samples"].as_u64().expect("a count"));
+    assert!(burst["times"]["search_secs"].as_f64().expect("a time") > 0.0);
+    assert_eq!(burst["files"]["csv"], std::path::Path::new("found").join("demo.csv").to_str().expect("text"));
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(home.path(), &["detect", "demo", "--out", "one", "--threads", "1"]);
+    run_well(home.path(), &["detect", "demo", "--out", "three", "--threads", "3"]);
+    let read = |name: &str| std::fs::read(home.path().join(name).join("demo.csv")).expect("a file");
+    assert_eq!(read("one"), read("three"));
+}
+
+#[test]
+fn wrong_use_is_2_and_says_what_would_be_right() {
+    let home = tempfile::tempdir().expect("a folder");
+    let cases: [(&[&str], &str); 14] = [
+        (&["detect", "demo"], "--out"),
+        (&["detect", "--out", "x"], "<INPUT>"),
+        (&["detect", "demo", "--out", "x", "--method", "surf"], "buff, sift"),
+        (&["detect", "demo", "--out", "x", "--slopes-u", "3:-3:7"], "give the smaller slope first"),
+        (&["detect", "demo", "--out", "x", "--slopes-u", "fast"], "'fast' is not a number"),
+        (&["detect", "demo", "--out", "x", "--frames", "4"], "A..B"),
+        (&["detect", "demo", "--out", "x", "--format", "xlsx"], "csv, colmap and npz"),
+        (&["detect", "demo", "--out", "x", "--threads", "0"], "1..=1024"),
+        (&["detect", "demo", "--out", "x", "--bias", "b.png"], "no bias frame"),
+        (&["stack", "demo", "--slope", "1", "--out", "x.tiff"], "U,V"),
+        (&["stack", "demo", "--slope", "1,0", "--octave", "0", "--out", "x.tiff"], "--level"),
+        (&["stack", "demo", "--slope", "1,0", "--out", "x.png"], ".tiff"),
+        (&["synth", "chart", "--out", "x", "--motion", "3d"], "1d, 2d"),
+        (&["synth", "scene", "--out", "x", "--snr", "-1"], "snr"),
+    ];
+    for (arguments, words) in cases {
+        let error = run_badly(home.path(), arguments, 2);
+        assert!(error.contains(words), "{arguments:?}: {error}");
+        assert!(error.contains("--help"), "{arguments:?}: {error}");
+    }
+    assert!(names(home.path()).is_empty(), "wrong use writes nothing");
+}
+
+#[test]
+fn failures_are_1_and_name_the_file() {
+    let home = tempfile::tempdir().expect("a folder");
+    std::fs::write(home.path().join("a file"), "no picture").expect("written");
+    let cases: [(&[&str], &str); 6] = [
+        (&["detect", "no such folder", "--out", "x"], "no such folder"),
+        (&["detect", "a file", "--out", "x"], "a file"),
+        (&["detect", "demo", "--out", "a file/x"], "a file"),
+        (&["detect", "demo", "--out", "x", "--params", "no.toml"], "no.toml"),
+        (&["detect", "demo", "--out", "x", "--frames", "0..99"], "give A..B with B at most 10"),
+        (&["no such input"], "no such input"),
+    ];
+    for (arguments, words) in cases {
+        let error = run_badly(home.path(), arguments, 1);
+        assert!(error.contains(words), "{arguments:?}: {error}");
+    }
+    assert_eq!(names(home.path()), ["a file"]);
+}
+
+#[test]
+fn a_parameter_file_is_read_and_options_override_it() {
+    let home = tempfile::tempdir().expect("a folder");
+    let params = burstscope::DetectorParams {
+        slopes: burstscope::SlopeGrid::line(-2.0..=2.0, 5),
+        levels: 2,
+        max_features: 50,
+        ..burstscope::DetectorParams::default()
+    };
+    std::fs::write(home.path().join("p.toml"), params.to_toml()).expect("written");
+    let text = run_well(
+        home.path(),
+        &["detect", "demo", "--out", "found", "--json", "--params", "p.toml", "--max-features", "20"],
+    );
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let read: burstscope::DetectorParams = serde_json::from_value(json["params"].clone()).expect("parameters");
+    assert_eq!(read, burstscope::DetectorParams { max_features: 20, ..params });
+    assert_eq!(features(&home.path().join("found").join("demo.csv")).len(), 20);
+    std::fs::write(home.path().join("bad.toml"), "peak_treshold = 1.0").expect("written");
+    let error = run_badly(home.path(), &["detect", "demo", "--out", "x", "--params", "bad.toml"], 2);
+    assert!(error.contains("bad.toml") && error.contains("peak_treshold"), "{error}");
+}
+
+#[test]
+fn a_broken_burst_does_not_stop_the_others() {
+    let home = tempfile::tempdir().expect("a folder");
+    for (name, seed) in [("a", "1"), ("b", "2"), ("c", "3")] {
+        let out = format!("nights/{name}");
+        run_well(
+            home.path(),
+            &[
+                "synth", "chart", "--out", &out, "--width", "160", "--height", "120", "--discs", "4", "--radius",
+                "3:8", "--seed", seed,
+            ],
+        );
+    }
+    std::fs::write(home.path().join("nights/b/frame_004.png"), "broken").expect("written");
+    let output = run(home.path(), &["detect", "nights", "gone", "demo", "--out", "found"]);
+    assert_eq!(output.status.code(), Some(1));
+    let (text, error) = (String::from_utf8_lossy(&output.stdout), stderr(&output));
+    assert!(error.contains("frame_004.png") && error.contains("gone"), "{error}");
+    assert!(text.contains("3 of 5 bursts done"), "{text}");
+    assert_eq!(names(&home.path().join("found")), ["a.csv", "c.csv", "demo.csv"]);
+    let output = run(home.path(), &["detect", "nights", "--out", "again", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON in spite of the failure");
+    assert_eq!((json["bursts"].as_array().map(Vec::len), &json["failures"][0]["name"]), (Some(2), &"b".into()));
+}
+
+#[test]
+fn quiet_is_quiet_and_pipes_are_clean() {
+    let home = tempfile::tempdir().expect("a folder");
+    let output = run(home.path(), &["detect", "demo", "--out", "found", "--quiet"]);
+    assert_eq!((output.status.code(), output.stdout.len(), output.stderr.len()), (Some(0), 0, 0));
+    // Without a terminal there is no progress bar.
+    let output = run(home.path(), &["detect", "demo", "--out", "found"]);
+    assert!(output.stderr.is_empty() && !output.stdout.contains(&0x1b), "{}", stderr(&output));
+}
+
+#[test]
+fn help_and_version_are_answers_not_errors() {
+    let home = tempfile::tempdir().expect("a folder");
+    assert_eq!(run_well(home.path(), &["--version"]), format!("burstscope {}\n", env!("CARGO_PKG_VERSION")));
+    let (short, long) = (run_well(home.path(), &["detect", "-h"]), run_well(home.path(), &["detect", "--help"]));
+    assert!(short.len() < long.len());
+    for doc in burstscope::detector::params::doc::ALL {
+        assert!(short.contains(&format!("--{}", doc.name)), "{}", doc.name);
+    }
+    // Only commands that exist are offered.
+    let commands = run_well(home.path(), &["--help"]);
+    for later in ["match", "probe", "merge", "evaluate", "colmap"] {
+        assert!(!commands.contains(&format!("\n  {later} ")), "{later}");
+    }
+}

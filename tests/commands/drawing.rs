@@ -1,0 +1,84 @@
+//! `stack`, `render`, and the program without a display.
+
+use super::support::{names, run_badly, run_well};
+use burstscope::detector::{Interpolation, Slope, motion::motion_stack};
+use burstscope::synth::demo_burst;
+use burstscope::{Monitor, Plane};
+use std::path::Path;
+
+fn read_tiff(path: &Path) -> ((u32, u32), Vec<f32>) {
+    let file = std::io::BufReader::new(std::fs::File::open(path).expect("a file"));
+    let mut decoder = tiff::decoder::Decoder::new(file).expect("a TIFF");
+    let size = decoder.dimensions().expect("a size");
+    match decoder.read_image().expect("an image") {
+        tiff::decoder::DecodingResult::F32(values) => (size, values),
+        other => panic!("not 32-bit float: {other:?}"),
+    }
+}
+
+#[test]
+fn stack_writes_the_very_values_of_the_library() {
+    let home = tempfile::tempdir().expect("a folder");
+    let text = run_well(home.path(), &["stack", "demo", "--slope", "-2.1,0", "--out", "deep/sign.tiff"]);
+    assert!(text.contains("480×360"), "{text}");
+    let (size, values) = read_tiff(&home.path().join("deep/sign.tiff"));
+    let burst = demo_burst();
+    let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
+    let stack = motion_stack(&frames, Slope::new(-2.1, 0.0), Interpolation::Linear, &Monitor::default()).expect("done");
+    assert_eq!((size, values.as_slice()), ((480, 360), stack.data()));
+    // Averaging keeps the level.
+    let mean = |x: &[f32]| x.iter().map(|&x| f64::from(x)).sum::<f64>() / x.len() as f64;
+    let of_frames = burst.frames.iter().map(|f| mean(f.data())).sum::<f64>() / 10.0;
+    assert!((mean(&values) - of_frames).abs() < 5e-4, "{} {of_frames}", mean(&values));
+}
+
+#[test]
+fn stack_writes_a_response_on_the_octaves_pixels() {
+    let home = tempfile::tempdir().expect("a folder");
+    let text = run_well(
+        home.path(),
+        &["stack", "demo", "--slope", "0.95,0", "--octave", "1", "--level", "0", "--out", "d.tif", "--json"],
+    );
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let (size, values) = read_tiff(&home.path().join("d.tif"));
+    assert_eq!(size, (240, 180));
+    assert_eq!((&json["width"], &json["octave"]), (&240.into(), &1.into()));
+    assert!(values.iter().any(|&x| x > 1e-3) && values.iter().any(|&x| x < -1e-3), "a response has both signs");
+    let error = run_badly(
+        home.path(),
+        &["stack", "demo", "--slope", "0,0", "--octave", "9", "--level", "0", "--out", "e.tif"],
+        2,
+    );
+    assert!(error.contains("octave"), "{error}");
+    assert_eq!(names(home.path()), ["d.tif"]);
+}
+
+#[test]
+fn render_draws_the_window() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(home.path(), &["render", "--out", "window.png", "--size", "900x600", "--slope", "-2.1,0", "--no-detect"]);
+    let picture = image::open(home.path().join("window.png")).expect("a picture").into_rgba8();
+    assert_eq!(picture.dimensions(), (900, 600));
+    let colours: std::collections::HashSet<_> = picture.pixels().map(|p| p.0).collect();
+    assert!(colours.len() > 50, "only {} colours", colours.len());
+    let error = run_badly(home.path(), &["render", "gone", "--out", "x.png"], 1);
+    assert!(error.contains("gone"), "{error}");
+}
+
+#[test]
+fn without_a_display_the_window_becomes_a_picture_and_a_table() {
+    let home = tempfile::tempdir().expect("a folder");
+    let text = run_well(home.path(), &[]);
+    assert!(text.contains("no display") && text.contains("DISPLAY"), "{text}");
+    let header = text.lines().position(|l| l.contains("orientation")).expect("a table");
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(header + 2)
+        .map_while(|l| l.split_whitespace().map(|x| x.parse().ok()).collect::<Option<Vec<f64>>>())
+        .filter(|row| !row.is_empty())
+        .collect();
+    assert_eq!(rows.len(), 20, "{text}");
+    assert!(rows.iter().all(|r| r.len() == 10), "{text}");
+    assert_eq!(names(home.path()), ["burstscope-demo.png"]);
+    image::open(home.path().join("burstscope-demo.png")).expect("a picture");
+}

@@ -1,0 +1,55 @@
+//! Ctrl-C: exit code 130, and nothing half-written.
+#![cfg(unix)]
+
+use super::support::{names, program, run_well};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Starts a long command, interrupts it after a while, and answers its exit code and how long it took to stop.
+fn interrupt(home: &Path, arguments: &[&str], after: Duration) -> (Option<i32>, Duration) {
+    let mut child =
+        program(home, arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
+    std::thread::sleep(after);
+    assert!(child.try_wait().expect("a state").is_none(), "{arguments:?} ended before it could be interrupted");
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(killed.success());
+    let start = Instant::now();
+    let code = child.wait().expect("an end").code();
+    (code, start.elapsed())
+}
+
+#[test]
+fn making_a_large_burst_stops_at_once_and_leaves_nothing() {
+    let home = tempfile::tempdir().expect("a folder");
+    let arguments =
+        ["synth", "chart", "--out", "big", "--width", "3000", "--height", "2000", "--frames", "40", "--threads", "1"];
+    let (code, duration) = interrupt(home.path(), &arguments, Duration::from_millis(800));
+    assert_eq!(code, Some(130));
+    assert!(duration < Duration::from_secs(3), "{duration:?}");
+    assert_eq!(names(home.path()), Vec::<String>::new());
+}
+
+#[test]
+fn a_long_search_stops_and_leaves_nothing() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(home.path(), &["synth", "chart", "--out", "chart", "--frames", "8", "--quiet"]);
+    let arguments = [
+        "detect",
+        "chart",
+        "--slopes-u",
+        "-3:3:61",
+        "--slopes-v",
+        "-3:3:61",
+        "--first-octave",
+        "-1",
+        "--threads",
+        "1",
+        "--out",
+        "found",
+    ];
+    let (code, duration) = interrupt(home.path(), &arguments, Duration::from_millis(1500));
+    assert_eq!(code, Some(130));
+    assert!(duration < Duration::from_secs(5), "{duration:?}");
+    assert_eq!(names(home.path()), ["chart"]);
+}

@@ -1,0 +1,94 @@
+//! `synth`: frames that open again, with their truth.
+
+use super::support::{names, run, run_badly, run_well, stderr};
+use burstscope::synth::{ChartParams, Motion, Truth, TruthKind, synth_chart};
+use burstscope::{Burst, Monitor};
+use std::path::Path;
+
+fn truth(folder: &Path) -> Truth {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json")).expect("a file")).expect("a truth")
+}
+
+#[test]
+fn a_chart_opens_again_with_the_very_same_values() {
+    let home = tempfile::tempdir().expect("a folder");
+    let arguments = [
+        "synth", "chart", "--out", "chart", "--width", "200", "--height", "150", "--discs", "6", "--radius", "3.6:9",
+        "--frames", "4", "--snr", "1.5", "--motion", "2d", "--seed", "11",
+    ];
+    let text = run_well(home.path(), &arguments);
+    assert!(text.contains("4 frames of 200×150, 6 features"), "{text}");
+    let folder = home.path().join("chart");
+    assert_eq!(names(&folder), ["frame_000.png", "frame_001.png", "frame_002.png", "frame_003.png", "truth.json"]);
+    let params = ChartParams {
+        width: 200,
+        height: 150,
+        discs: 6,
+        radius: 3.6..=9.0,
+        frames: 4,
+        snr: 1.5,
+        motion: Motion::TwoD,
+        seed: 11,
+        ..ChartParams::default()
+    };
+    let (made, known) = synth_chart(&params, &Monitor::default()).expect("a chart");
+    let opened = Burst::open(&folder).expect("it opens");
+    assert_eq!(opened.frames, made.frames);
+    let written = std::fs::read_to_string(folder.join("truth.json")).expect("a file");
+    assert_eq!(written.trim_end(), serde_json::to_string_pretty(&known).expect("valid"));
+    assert_eq!((known.kind, known.noise.and_then(|n| n.snr)), (TruthKind::Chart, Some(1.5)));
+}
+
+#[test]
+fn the_features_of_a_chart_are_its_discs() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(
+        home.path(),
+        &[
+            "synth", "chart", "--out", "chart", "--width", "320", "--height", "240", "--discs", "12", "--radius",
+            "4:10", "--snr", "2",
+        ],
+    );
+    run_well(home.path(), &["detect", "chart", "--slopes-u", "-3.5:3.5:15", "--out", "found"]);
+    let rows = super::support::features(&home.path().join("found/chart.csv"));
+    let known = truth(&home.path().join("chart"));
+    let found = known.features.iter().filter(|disc| {
+        rows.iter().any(|row| {
+            (row[0] - disc.u).hypot(row[1] - disc.v) < 1.0
+                && (row[2] / disc.sigma - 1.0).abs() < 0.25
+                && (row[4] - disc.slope_u).abs() < 0.2
+        })
+    });
+    assert!(found.count() >= 11, "{rows:?}");
+}
+
+#[test]
+fn a_scene_opens_again_and_can_be_noiseless() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(
+        home.path(),
+        &[
+            "synth", "scene", "--out", "scene", "--width", "240", "--height", "180", "--frames", "3", "--snr", "inf",
+            "--motion", "2d",
+        ],
+    );
+    let known = truth(&home.path().join("scene"));
+    assert_eq!((known.kind, known.layers.len(), known.noise), (TruthKind::Scene, 4, None));
+    let opened = Burst::open(home.path().join("scene")).expect("it opens");
+    assert_eq!((opened.len(), opened.size()), (3, (240, 180)));
+}
+
+#[test]
+fn other_peoples_files_are_left_alone() {
+    let home = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(home.path().join("mine")).expect("made");
+    std::fs::write(home.path().join("mine/thesis.txt"), "precious").expect("written");
+    let arguments =
+        ["synth", "chart", "--out", "mine", "--width", "64", "--height", "48", "--discs", "1", "--max-slope", "1"];
+    let error = run_badly(home.path(), &arguments, 1);
+    assert!(error.contains("mine"), "{error}");
+    assert_eq!(names(&home.path().join("mine")), ["thesis.txt"]);
+    let output = run(home.path(), &["synth", "chart", "--out", "x", "--discs", "4000"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("fewer or smaller discs"), "{}", stderr(&output));
+}

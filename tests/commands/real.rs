@@ -1,0 +1,64 @@
+//! `detect` on real pictures, where they are; see the folder's own notes for what is known about them.
+
+use super::support::{features, run_well, shared_data};
+
+#[test]
+fn the_graffiti_burst_moves_by_one_pixel_to_the_right() {
+    let Some(data) = shared_data() else { return };
+    let home = tempfile::tempdir().expect("a folder");
+    // In this order the motion is uniform.
+    let frames: Vec<String> =
+        [5, 1, 2, 4, 3].map(|k| data.join(format!("buff-demo-1d/{k}.png")).to_string_lossy().into_owned()).to_vec();
+    let mut arguments = vec!["detect", "--slopes-u", "-2:2:5", "--out", "found"];
+    arguments.extend(frames.iter().map(String::as_str));
+    run_well(home.path(), &arguments);
+    let rows = features(&home.path().join("found/buff-demo-1d.csv"));
+    let right = rows.iter().filter(|r| (r[4] - 1.0).abs() < 0.5 && r[5] == 0.0).count();
+    assert!(rows.len() > 500 && right * 10 > rows.len() * 9, "{right} of {} features at slope (1, 0)", rows.len());
+}
+
+#[test]
+fn the_eight_discs_have_their_true_slopes() {
+    let Some(data) = shared_data() else { return };
+    let home = tempfile::tempdir().expect("a folder");
+    let input = data.join("buff-demo-2d");
+    run_well(
+        home.path(),
+        &["detect", &input.to_string_lossy(), "--slopes-u", "-2:2:5", "--slopes-v", "-2:2:5", "--out", "found"],
+    );
+    let rows = features(&home.path().join("found/buff-demo-2d.csv"));
+    // The discs are bright, and the strongest blobs by far.
+    let discs = &rows.iter().filter(|r| r[6] < 0.0).collect::<Vec<_>>()[..8];
+    for (k, a) in discs.iter().enumerate() {
+        for b in &discs[..k] {
+            assert!((a[0] - b[0]).hypot(a[1] - b[1]) > 8.0, "two features on one disc");
+        }
+    }
+    for ((u, v), count) in [((1.0, -1.0), 3), ((-1.0, -1.0), 2), ((2.0, 2.0), 3)] {
+        let near = discs.iter().filter(|r| (r[4] - u).abs() <= 0.5 && (r[5] - v).abs() <= 0.5).count();
+        assert_eq!(near, count, "discs at slope ({u}, {v}): {discs:?}");
+    }
+}
+
+#[test]
+fn a_real_cameras_features_pile_up_at_its_motion() {
+    let Some(data) = shared_data() else { return };
+    let home = tempfile::tempdir().expect("a folder");
+    let mut frames: Vec<String> = std::fs::read_dir(data.join("slider-far"))
+        .expect("a folder")
+        .map(|e| e.expect("an entry").path().to_string_lossy().into_owned())
+        .filter(|p| p.ends_with(".png"))
+        .collect();
+    frames.sort();
+    let mut arguments = vec!["detect", "--slopes-u", "-6:6:25", "--out", "found"];
+    arguments.extend(frames[20..29].iter().map(String::as_str));
+    run_well(home.path(), &arguments);
+    let rows = features(&home.path().join("found/slider-far.csv"));
+    // The densest half pixel per frame of slopes.
+    let near = |centre: f64| rows.iter().filter(|r| (r[4] - centre).abs() < 0.25).count();
+    let (peak, count) =
+        (-60..=60).map(|k| f64::from(k) * 0.1).map(|c| (c, near(c))).max_by_key(|x| x.1).expect("some slope");
+    assert!((peak.abs() - 4.2).abs() < 0.35, "most slopes are near {peak}");
+    let mirrored = near(-peak);
+    assert!(count > 100 && count > 5 * mirrored, "{count} features near {peak}, {mirrored} near {}", -peak);
+}
