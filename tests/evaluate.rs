@@ -37,7 +37,7 @@ fn the_burst_search_finds_in_the_dark_what_one_frame_does_not_show() {
     let [frame, mean, one_d, two_d] = ChartMethod::ALL.map(|method| found(&report, method));
     println!("of 14 discs at SNR 0.6: one frame {frame}, plain mean {mean}, BuFF 1D {one_d}, BuFF 2D {two_d}");
     assert!(one_d >= 12.0 && two_d >= 10.0, "{one_d} {two_d}");
-    assert!(frame <= 6.0 && mean < one_d, "{frame} {mean}");
+    assert!(frame + 4.0 <= one_d && mean + 4.0 <= one_d, "{frame} {mean}");
     for method in &report.rows[0].methods {
         assert_eq!(method.charts.len(), 2);
         assert_eq!(method.charts.iter().map(|c| c.seed).collect::<Vec<_>>(), [11, 12]);
@@ -111,7 +111,8 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
     let levels = vec![NoiseLevel { sigma: 0.02, bits: None }, NoiseLevel { sigma: 0.002, bits: Some(8) }];
     let study = NoiseStudy { levels, width: 500, height: 400, frames: 6, megapixels: 1.0, ..NoiseStudy::default() };
     let report = study.run(&Monitor::default()).expect("a report");
-    assert_eq!((report.bursts, report.megapixels), (5, 1.0));
+    assert_eq!(report.bursts, 5);
+    assert!((report.megapixels - 1.0).abs() < 1e-9);
     for row in &report.rows {
         for search in &row.searches {
             println!("{:?} {}: {} in {} Mpx", row.level, search.label, search.false_features, report.megapixels);
