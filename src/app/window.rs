@@ -430,10 +430,9 @@ impl BurstscopeApp {
         }
         // While the hand still drags a parameter, every value on the way would start a detection for nothing.
         let dragging = ctx.input(|i| i.pointer.any_down());
-        if self.model.auto_detect && !dragging && self.wants_detection() {
-            if self.detecting_params.as_ref() != Some(&self.model.params) {
-                self.start_detection();
-            }
+        let asked = self.detecting_params.as_ref() == Some(&self.model.params);
+        if self.model.auto_detect && !dragging && !asked && self.wants_detection() {
+            self.start_detection();
         }
     }
 }
