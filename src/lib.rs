@@ -12,6 +12,7 @@
 //! ```text
 //! app, cli            the window; the commands
 //! engine              background workers: latest request wins, cancel, progress
+//! evaluate, baseline  how good the detector is, measured against known truth; what it is compared with
 //! export              one file a format
 //! detector, synth     the method; bursts with known truth
 //! burst               opening, decoding and calibrating frames
@@ -25,10 +26,12 @@
 //! `D = G(next level) − G(this level)`: a bright blob is a negative extremum. Orientations are radians from +u towards +v.
 
 pub mod app;
+pub mod baseline;
 pub mod burst;
 pub mod cli;
 pub mod detector;
 pub mod engine;
+pub mod evaluate;
 pub mod export;
 pub mod monitor;
 pub mod plane;

@@ -37,6 +37,8 @@ pub enum Stage {
     Describe,
     /// Making a synthetic burst.
     Synth,
+    /// Running detectors over many synthetic bursts and scoring what they find.
+    Evaluate,
     /// Writing files.
     Write,
 }
@@ -49,6 +51,7 @@ impl std::fmt::Display for Stage {
             Self::Search { octave } => write!(f, "Searching octave {octave}"),
             Self::Describe => f.write_str("Describing features"),
             Self::Synth => f.write_str("Making the burst"),
+            Self::Evaluate => f.write_str("Evaluating"),
             Self::Write => f.write_str("Writing files"),
         }
     }
@@ -76,6 +79,11 @@ impl Monitor {
     /// A monitor that tells `listener` of progress, from whichever thread does the work.
     pub fn with_listener(listener: impl Fn(Progress) + Send + Sync + 'static) -> Self {
         Self { cancel: Arc::default(), listener: Some(Arc::new(listener)) }
+    }
+
+    /// A monitor with the same cancel flag that reports to nobody: for a part of larger work, which reports progress of its own.
+    pub fn silent(&self) -> Self {
+        Self { cancel: self.cancel.clone(), listener: None }
     }
 
     /// Asks the work to stop. It returns [`Cancelled`] at its next check.

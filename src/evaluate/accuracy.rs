@@ -1,0 +1,244 @@
+//! In enough light: how far places, scales and motions of found discs are from the truth.
+//!
+//! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by the rule of
+//! [`super::score`]) the strongest finding is compared with the truth at mid-burst. Discs may move faster than the grid reaches. What
+//! the detector marks as lying at the limit of the grid is counted, and left out of the errors: there it says itself that the motion may be wrong.
+//!
+//! # The scale that is expected
+//! The Laplacian of a Gaussian answers a disc of radius r most strongly at σ = r/√2. A difference of Gaussians D = G(kσ) − G(σ) does so at
+//! another σ, and in VLFeat's convention the smaller of the two is reported. At the disc's centre G(σ) is 1 − exp(−r²/2σ²), so
+//! D is extremal where, with x = r²/2σ², exp(−x·(1 − 1/k²)) = 1/k²: at σ = r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that
+//! is 0.633·r, 10.5 % below r/√2. Scale errors are relative to that σ; no other correction is applied.
+
+use super::chart::ChartSummary;
+use super::jobs::run_jobs;
+use super::score::{Ranking, judge};
+use super::statistics::{Errors, quantile};
+use super::{EvaluateError, check_lists};
+use crate::detector::{DetectorParams, Feature, SlopeGrid, detect};
+use crate::monitor::Monitor;
+use crate::synth::{ChartParams, FeatureTruth, Motion, synth_chart};
+use serde::Serialize;
+
+/// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's text.
+pub fn expected_sigma(radius: f64, levels: u32) -> f64 {
+    let k2 = 2f64.powf(2.0 / f64::from(levels));
+    radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
+}
+
+/// Which charts are searched, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AccuracyStudy {
+    /// The charts; their ratio and seed are set by the study.
+    pub chart: ChartParams,
+    /// Per-pixel signal-to-noise ratios, one row each; infinite for charts without noise.
+    pub snrs: Vec<f64>,
+    /// The first seed.
+    pub first_seed: u64,
+    /// How many seeds, counting up from the first; 1 or more.
+    pub seeds: u64,
+    /// The detector's parameters, with the slopes that are searched.
+    pub detector: DetectorParams,
+}
+
+impl AccuracyStudy {
+    /// The published chart with slopes up to half a pixel beyond a grid of ±3 px/frame in steps of 0.5.
+    pub fn with_motion(motion: Motion) -> Self {
+        let slopes = match motion {
+            Motion::OneD => SlopeGrid::line(-3.0..=3.0, 13),
+            Motion::TwoD => SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13),
+        };
+        Self {
+            chart: ChartParams { motion, max_slope: 3.5, ..ChartParams::default() },
+            snrs: vec![5.0, 0.6],
+            first_seed: 1,
+            seeds: 5,
+            detector: DetectorParams { slopes, ..DetectorParams::default() },
+        }
+    }
+}
+
+/// What a study found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AccuracyReport {
+    /// The charts.
+    pub chart: ChartSummary,
+    /// The first seed.
+    pub first_seed: u64,
+    /// Number of seeds.
+    pub seeds: u64,
+    /// The detector's parameters.
+    pub detector: DetectorParams,
+    /// One row a ratio.
+    pub rows: Vec<AccuracyRow>,
+}
+
+/// The errors at one ratio, over all seeds together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AccuracyRow {
+    /// Per-pixel signal-to-noise ratio; null in JSON for charts without noise.
+    pub snr: f64,
+    /// Discs that move within the grid's range, between its outermost slopes.
+    pub within: RangeCount,
+    /// Discs that move faster than that.
+    pub beyond: RangeCount,
+    /// Columns, pixels.
+    pub u: Errors,
+    /// Rows, pixels.
+    pub v: Errors,
+    /// Distances from the true places, pixels: median and 95 %.
+    pub distance: [f64; 2],
+    /// σ over the expected one, minus 1.
+    pub scale: Errors,
+    /// Slopes to the right, pixels per frame.
+    pub slope_u: Errors,
+    /// Slopes down, pixels per frame.
+    pub slope_v: Errors,
+    /// Lengths of the slopes' errors, pixels per frame: median and 95 %.
+    pub slope_distance: [f64; 2],
+}
+
+/// How many discs there are, how many are found, and how many of those are marked as lying at the limit of the slopes searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct RangeCount {
+    /// Discs.
+    pub discs: usize,
+    /// Discs that were found.
+    pub found: usize,
+    /// Found discs whose feature is marked `at_slope_limit`.
+    pub marked: usize,
+}
+
+/// A disc and what found it.
+struct Found {
+    disc: FeatureTruth,
+    feature: Option<Feature>,
+}
+
+impl AccuracyStudy {
+    /// Makes the charts, searches them and compares what is found with the truth.
+    ///
+    /// # Errors
+    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
+    pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport, EvaluateError> {
+        check_lists(&self.snrs, self.seeds)?;
+        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
+        let jobs: Vec<(f64, u64)> =
+            self.snrs.iter().flat_map(|&snr| seeds.clone().map(move |seed| (snr, seed))).collect();
+        let found = run_jobs(&jobs, 1, monitor, |&(snr, seed), monitor, steps| {
+            let (burst, truth) = synth_chart(&ChartParams { snr, seed, ..self.chart.clone() }, monitor)?;
+            let detection = detect(&burst, &self.detector, monitor)?;
+            let mut found: Vec<Found> = truth.features.iter().map(|&disc| Found { disc, feature: None }).collect();
+            for judged in judge(&detection.features, &truth, Ranking::Strength) {
+                if let Some(disc) = judged.disc {
+                    found[disc].feature = Some(detection.features[judged.feature]);
+                }
+            }
+            steps.done();
+            Ok(found)
+        })?;
+        let rows = self.snrs.iter().zip(found.chunks(self.seeds as usize));
+        Ok(AccuracyReport {
+            chart: (&self.chart).into(),
+            first_seed: self.first_seed,
+            seeds: self.seeds,
+            detector: self.detector.clone(),
+            rows: rows.map(|(&snr, charts)| self.row(snr, charts.iter().flatten())).collect(),
+        })
+    }
+
+    fn row<'a>(&self, snr: f64, found: impl Iterator<Item = &'a Found>) -> AccuracyRow {
+        let grid = self.detector.used_slopes();
+        let (mut within, mut beyond) = (RangeCount::default(), RangeCount::default());
+        let (mut u, mut v, mut scale) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut slope_u, mut slope_v) = (Vec::new(), Vec::new());
+        for Found { disc, feature } in found {
+            let count = if reaches(&grid, disc) { &mut within } else { &mut beyond };
+            count.discs += 1;
+            let Some(feature) = feature else { continue };
+            count.found += 1;
+            if feature.at_slope_limit {
+                count.marked += 1;
+                continue;
+            }
+            u.push(f64::from(feature.u) - disc.u);
+            v.push(f64::from(feature.v) - disc.v);
+            scale.push(f64::from(feature.sigma) / expected_sigma(disc.radius, self.detector.levels) - 1.0);
+            slope_u.push(f64::from(feature.slope.u) - disc.slope_u);
+            slope_v.push(f64::from(feature.slope.v) - disc.slope_v);
+        }
+        AccuracyRow {
+            snr,
+            within,
+            beyond,
+            distance: lengths(&u, &v),
+            u: Errors::of(&u),
+            v: Errors::of(&v),
+            scale: Errors::of(&scale),
+            slope_distance: lengths(&slope_u, &slope_v),
+            slope_u: Errors::of(&slope_u),
+            slope_v: Errors::of(&slope_v),
+        }
+    }
+}
+
+/// Whether a disc's slope lies between the outermost slopes of `grid`.
+fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
+    let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
+    let along = disc.slope_u * cos + disc.slope_v * sin;
+    let across = disc.slope_v * cos - disc.slope_u * sin;
+    let inside = |x: f64, min: f32, max: f32, count: usize| {
+        // One slope has no range: a line does not limit what moves across it.
+        count < 2 || (f64::from(min)..=f64::from(max)).contains(&x)
+    };
+    inside(along, grid.u.min, grid.u.max, grid.u.count) && inside(across, grid.v.min, grid.v.max, grid.v.count)
+}
+
+/// Median and 95 % of the lengths of vectors.
+fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
+    let mut lengths: Vec<f64> = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).collect();
+    lengths.sort_by(f64::total_cmp);
+    [quantile(&lengths, 0.5), quantile(&lengths, 0.95)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_expected_scale_is_where_the_difference_of_gaussians_peaks() {
+        for levels in [1, 3, 5] {
+            let k = 2f64.powf(1.0 / f64::from(levels));
+            let response = |sigma: f64| {
+                let g = |s: f64| 1.0 - (-0.5 / (s * s)).exp(); // disc of radius 1
+                (g(k * sigma) - g(sigma)).abs()
+            };
+            let sigma = expected_sigma(1.0, levels);
+            assert!(response(sigma) > response(sigma * 1.001) && response(sigma) > response(sigma / 1.001));
+        }
+        assert!((expected_sigma(10.0, 3) - 6.327).abs() < 1e-3);
+    }
+
+    #[test]
+    fn ranges_follow_a_turned_grid() {
+        let disc = |slope_u, slope_v| FeatureTruth {
+            id: 0,
+            layer: None,
+            u: 0.0,
+            v: 0.0,
+            radius: 5.0,
+            sigma: 3.5,
+            slope_u,
+            slope_v,
+            contrast_sign: 1,
+        };
+        let line = SlopeGrid::line(-1.0..=2.0, 4);
+        assert!(reaches(&line, &disc(1.9, 0.0)) && !reaches(&line, &disc(-1.1, 0.0)));
+        let down = SlopeGrid::line_along(90.0, -1.0..=2.0, 4);
+        assert!(reaches(&down, &disc(0.0, 1.9)) && !reaches(&down, &disc(0.0, -1.1)));
+        let plane = SlopeGrid::plane(-1.0..=1.0, 3, -2.0..=2.0, 5);
+        assert!(
+            reaches(&plane, &disc(0.9, 1.9)) && !reaches(&plane, &disc(1.1, 0.0)) && !reaches(&plane, &disc(0.0, 2.1))
+        );
+    }
+}

@@ -1,0 +1,220 @@
+//! The ROC curves of a chart study as a figure: SVG, readable alone, on light and dark pages and without colour.
+//!
+//! One panel for each signal-to-noise ratio; false features to the right, discs found upwards. Methods differ in colour (M. Okabe and K. Ito's
+//! palette, which colour-blind readers can tell apart) *and* in dashes. A grey line marks where the asked-for share of the detections
+//! is false: the numbers of the table are read near it. The dot at the end of a curve is what the method finds at its default threshold.
+
+use super::chart::{ChartMethod, ChartReport, ChartRow, MethodReport};
+use std::fmt::Write;
+
+/// How a method's line looks: colour, dashes (empty for solid) and width in pixels.
+fn style(method: ChartMethod) -> (&'static str, &'static str, f64) {
+    match method {
+        ChartMethod::SiftFrame => ("#666666", "1.5 4", 2.0),
+        ChartMethod::SiftMean => ("#d55e00", "9 3 2 3", 2.0),
+        ChartMethod::Buff1d => ("#0072b2", "", 2.4),
+        ChartMethod::Buff2d => ("#007a58", "7 4", 2.4),
+    }
+}
+
+const INK: &str = "#24292f";
+const FAINT: &str = "#8c959f";
+const GRID: &str = "#e4e8ec";
+/// Width and height of a panel's plot, pixels.
+const PLOT: (f64, f64) = (270.0, 270.0);
+/// Left of a panel's plot (its labels), and right of it.
+const SIDES: (f64, f64) = (58.0, 14.0);
+/// Above the plots: caption, legend, the panels' titles. Below: axis labels.
+const ABOVE: f64 = 92.0;
+const BELOW: f64 = 52.0;
+
+/// The figure as an SVG document.
+pub fn roc_svg(report: &ChartReport) -> String {
+    let mut svg = String::new();
+    // Writing into a string cannot fail.
+    let _ = write_figure(&mut svg, report);
+    svg
+}
+
+fn write_figure(out: &mut String, report: &ChartReport) -> std::fmt::Result {
+    let panel_width = SIDES.0 + PLOT.0 + SIDES.1;
+    // A single panel is as wide as two, so that caption and legend fit.
+    let width = panel_width * (report.rows.len() as f64).max(2.0);
+    let height = ABOVE + PLOT.1 + BELOW;
+    writeln!(
+        out,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0}" height="{height:.0}" viewBox="0 0 {width:.0} {height:.0}" font-family="Helvetica, Arial, 'DejaVu Sans', sans-serif" font-size="12" fill="{INK}">"#
+    )?;
+    writeln!(out, "<title>Discs found against false features</title>")?;
+    writeln!(out, r##"<rect width="100%" height="100%" fill="#ffffff"/>"##)?;
+    write_header(out, report)?;
+    for (index, row) in report.rows.iter().enumerate() {
+        write_panel(out, report, row, panel_width * index as f64 + SIDES.0)?;
+    }
+    writeln!(out, "</svg>")
+}
+
+fn write_header(out: &mut String, report: &ChartReport) -> std::fmt::Result {
+    let chart = &report.chart;
+    let charts = if report.seeds == 1 { "one chart".to_owned() } else { format!("mean of {} charts", report.seeds) };
+    let caption = format!(
+        "{} discs in {} frames of {}×{}, moving in {}; {charts}",
+        chart.discs,
+        chart.frames,
+        chart.width,
+        chart.height,
+        if chart.motion == "2d" { "2D" } else { "1D" },
+    );
+    writeln!(out, r#"<text x="{:.0}" y="24" font-size="14" font-weight="bold">{caption}</text>"#, SIDES.0)?;
+    let mut x = SIDES.0;
+    for method in report.rows.first().map_or(&[][..], |row| &row.methods) {
+        let (colour, dashes, stroke) = style(method.method);
+        let label = method.method.label();
+        writeln!(
+            out,
+            r#"<line x1="{x:.1}" y1="44" x2="{:.1}" y2="44" stroke="{colour}" stroke-width="{stroke}" stroke-dasharray="{dashes}"/><text x="{:.1}" y="48">{label}</text>"#,
+            x + 36.0,
+            x + 42.0
+        )?;
+        // About 6.3 px a letter at this size.
+        x += 42.0 + 6.3 * label.chars().count() as f64 + 20.0;
+    }
+    Ok(())
+}
+
+/// One panel whose plot begins at `left`.
+fn write_panel(out: &mut String, report: &ChartReport, row: &ChartRow, left: f64) -> std::fmt::Result {
+    let most_true = report.chart.discs.max(1) as f64;
+    let most_false = report.chart.discs.div_ceil(2).max(1) as f64;
+    let x_of = |count: f64| left + count / most_false * PLOT.0;
+    let y_of = |count: f64| ABOVE + PLOT.1 - count / most_true * PLOT.1;
+    let (right, bottom) = (left + PLOT.0, ABOVE + PLOT.1);
+    let snr = if row.snr.is_finite() { format!("SNR {}", row.snr) } else { "no noise".to_owned() };
+    writeln!(out, r#"<text x="{left:.1}" y="{:.1}" font-size="13" font-weight="bold">{snr}</text>"#, ABOVE - 10.0)?;
+    for tick in ticks(most_false) {
+        let x = x_of(tick);
+        writeln!(
+            out,
+            r#"<line x1="{x:.1}" y1="{ABOVE:.1}" x2="{x:.1}" y2="{bottom:.1}" stroke="{GRID}"/><text x="{x:.1}" y="{:.1}" text-anchor="middle">{tick}</text>"#,
+            bottom + 17.0
+        )?;
+    }
+    for tick in ticks(most_true) {
+        let y = y_of(tick);
+        writeln!(
+            out,
+            r#"<line x1="{left:.1}" y1="{y:.1}" x2="{right:.1}" y2="{y:.1}" stroke="{GRID}"/><text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#,
+            left - 7.0,
+            y + 4.0
+        )?;
+    }
+    write_share_line(out, report, (left, right), x_of, y_of)?;
+    for method in &row.methods {
+        write_curve(out, method, most_false, x_of, y_of)?;
+    }
+    writeln!(
+        out,
+        r#"<path d="M{left:.1} {ABOVE:.1}V{bottom:.1}H{right:.1}" fill="none" stroke="{INK}"/><text x="{:.1}" y="{:.1}" text-anchor="middle">false features</text><text transform="translate({:.1} {:.1}) rotate(-90)" text-anchor="middle">discs found, of {}</text>"#,
+        left + 0.5 * PLOT.0,
+        bottom + 38.0,
+        left - 38.0,
+        ABOVE + 0.5 * PLOT.1,
+        report.chart.discs
+    )
+}
+
+/// The line on which the asked-for share of the detections is false.
+fn write_share_line(
+    out: &mut String,
+    report: &ChartReport,
+    (left, right): (f64, f64),
+    x_of: impl Fn(f64) -> f64,
+    y_of: impl Fn(f64) -> f64,
+) -> std::fmt::Result {
+    let share = report.false_fraction;
+    if !(share > 0.0 && share < 1.0) {
+        return Ok(());
+    }
+    let most_true = report.chart.discs.max(1) as f64;
+    let most_false = report.chart.discs.div_ceil(2).max(1) as f64;
+    let false_at = |true_positives: f64| true_positives * share / (1.0 - share);
+    let end = if false_at(most_true) <= most_false { most_true } else { most_false * (1.0 - share) / share };
+    let (x, y) = (x_of(false_at(end)), y_of(end));
+    writeln!(
+        out,
+        r#"<line x1="{left:.1}" y1="{:.1}" x2="{x:.1}" y2="{y:.1}" stroke="{FAINT}" stroke-width="1"/><text x="{:.1}" y="{:.1}" font-size="11" fill="{FAINT}"{}>{} % false</text>"#,
+        y_of(0.0),
+        (x - 8.0).min(right),
+        y - 4.0,
+        if x > right - 60.0 { r#" text-anchor="end""# } else { "" },
+        (share * 1000.0).round() / 10.0,
+    )
+}
+
+fn write_curve(
+    out: &mut String,
+    method: &MethodReport,
+    most_false: f64,
+    x_of: impl Fn(f64) -> f64,
+    y_of: impl Fn(f64) -> f64,
+) -> std::fmt::Result {
+    let (colour, dashes, stroke) = style(method.method);
+    // No chart has more than this many; further right nothing was measured.
+    let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
+    let mut points = String::new();
+    for (count, &mean) in method.roc.iter().enumerate().take(measured + 1) {
+        write!(points, "{:.1},{:.1} ", x_of(count as f64), y_of(mean))?;
+    }
+    writeln!(
+        out,
+        r#"<polyline points="{}" fill="none" stroke="{colour}" stroke-width="{stroke}" stroke-dasharray="{dashes}" stroke-linejoin="round"><title>{}</title></polyline>"#,
+        points.trim_end(),
+        method.method.label()
+    )?;
+    let end = (method.default_false_features.mean, method.default_true_positives.mean);
+    if end.0 <= most_false {
+        writeln!(
+            out,
+            r#"<circle cx="{:.1}" cy="{:.1}" r="3.6" fill="{colour}" stroke="white"/>"#,
+            x_of(end.0),
+            y_of(end.1)
+        )?;
+    }
+    Ok(())
+}
+
+/// Round numbers from 0 to `most`, about five of them.
+fn ticks(most: f64) -> Vec<f64> {
+    let rough = most / 5.0;
+    let magnitude = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * magnitude).into_iter().find(|s| *s >= rough).unwrap_or(rough).max(1.0);
+    (0..).map(|i| f64::from(i) * step).take_while(|tick| *tick <= most).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        assert_eq!(ticks(90.0), [0.0, 20.0, 40.0, 60.0, 80.0]);
+        assert_eq!(ticks(45.0), [0.0, 10.0, 20.0, 30.0, 40.0]);
+        assert_eq!(ticks(1.0), [0.0, 1.0]);
+        for most in 1..2000 {
+            let ticks = ticks(f64::from(most));
+            assert!((2..=6).contains(&ticks.len()), "{most}: {ticks:?}");
+        }
+    }
+
+    #[test]
+    fn no_two_methods_look_alike_even_without_colour() {
+        for a in ChartMethod::ALL {
+            for b in ChartMethod::ALL {
+                if a != b {
+                    assert_ne!(style(a).0, style(b).0);
+                    assert_ne!(style(a).1, style(b).1);
+                }
+            }
+        }
+    }
+}

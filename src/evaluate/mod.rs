@@ -1,0 +1,96 @@
+//! How good the detector is, measured on input whose truth is known exactly.
+//!
+//! Three studies, each one command (`burstscope evaluate chart|accuracy|noise`):
+//!
+//! - [`chart`]: in the dark. How many of a chart's discs does each method find before its findings are a tenth false, and how do true and false
+//!   findings trade against each other over the threshold (the ROC curve)?
+//! - [`accuracy`]: in enough light. How far are places, scales and motions from the truth?
+//! - [`pure_noise`]: on noise alone. How many features are found where there is nothing to find?
+//!
+//! A study is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel over them and answers with a report that
+//! can be written as JSON. [`score`] decides what counts as found, [`figure`] draws the curves. The same study gives the same report for any
+//! number of threads, and memory holds at most one burst a thread.
+
+pub mod accuracy;
+pub mod chart;
+pub mod figure;
+mod jobs;
+pub mod pure_noise;
+pub mod score;
+pub mod statistics;
+
+pub use accuracy::{AccuracyReport, AccuracyStudy};
+pub use chart::{ChartMethod, ChartReport, ChartStudy};
+pub use pure_noise::{NoiseReport, NoiseStudy};
+pub use score::{Curve, Ranking};
+
+use crate::detector::{DetectError, ParamError};
+use crate::monitor::Cancelled;
+use crate::synth::{Motion, SynthError};
+
+/// Why a study has no report.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum EvaluateError {
+    /// A parameter of the study makes no sense.
+    #[error("{parameter}: {problem}; {remedy}")]
+    Param {
+        /// Name of the parameter to change, as on the command line without the dashes.
+        parameter: &'static str,
+        /// What is wrong.
+        problem: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
+    /// The charts cannot be made.
+    #[error(transparent)]
+    Synth(SynthError),
+    /// The detector's parameters make no sense.
+    #[error(transparent)]
+    Detector(#[from] ParamError),
+    /// It was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<SynthError> for EvaluateError {
+    fn from(error: SynthError) -> Self {
+        match error {
+            SynthError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Synth(other),
+        }
+    }
+}
+
+impl From<DetectError> for EvaluateError {
+    fn from(error: DetectError) -> Self {
+        match error {
+            DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            DetectError::Param(param) => Self::Detector(param),
+        }
+    }
+}
+
+impl EvaluateError {
+    fn param(parameter: &'static str, problem: impl Into<String>, remedy: &'static str) -> Self {
+        Self::Param { parameter, problem: problem.into(), remedy }
+    }
+}
+
+/// The word for a motion, as on the command line.
+pub fn motion_name(motion: Motion) -> &'static str {
+    match motion {
+        Motion::OneD => "1d",
+        Motion::TwoD => "2d",
+    }
+}
+
+/// Checks the lists that several studies share.
+fn check_lists(snrs: &[f64], seeds: u64) -> Result<(), EvaluateError> {
+    if snrs.is_empty() {
+        return Err(EvaluateError::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
+    }
+    if seeds == 0 {
+        return Err(EvaluateError::param("seeds", "0 charts", "give 1 or more"));
+    }
+    Ok(())
+}

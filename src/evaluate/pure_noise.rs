@@ -1,0 +1,288 @@
+//! On noise alone: how many features are found where there is nothing to find.
+//!
+//! Bursts of white Gaussian noise around half of full scale, as it is and rounded to the levels of a converter, are searched with the parameters
+//! given. Every feature is false. The noise gate promises at most one of them in a million pixels of the image, whatever the noise and however many
+//! slopes are searched.
+
+use super::EvaluateError;
+use super::jobs::run_jobs;
+use crate::burst::Burst;
+use crate::detector::noise::gate_factor;
+use crate::detector::{DetectorParams, SlopeGrid, detect};
+use crate::monitor::Monitor;
+use crate::plane::Plane;
+use crate::synth::noise::{quantisation_step, quantised_word};
+use crate::synth::random::Stream;
+use serde::Serialize;
+
+/// One kind of noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NoiseLevel {
+    /// Standard deviation in one frame, fraction of full scale.
+    pub sigma: f64,
+    /// Bits of the converter that rounds it, 4 … 16; `None` for numbers that are not rounded.
+    pub bits: Option<u32>,
+}
+
+/// A search and its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseSearch {
+    /// What a table calls it, such as "BuFF 1D".
+    pub label: String,
+    /// The detector's parameters.
+    pub detector: DetectorParams,
+}
+
+/// Which noise is searched, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseStudy {
+    /// The kinds of noise, one row each.
+    pub levels: Vec<NoiseLevel>,
+    /// The searches, one column each.
+    pub searches: Vec<NoiseSearch>,
+    /// Columns of a frame.
+    pub width: usize,
+    /// Rows of a frame.
+    pub height: usize,
+    /// Frames of a burst.
+    pub frames: usize,
+    /// Millions of pixels of the image to be searched for each row and column, at least; whole bursts are searched.
+    pub megapixels: f64,
+    /// The seed of the first burst; others count up from it.
+    pub first_seed: u64,
+}
+
+impl NoiseStudy {
+    /// The searches of BuFF 1D and 2D as charts have them: 13 slopes, and 7×7, over ±3 px/frame.
+    pub fn searches(detector: &DetectorParams) -> Vec<NoiseSearch> {
+        let search = |label: &str, slopes: SlopeGrid| NoiseSearch {
+            label: label.to_owned(),
+            detector: DetectorParams { slopes, ..detector.clone() },
+        };
+        vec![
+            search("BuFF 1D", SlopeGrid::line(-3.0..=3.0, 13)),
+            search("BuFF 2D", SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7)),
+        ]
+    }
+}
+
+impl Default for NoiseStudy {
+    /// Faint, middling and strong noise, exact and rounded to 8 bits; 50 million pixels each.
+    fn default() -> Self {
+        let levels =
+            [None, Some(8)].into_iter().flat_map(|bits| [0.002, 0.02, 0.1].map(|sigma| NoiseLevel { sigma, bits }));
+        Self {
+            levels: levels.collect(),
+            searches: Self::searches(&DetectorParams::default()),
+            width: 800,
+            height: 600,
+            frames: 10,
+            megapixels: 50.0,
+            first_seed: 1,
+        }
+    }
+}
+
+/// What a study found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseReport {
+    /// Columns of a frame.
+    pub width: usize,
+    /// Rows of a frame.
+    pub height: usize,
+    /// Frames of a burst.
+    pub frames: usize,
+    /// The seed of the first burst.
+    pub first_seed: u64,
+    /// Bursts that were searched for each row.
+    pub bursts: usize,
+    /// Millions of pixels of the image that were searched for each row.
+    pub megapixels: f64,
+    /// One row for each kind of noise.
+    pub rows: Vec<NoiseRow>,
+}
+
+/// One kind of noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseRow {
+    /// The noise.
+    pub level: NoiseLevel,
+    /// The searches, in the study's order.
+    pub searches: Vec<NoiseCount>,
+}
+
+/// What one search found in one kind of noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseCount {
+    /// The search's name.
+    pub label: String,
+    /// How many slopes it tries.
+    pub slopes: usize,
+    /// The noise gate's factor.
+    pub noise_gate_factor: f32,
+    /// Features, all of them false.
+    pub false_features: usize,
+    /// Per million pixels of the image.
+    pub per_megapixel: f64,
+    /// Standard error of that, for independent features: √count over the millions of pixels.
+    pub standard_error: f64,
+    /// Mean of the estimated noise of a frame over the true one (with its rounding).
+    pub noise_estimate_ratio: f64,
+}
+
+impl NoiseStudy {
+    fn check(&self) -> Result<(), EvaluateError> {
+        for level in &self.levels {
+            if !(level.sigma.is_finite() && level.sigma > 0.0 && level.sigma <= 0.1) {
+                let remedy =
+                    "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
+                return Err(EvaluateError::param("sigma", level.sigma.to_string(), remedy));
+            }
+            if level.bits.is_some_and(|bits| !(4..=16).contains(&bits)) {
+                return Err(EvaluateError::param("bits", format!("{:?}", level.bits), "give 4 to 16"));
+            }
+        }
+        if self.levels.is_empty() || self.searches.is_empty() {
+            return Err(EvaluateError::param("sigma", "no noise or no search is given", "give one or more"));
+        }
+        let pixels = self.width as f64 * self.height as f64;
+        if !(16..=32768).contains(&self.width) || !(16..=32768).contains(&self.height) || pixels > 1e8 {
+            let problem = format!("{}×{} pixels", self.width, self.height);
+            return Err(EvaluateError::param("width", problem, "give 16 to 32768 a side, 100 million at most"));
+        }
+        if !(1..=4096).contains(&self.frames) || pixels * self.frames as f64 > 2e9 {
+            let problem = format!("{} frames of {}×{}", self.frames, self.width, self.height);
+            return Err(EvaluateError::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
+        }
+        if !(self.megapixels > 0.0 && self.megapixels <= 1e6) {
+            let remedy = "give millions of pixels, above 0 and up to a million";
+            return Err(EvaluateError::param("megapixels", self.megapixels.to_string(), remedy));
+        }
+        for search in &self.searches {
+            search.detector.validate_for(self.frames, (self.width, self.height))?;
+        }
+        Ok(())
+    }
+
+    /// Makes the bursts, searches them and counts what is found.
+    ///
+    /// # Errors
+    /// A parameter of study or detector that makes no sense, or [`EvaluateError::Cancelled`].
+    pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport, EvaluateError> {
+        self.check()?;
+        let burst_megapixels = (self.width * self.height) as f64 * 1e-6;
+        let bursts = (self.megapixels / burst_megapixels).ceil().max(1.0) as usize;
+        let jobs: Vec<(NoiseLevel, u64)> = self
+            .levels
+            .iter()
+            .flat_map(|&level| (0..bursts as u64).map(move |i| (level, self.first_seed.wrapping_add(i))))
+            .collect();
+        let found = run_jobs(&jobs, self.searches.len(), monitor, |&(level, seed), monitor, steps| {
+            let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
+            let search = |search: &NoiseSearch| {
+                let detection = detect(&burst, &search.detector, monitor)?;
+                steps.done();
+                Ok((detection.features.len(), f64::from(detection.frame_noise)))
+            };
+            self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>, EvaluateError>>()
+        })?;
+        let megapixels = bursts as f64 * burst_megapixels;
+        let row = |(&level, found): (&NoiseLevel, &[Vec<(usize, f64)>])| NoiseRow {
+            level,
+            searches: (self.searches.iter().enumerate())
+                .map(|(i, search)| {
+                    let false_features = found.iter().map(|burst| burst[i].0).sum::<usize>();
+                    let noise = found.iter().map(|burst| burst[i].1).sum::<f64>() / bursts as f64;
+                    NoiseCount {
+                        label: search.label.clone(),
+                        slopes: search.detector.used_slopes().len(),
+                        noise_gate_factor: gate_factor(&search.detector),
+                        false_features,
+                        per_megapixel: false_features as f64 / megapixels,
+                        standard_error: (false_features as f64).sqrt() / megapixels,
+                        noise_estimate_ratio: noise / level.total_sigma(),
+                    }
+                })
+                .collect(),
+        };
+        Ok(NoiseReport {
+            width: self.width,
+            height: self.height,
+            frames: self.frames,
+            first_seed: self.first_seed,
+            bursts,
+            megapixels,
+            rows: self.levels.iter().zip(found.chunks(bursts)).map(row).collect(),
+        })
+    }
+}
+
+impl NoiseLevel {
+    /// The standard deviation with that of rounding, a twelfth of a step².
+    fn total_sigma(self) -> f64 {
+        self.sigma.hypot(self.bits.map_or(0.0, quantisation_step) / 12f64.sqrt())
+    }
+}
+
+/// Frames of noise around half of full scale.
+fn noise_burst(
+    level: NoiseLevel,
+    size: (usize, usize),
+    frames: usize,
+    seed: u64,
+    monitor: &Monitor,
+) -> Result<Burst, EvaluateError> {
+    let mut planes = Vec::with_capacity(frames);
+    for t in 0..frames {
+        monitor.check()?;
+        let mut stream = Stream::new(seed, t as u64);
+        let value = |_, _| {
+            let value = 0.5 + level.sigma * stream.normal();
+            match level.bits {
+                Some(bits) => f32::from(quantised_word(value, bits)) / 65535.0,
+                None => value as f32,
+            }
+        };
+        planes.push(Plane::from_fn(size.0, size.1, value));
+    }
+    let mut burst = Burst::from_planes("noise", planes);
+    burst.quantisation_step = level.bits.map_or(0.0, quantisation_step) as f32;
+    Ok(burst)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bursts_have_the_noise_asked_for() {
+        for (sigma, bits) in [(0.02, None), (0.002, Some(8)), (0.02, Some(6))] {
+            let level = NoiseLevel { sigma, bits };
+            let burst = noise_burst(level, (200, 150), 2, 3, &Monitor::default()).expect("not cancelled");
+            let values: Vec<f64> = burst.frames.iter().flat_map(|f| f.data()).map(|&x| f64::from(x)).collect();
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let measured = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
+            assert!((measured / level.total_sigma() - 1.0).abs() < 0.03, "{level:?}: {measured}");
+            assert_ne!(burst.frames[0], burst.frames[1]);
+        }
+    }
+
+    #[test]
+    fn nonsense_is_named_with_its_remedy() {
+        let good = NoiseStudy::default;
+        let with = |sigma, bits| vec![NoiseLevel { sigma, bits }];
+        let cases = [
+            (NoiseStudy { levels: with(0.2, None), ..good() }, "sigma: "),
+            (NoiseStudy { levels: with(f64::NAN, None), ..good() }, "sigma: "),
+            (NoiseStudy { levels: with(0.1, Some(2)), ..good() }, "bits: "),
+            (NoiseStudy { levels: Vec::new(), ..good() }, "sigma: "),
+            (NoiseStudy { width: 3, ..good() }, "width: "),
+            (NoiseStudy { frames: 0, ..good() }, "frames: "),
+            (NoiseStudy { megapixels: f64::NAN, ..good() }, "megapixels: "),
+        ];
+        for (study, start) in cases {
+            let error = study.run(&Monitor::default()).expect_err(start).to_string();
+            assert!(error.starts_with(start), "{error}");
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! What counts as found: features of a chart against its truth, and the curve over the threshold.
+//!
+//! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre and its scale σ is within a
+//! factor of 2 of r/√2. A disc is found once; what finds it again is false, and so is everything that finds no disc. Features are
+//! taken in order of a [`Ranking`]; a threshold on it keeps the strongest, and each threshold gives one point (false, true) of the curve.
+
+use crate::detector::Feature;
+use crate::synth::{FeatureTruth, Truth};
+use serde::Serialize;
+
+/// Share of a disc's radius within which a feature must lie.
+pub const REACH_IN_RADII: f64 = 0.5;
+/// Added to that, pixels.
+pub const REACH_PIXELS: f64 = 1.5;
+/// The largest ratio, either way, of a feature's scale to the disc's.
+pub const SCALE_FACTOR: f64 = 2.0;
+
+/// By what features are ranked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Ranking {
+    /// [`Feature::strength`], the detector's own order.
+    #[default]
+    Strength,
+    /// |response|.
+    Response,
+    /// Signal-to-noise ratio. In a burst without noise it is infinite for all, and no threshold tells them apart.
+    Snr,
+}
+
+impl Ranking {
+    /// All rankings.
+    pub const ALL: [Self; 3] = [Self::Strength, Self::Response, Self::Snr];
+
+    /// The word for it on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Strength => "strength",
+            Self::Response => "response",
+            Self::Snr => "snr",
+        }
+    }
+
+    /// What a threshold is compared with.
+    pub fn worth(self, feature: &Feature) -> f32 {
+        match self {
+            Self::Strength => feature.strength(),
+            Self::Response => feature.response.abs(),
+            Self::Snr => feature.snr,
+        }
+    }
+}
+
+impl std::str::FromStr for Ranking {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|ranking| ranking.name() == text)
+            .ok_or_else(|| format!("'{text}' is not a ranking; give strength, response or snr"))
+    }
+}
+
+/// Whether `feature` lies where `disc` is and has its scale, by the rule of this module.
+pub fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
+    let distance = (f64::from(feature.u) - disc.u).hypot(f64::from(feature.v) - disc.v);
+    let ratio = f64::from(feature.sigma) / disc.sigma;
+    distance <= REACH_IN_RADII * disc.radius + REACH_PIXELS && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
+}
+
+/// A feature that was judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Judged {
+    /// Its index among the features given.
+    pub feature: usize,
+    /// What a threshold is compared with.
+    pub worth: f32,
+    /// Index of the disc in the truth that it is the first to find; `None` for a false one.
+    pub disc: Option<usize>,
+}
+
+/// Judges `features` against `truth`, strongest first by `ranking` (equal ones in their given order).
+pub fn judge(features: &[Feature], truth: &Truth, ranking: Ranking) -> Vec<Judged> {
+    let mut order: Vec<(usize, f32)> = features.iter().map(|f| ranking.worth(f)).enumerate().collect();
+    order.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut free = vec![true; truth.features.len()];
+    let distance = |f: &Feature, d: &FeatureTruth| (f64::from(f.u) - d.u).hypot(f64::from(f.v) - d.v);
+    order
+        .into_iter()
+        .map(|(index, worth)| {
+            let feature = &features[index];
+            let disc = (0..free.len()).filter(|&i| free[i] && finds(feature, &truth.features[i])).min_by(|&a, &b| {
+                distance(feature, &truth.features[a]).total_cmp(&distance(feature, &truth.features[b]))
+            });
+            if let Some(disc) = disc {
+                free[disc] = false;
+            }
+            Judged { feature: index, worth, disc }
+        })
+        .collect()
+}
+
+/// What is kept at one threshold.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// The threshold: features of at least this worth are kept. Infinite (null in JSON) for the first point, which keeps none.
+    pub threshold: f32,
+    /// False features.
+    pub false_features: usize,
+    /// Discs found.
+    pub true_positives: usize,
+}
+
+/// True against false features over all thresholds: the ROC curve of a chart, with counts on both axes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Curve {
+    /// From the highest threshold to the lowest; both counts never fall. The first point is (0, 0).
+    pub points: Vec<CurvePoint>,
+}
+
+impl Curve {
+    /// Of judged features, strongest first. Features of equal worth come and go together.
+    pub fn of(judged: &[Judged]) -> Self {
+        let mut point = CurvePoint { threshold: f32::INFINITY, false_features: 0, true_positives: 0 };
+        let mut points = vec![point];
+        for (i, one) in judged.iter().enumerate() {
+            if one.disc.is_some() {
+                point.true_positives += 1;
+            } else {
+                point.false_features += 1;
+            }
+            if judged.get(i + 1).is_none_or(|next| next.worth != one.worth) {
+                point.threshold = one.worth;
+                points.push(point);
+            }
+        }
+        Self { points }
+    }
+
+    /// The point with the most discs found among those where at most `fraction` (0 … 1) of the detections are false; of several,
+    /// the one with the fewest false. The first point, with no detection, always qualifies.
+    pub fn at_false_fraction(&self, fraction: f64) -> CurvePoint {
+        let within = |p: &&CurvePoint| {
+            // A margin for rounding: 10 of 100 are a tenth.
+            p.false_features as f64 <= fraction * (p.false_features + p.true_positives) as f64 + 1e-9
+        };
+        let best = self
+            .points
+            .iter()
+            .filter(within)
+            .max_by(|a, b| a.true_positives.cmp(&b.true_positives).then(b.false_features.cmp(&a.false_features)));
+        *best.unwrap_or(&self.points[0])
+    }
+
+    /// The most discs found with at most `count` false features.
+    pub fn true_positives_at(&self, count: usize) -> usize {
+        let beyond = self.points.partition_point(|p| p.false_features <= count);
+        self.points[beyond - 1].true_positives
+    }
+
+    /// Everything that was detected.
+    pub fn end(&self) -> CurvePoint {
+        self.points[self.points.len() - 1]
+    }
+}
+
+/// The mean over `curves` of the discs found with at most 0, 1, … `most_false` false features. A curve that ends earlier (its detector finds no
+/// more) stays at its end. NaN where there is no curve.
+pub fn mean_curve(curves: &[&Curve], most_false: usize) -> Vec<f64> {
+    (0..=most_false)
+        .map(|count| curves.iter().map(|c| c.true_positives_at(count) as f64).sum::<f64>() / curves.len() as f64)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::Slope;
+    use crate::synth::TruthKind;
+    use crate::synth::truth::disc_sigma;
+    use proptest::prelude::*;
+
+    fn feature(u: f64, v: f64, sigma: f64, response: f32) -> Feature {
+        Feature {
+            u: u as f32,
+            v: v as f32,
+            sigma: sigma as f32,
+            orientation: 0.0,
+            slope: Slope::default(),
+            response,
+            snr: 4.0,
+            octave: 0,
+            level: 0,
+            slope_index: 0,
+            at_slope_limit: false,
+        }
+    }
+
+    fn truth(discs: &[(f64, f64, f64)]) -> Truth {
+        let disc = |(id, &(u, v, radius)): (usize, &(f64, f64, f64))| FeatureTruth {
+            id,
+            layer: None,
+            u,
+            v,
+            radius,
+            sigma: disc_sigma(radius),
+            slope_u: 0.0,
+            slope_v: 0.0,
+            contrast_sign: 1,
+        };
+        Truth {
+            kind: TruthKind::Chart,
+            width: 100,
+            height: 100,
+            frames: 1,
+            t0: 0.0,
+            seed: 0,
+            noise: None,
+            black_level: 0.0,
+            layers: Vec::new(),
+            features: discs.iter().enumerate().map(disc).collect(),
+        }
+    }
+
+    fn discs_of(judged: &[Judged]) -> Vec<(usize, Option<usize>)> {
+        judged.iter().map(|j| (j.feature, j.disc)).collect()
+    }
+
+    #[test]
+    fn the_reach_is_half_the_radius_and_one_and_a_half_pixels() {
+        let truth = truth(&[(50.0, 40.0, 8.0)]);
+        let sigma = disc_sigma(8.0);
+        // 0.5·8 + 1.5 = 5.5 px, in any direction.
+        assert!(finds(&feature(55.5, 40.0, sigma, 1.0), &truth.features[0]));
+        assert!(finds(&feature(50.0, 34.5, sigma, 1.0), &truth.features[0]));
+        assert!(!finds(&feature(55.51, 40.0, sigma, 1.0), &truth.features[0]));
+        assert!(!finds(&feature(54.0, 44.0, sigma, 1.0), &truth.features[0]));
+    }
+
+    #[test]
+    fn the_scale_may_be_wrong_by_a_factor_of_two() {
+        let truth = truth(&[(50.0, 40.0, 8.0)]);
+        for (factor, found) in [(0.499, false), (0.501, true), (1.0, true), (1.999, true), (2.001, false)] {
+            assert_eq!(finds(&feature(50.0, 40.0, factor * disc_sigma(8.0), 1.0), &truth.features[0]), found);
+        }
+    }
+
+    #[test]
+    fn repeats_and_strays_are_false_and_the_strongest_counts() {
+        let truth = truth(&[(20.0, 20.0, 5.0), (60.0, 60.0, 10.0)]);
+        let features = [
+            feature(60.5, 60.0, disc_sigma(10.0), -0.2),
+            feature(20.0, 21.0, disc_sigma(5.0), 0.9),
+            feature(20.0, 20.0, disc_sigma(5.0), -0.5), // again
+            feature(90.0, 5.0, 3.0, 0.7),               // nothing there
+        ];
+        let judged = judge(&features, &truth, Ranking::Response);
+        assert_eq!(discs_of(&judged), [(1, Some(0)), (3, None), (2, None), (0, Some(1))]);
+        let curve = Curve::of(&judged);
+        let counts: Vec<_> = curve.points.iter().map(|p| (p.false_features, p.true_positives)).collect();
+        assert_eq!(counts, [(0, 0), (0, 1), (1, 1), (2, 1), (2, 2)]);
+        assert_eq!(curve.points[3].threshold, 0.5);
+        assert_eq!((curve.at_false_fraction(0.1).true_positives, curve.at_false_fraction(0.5).true_positives), (1, 2));
+    }
+
+    #[test]
+    fn a_feature_between_two_discs_takes_the_nearer_free_one() {
+        let truth = truth(&[(20.0, 20.0, 8.0), (26.0, 20.0, 8.0)]);
+        let sigma = disc_sigma(8.0);
+        let features =
+            [feature(24.0, 20.0, sigma, 0.9), feature(24.0, 20.0, sigma, 0.8), feature(24.0, 20.0, sigma, 0.7)];
+        assert_eq!(discs_of(&judge(&features, &truth, Ranking::Strength)), [(0, Some(1)), (1, Some(0)), (2, None)]);
+    }
+
+    #[test]
+    fn each_ranking_has_its_own_order() {
+        let truth = truth(&[]);
+        let mut features = [feature(0.0, 0.0, 2.0, 0.3), feature(0.0, 0.0, 2.0, -0.4), feature(0.0, 0.0, 2.0, 0.1)];
+        (features[0].snr, features[1].snr, features[2].snr) = (9.0, 4.0, 25.0);
+        let order = |ranking| judge(&features, &truth, ranking).iter().map(|j| j.feature).collect::<Vec<_>>();
+        assert_eq!(order(Ranking::Response), [1, 0, 2]);
+        assert_eq!(order(Ranking::Snr), [2, 0, 1]);
+        assert_eq!(order(Ranking::Strength), [0, 1, 2]); // 0.9, 0.8, 0.5
+        assert_eq!("snr".parse(), Ok(Ranking::Snr));
+        assert!("size".parse::<Ranking>().is_err());
+    }
+
+    #[test]
+    fn features_of_equal_worth_come_together() {
+        let judged = [(1.0, Some(0)), (0.5, None), (0.5, Some(1)), (0.5, None)].map(|(worth, disc)| Judged {
+            feature: 0,
+            worth,
+            disc,
+        });
+        let counts: Vec<_> = Curve::of(&judged).points.iter().map(|p| (p.false_features, p.true_positives)).collect();
+        assert_eq!(counts, [(0, 0), (0, 1), (2, 2)]);
+    }
+
+    #[test]
+    fn a_tenth_false_includes_exactly_a_tenth() {
+        let ranked = |pattern: &str| -> Curve {
+            let judged: Vec<Judged> = pattern
+                .chars()
+                .enumerate()
+                .map(|(i, c)| Judged { feature: i, worth: -(i as f32), disc: (c == 't').then_some(i) })
+                .collect();
+            Curve::of(&judged)
+        };
+        // 9 true of 10: exactly a tenth false; the next false one is too many, even though a true one follows.
+        let curve = ranked("tttttftttfttft");
+        assert_eq!(curve.at_false_fraction(0.10).true_positives, 5);
+        let curve = ranked("tttttfttttftt");
+        let point = curve.at_false_fraction(0.10);
+        assert_eq!((point.true_positives, point.false_features), (9, 1));
+        assert_eq!(curve.true_positives_at(0), 5);
+        assert_eq!(curve.true_positives_at(1), 9);
+        assert_eq!(curve.true_positives_at(99), 11);
+        // A bad start is made good later.
+        let late = ranked("ftttttttttttttttttttt");
+        assert_eq!(late.at_false_fraction(0.10).true_positives, 20);
+        assert_eq!(Curve::of(&[]).at_false_fraction(0.1).true_positives, 0);
+        assert_eq!(mean_curve(&[&curve, &late], 1), [2.5, 14.5]);
+    }
+
+    proptest! {
+        #[test]
+        fn curves_rise_and_end_at_everything(found in proptest::collection::vec((0u8..20, any::<bool>()), 0..60)) {
+            let mut judged: Vec<Judged> = found
+                .iter()
+                .enumerate()
+                .map(|(i, &(worth, hit))| Judged { feature: i, worth: f32::from(worth), disc: hit.then_some(i) })
+                .collect();
+            judged.sort_by(|a, b| b.worth.total_cmp(&a.worth));
+            let curve = Curve::of(&judged);
+            for pair in curve.points.windows(2) {
+                prop_assert!(pair[0].threshold > pair[1].threshold);
+                prop_assert!(pair[0].false_features <= pair[1].false_features);
+                prop_assert!(pair[0].true_positives <= pair[1].true_positives);
+            }
+            let hits = found.iter().filter(|(_, hit)| *hit).count();
+            prop_assert_eq!(curve.end().true_positives, hits);
+            prop_assert_eq!(curve.end().false_features, found.len() - hits);
+            let mean = mean_curve(&[&curve], 70);
+            prop_assert!(mean.windows(2).all(|w| w[0] <= w[1]));
+            prop_assert_eq!(mean[70], hits as f64);
+            for fraction in [0.0, 0.1, 0.5, 1.0] {
+                let point = curve.at_false_fraction(fraction);
+                let all = point.false_features + point.true_positives;
+                prop_assert!(point.false_features as f64 <= fraction * all as f64 + 1e-9);
+                // No threshold that qualifies finds more.
+                for other in &curve.points {
+                    let all = other.false_features + other.true_positives;
+                    if other.false_features as f64 <= fraction * all as f64 {
+                        prop_assert!(other.true_positives <= point.true_positives);
+                    }
+                }
+            }
+        }
+    }
+}
