@@ -227,9 +227,9 @@ impl GradientPatch {
                 let turned = angle - orientation;
                 let turned = (if turned < 0.0 { turned + TAU } else { turned }) * (DIRECTIONS as f32 / TAU);
                 let weight = magnitude * weight_u * weight_v;
-                // In cells from the first padded one; positive, so the whole part is the floor.
+                // In cells from the first padded one; positive, so the whole part is the floor. The sum may round up to 5.
                 let (cx, cy) = (nx + 2.5, ny + 2.5);
-                let (bx, by, bt) = (cx as usize, cy as usize, turned as usize);
+                let (bx, by, bt) = ((cx as usize).min(CELLS), (cy as usize).min(CELLS), turned as usize);
                 let (rx, ry, rt) = (cx - bx as f32, cy - by as f32, turned - bt as f32);
                 let (t0, t1) = (bt % DIRECTIONS, (bt + 1) % DIRECTIONS);
                 let at = (by * PADDED + bx) * DIRECTIONS;
