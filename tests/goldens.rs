@@ -9,7 +9,7 @@ mod shared;
 use burstscope::detector::describe::to_vlfeat_order;
 use burstscope::detector::motion::motion_stack;
 use burstscope::detector::scale_space::SIGMA_BASE;
-use burstscope::detector::{Descriptor, Detection, Interpolation, Method, NoiseGate, Slope};
+use burstscope::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate, Slope};
 use burstscope::plane::blur::{GaussianKernel, gaussian_blur};
 use burstscope::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array2, Array3, Array4, s};
@@ -136,6 +136,7 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
         first_octave,
         peak_threshold: peak_of_255 / 255.0,
         noise_gate: NoiseGate::Factor(0.0),
+        localisation: Localisation::Quadratic,
         max_orientations: 4,
         octaves: 16,
         ..DetectorParams::default()
@@ -185,6 +186,7 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: Option<
         peak_threshold: 0.02,
         noise_gate: NoiseGate::Factor(0.0),
         interpolation: Interpolation::Nearest,
+        localisation: Localisation::Quadratic,
         max_orientations: 4,
         octaves: 16,
         ..DetectorParams::default()

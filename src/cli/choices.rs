@@ -23,6 +23,8 @@ pub(super) const METHODS: &[&str] = &["buff", "sift"];
 pub(super) const SLOPE_NEIGHBOURS: &[&str] = &["adjacent", "all"];
 /// The words of [`crate::detector::Interpolation`].
 pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest"];
+/// The words of [`crate::detector::Localisation`].
+pub(super) const LOCALISATIONS: &[&str] = &["continuous", "quadratic"];
 /// The words of [`crate::app::state::scrub::ViewKind`].
 pub(super) const VIEW_KINDS: &[&str] = &["frame", "stack", "dog"];
 
@@ -30,7 +32,7 @@ pub(super) const VIEW_KINDS: &[&str] = &["frame", "stack", "dog"];
 mod tests {
     use super::*;
     use crate::app::state::scrub::ViewKind;
-    use crate::detector::{Interpolation, Method, SlopeNeighbours};
+    use crate::detector::{Interpolation, Localisation, Method, SlopeNeighbours};
 
     #[test]
     fn every_word_is_known_to_its_type() {
@@ -39,6 +41,7 @@ mod tests {
         assert_eq!(Method::ALL.map(Method::name).as_slice(), METHODS);
         assert!(SLOPE_NEIGHBOURS.iter().all(|w| read_word::<SlopeNeighbours>(w).is_ok()));
         assert!(INTERPOLATIONS.iter().all(|w| read_word::<Interpolation>(w).is_ok()));
+        assert!(LOCALISATIONS.iter().all(|w| read_word::<Localisation>(w).is_ok()));
         let kinds: Vec<ViewKind> = VIEW_KINDS.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(kinds, ViewKind::ALL);
     }

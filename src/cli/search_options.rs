@@ -3,11 +3,11 @@
 //! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file comes first, then the options that were given
 //! override it, one by one; the result is checked once.
 
-use super::choices::{INTERPOLATIONS, METHODS, SLOPE_NEIGHBOURS, words};
+use super::choices::{INTERPOLATIONS, LOCALISATIONS, METHODS, SLOPE_NEIGHBOURS, words};
 use super::failure::Failure;
 use crate::detector::params::doc;
 use crate::detector::{
-    DetectorParams, FrameRange, Interpolation, Method, NoiseGate, ParamDoc, SlopeAxis, SlopeNeighbours,
+    DetectorParams, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc, SlopeAxis, SlopeNeighbours,
 };
 use anyhow::Context;
 use clap::Args;
@@ -66,6 +66,8 @@ pub struct SearchArgs {
     pub interpolation: Option<Interpolation>,
     #[arg(long = doc::KERNEL_CUT.name, value_name = "N", help = short_help(doc::KERNEL_CUT), long_help = long_help(doc::KERNEL_CUT))]
     pub kernel_cut: Option<f32>,
+    #[arg(long = doc::LOCALISATION.name, value_name = "WORD", value_parser = words::<Localisation>(LOCALISATIONS), help = short_help(doc::LOCALISATION), long_help = long_help(doc::LOCALISATION))]
+    pub localisation: Option<Localisation>,
     #[arg(long = doc::MAX_FEATURES.name, value_name = "N", help = short_help(doc::MAX_FEATURES), long_help = long_help(doc::MAX_FEATURES))]
     pub max_features: Option<usize>,
     #[arg(long = doc::MAX_ORIENTATIONS.name, value_name = "N", help = short_help(doc::MAX_ORIENTATIONS),
@@ -150,6 +152,7 @@ impl SearchArgs {
         set(&mut params.slope_neighbours, self.slope_neighbours);
         set(&mut params.interpolation, self.interpolation);
         set(&mut params.kernel_cut, self.kernel_cut);
+        set(&mut params.localisation, self.localisation);
         set(&mut params.max_features, self.max_features);
         set(&mut params.max_orientations, self.max_orientations);
         params.validate()?;
@@ -232,6 +235,8 @@ mod tests {
             "nearest",
             "--kernel-cut",
             "3",
+            "--localisation",
+            "quadratic",
             "--max-features",
             "100",
             "--max-orientations",
@@ -252,6 +257,7 @@ mod tests {
             slope_neighbours: SlopeNeighbours::All,
             interpolation: Interpolation::Nearest,
             kernel_cut: 3.0,
+            localisation: Localisation::Quadratic,
             max_features: 100,
             max_orientations: 2,
             slopes,

@@ -2,11 +2,12 @@
 //!
 //! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
 //! (Gaussian levels and their differences D, strip by strip) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
-//! samples) → [`describe`] (orientation, descriptor). [`noise`] says how large D must be to be more than noise. [`pipeline`] puts them together, and
+//! samples) → [`locate`] (on the continuous D) → [`describe`] (orientation, descriptor). [`noise`] says how large D must be to be more than noise. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
 pub mod describe;
 pub mod feature;
+pub mod locate;
 pub mod motion;
 pub mod noise;
 pub mod octave;
@@ -20,6 +21,8 @@ mod slope_window;
 pub mod view;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
-pub use params::{DetectorParams, FrameRange, Interpolation, Method, NoiseGate, ParamDoc, ParamError, SlopeNeighbours};
+pub use params::{
+    DetectorParams, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc, ParamError, SlopeNeighbours,
+};
 pub use pipeline::{DetectError, detect};
 pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};

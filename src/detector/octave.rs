@@ -86,8 +86,35 @@ impl Base<'_> {
         }
     }
 
+    /// σ of what [`Self::patch`] gives, in octave pixels.
+    pub fn sigma_octave(&self) -> f64 {
+        match self {
+            Self::Frames { octave, .. } => super::scale_space::SIGMA_INPUT * 2f64.powi(-octave),
+            Self::Level(_) => super::scale_space::SIGMA_BASE,
+        }
+    }
+
+    /// Columns `columns` and rows `rows` of the octave, inside it, as they are before any blur of this octave.
+    pub fn patch(&self, columns: Range<usize>, rows: Range<usize>) -> Plane {
+        let mut patch = Plane::zeros(columns.len(), rows.len());
+        let top = rows.start;
+        match self {
+            Self::Frames { .. } => {
+                let mut stacked = Vec::new();
+                self.raw_rows(rows, columns, &mut stacked, |v, row| patch.row_mut(v - top).copy_from_slice(row));
+            }
+            Self::Level(plane) => {
+                for v in rows {
+                    patch.row_mut(v - top).copy_from_slice(&plane.row(v)[columns.clone()]);
+                }
+            }
+        }
+        patch
+    }
+
     /// The image around a feature at a level whose σ is `sigma_octave` octave pixels: columns `columns`, rows `rows` of the octave, inside the
-    /// octave's `size`. Kernels end at `kernel_cut` standard deviations. The blur is done in one step, which equals the levels' chain of blurs up to the kernels' cut.
+    /// octave's `size`. Kernels end at `kernel_cut` standard deviations. The blur is done in one step, which equals the levels' chain of
+    /// blurs up to the kernels' cut.
     pub fn level_patch(
         &self,
         size: (usize, usize),
@@ -96,28 +123,11 @@ impl Base<'_> {
         sigma_octave: f64,
         kernel_cut: f64,
     ) -> Plane {
-        let from = match self {
-            Self::Frames { octave, .. } => super::scale_space::SIGMA_INPUT * 2f64.powi(-octave),
-            Self::Level(_) => super::scale_space::SIGMA_BASE,
-        };
+        let from = self.sigma_octave();
         let kernel = GaussianKernel::with_cut((sigma_octave * sigma_octave - from * from).max(0.0).sqrt(), kernel_cut);
         let reach = kernel.radius();
         let (wide, tall) = (widened(&columns, reach, size.0), widened(&rows, reach, size.1));
-        let mut patch = Plane::zeros(wide.len(), tall.len());
-        match self {
-            Self::Frames { .. } => {
-                let mut stacked = Vec::new();
-                let top = tall.start;
-                self.raw_rows(tall.clone(), wide.clone(), &mut stacked, |v, row| {
-                    patch.row_mut(v - top).copy_from_slice(row);
-                });
-            }
-            Self::Level(plane) => {
-                for v in tall.clone() {
-                    patch.row_mut(v - tall.start).copy_from_slice(&plane.row(v)[wide.clone()]);
-                }
-            }
-        }
+        let patch = self.patch(wide.clone(), tall.clone());
         // Repeated pixels at the patch's own border reach only rows and columns that are cut away, unless it is the image's border.
         let (width, height) = patch.size();
         let (mut padded, mut blurred) = (Vec::new(), Rows::default());

@@ -6,10 +6,11 @@
 
 use super::describe::GradientPatch;
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
+use super::locate::locate;
 use super::motion::{FrameOffset, coverage, frame_offsets};
 use super::noise::{dog_noise_variance, frame_noise, gate_factor};
 use super::octave::{Base, StripScratch, widened};
-use super::params::{DetectorParams, ParamError};
+use super::params::{DetectorParams, Localisation, ParamError};
 use super::refine::{Limits, MAX_MOVES, refine};
 use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
 use super::search::{Thresholds, own_slope_extrema};
@@ -304,6 +305,30 @@ impl Search<'_> {
         (self.frames.len() as f32 / covering.max(1) as f32).sqrt()
     }
 
+    /// The keypoint at its place and slope on the continuous D, where the parameters ask for that and it has one.
+    fn located(&self, octave: i32, bases: &[Plane], keypoint: &Keypoint) -> Keypoint {
+        if self.params.localisation == Localisation::Quadratic {
+            return *keypoint;
+        }
+        let (i, j) = self.grid.coordinates(keypoint.slope_index);
+        let base = |di: i32, dj: i32| {
+            let i = i.checked_add_signed(di as isize).filter(|&i| i < self.grid.u.count)?;
+            let j = j.checked_add_signed(dj as isize).filter(|&j| j < self.grid.v.count)?;
+            Some(self.base(octave, bases, j * self.grid.u.count + i))
+        };
+        let at = (f64::from(keypoint.x), f64::from(keypoint.y));
+        let size = octave_size(self.size_image, octave);
+        let Some(found) = locate(base, size, at, f64::from(keypoint.sigma_octave), self.space.levels) else {
+            return *keypoint;
+        };
+        Keypoint {
+            x: found.x as f32,
+            y: found.y as f32,
+            slope: self.grid.at(i as f32 + found.slope_step_i, j as f32 + found.slope_step_j),
+            ..*keypoint
+        }
+    }
+
     /// Orientations and descriptors of an octave's keypoints.
     fn describe(
         &self,
@@ -317,7 +342,8 @@ impl Search<'_> {
             .par_iter()
             .map(|keypoint| {
                 self.monitor.check()?;
-                let Keypoint { x, y, sigma_octave: sigma, level, slope_index, .. } = *keypoint;
+                let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
+                    self.located(octave, bases, keypoint);
                 let base = self.base(octave, bases, slope_index);
                 let patch = GradientPatch::around(&base, &self.space, size, (x, y), sigma, level);
                 let (i, j) = self.grid.coordinates(slope_index);
@@ -326,7 +352,7 @@ impl Search<'_> {
                     v: y * pixel,
                     sigma: sigma * pixel,
                     orientation: if angle > std::f32::consts::PI { angle - std::f32::consts::TAU } else { angle },
-                    slope: keypoint.slope,
+                    slope,
                     response: keypoint.value,
                     snr: keypoint.snr,
                     octave,

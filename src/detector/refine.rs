@@ -50,9 +50,8 @@ fn solve(mut a: [[f64; 3]; 3], g: [f64; 3]) -> Option<[f64; 3]> {
         b.swap(j, pivot);
         for i in j + 1..3 {
             let factor = a[i][j] / a[j][j];
-            for k in j..3 {
-                a[i][k] -= factor * a[j][k];
-            }
+            let upper = a[j];
+            a[i].iter_mut().zip(upper).skip(j).for_each(|(x, above)| *x -= factor * above);
             b[i] -= factor * b[j];
         }
     }
@@ -109,7 +108,7 @@ pub fn refine(
         y = (y as i32 + dy) as usize;
         moves += 1;
     }
-    if offset.iter().any(|d| !(d.abs() < 1.5)) {
+    if offset.iter().any(|d| d.is_nan() || d.abs() >= 1.5) {
         return Err(Test::Refinement);
     }
     let here = f64::from(dog.levels[level_index].row(y)[x]);

@@ -70,12 +70,12 @@ fn combine_rows(centre: &[f32], pairs: &[(&[f32], &[f32])], half: &[f32], out: &
         out[start..start + BLOCK].copy_from_slice(&acc);
         start += BLOCK;
     }
-    for u in start..width {
+    for (u, out) in out.iter_mut().enumerate().skip(start) {
         let mut acc = half[0] * centre[u];
         for (&(above, below), &tap) in pairs.iter().zip(&half[1..]) {
             acc += tap * (above[u] + below[u]);
         }
-        out[u] = acc;
+        *out = acc;
     }
 }
 
@@ -102,13 +102,13 @@ fn convolve_row(padded: &[f32], half: &[f32], out: &mut [f32]) {
         out[start..start + BLOCK].copy_from_slice(&acc);
         start += BLOCK;
     }
-    for u in start..width {
+    for (u, out) in out.iter_mut().enumerate().skip(start) {
         let at = u + radius;
         let mut acc = half[0] * padded[at];
         for k in 1..=radius {
             acc += half[k] * (padded[at - k] + padded[at + k]);
         }
-        out[u] = acc;
+        *out = acc;
     }
 }
 

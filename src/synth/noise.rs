@@ -135,7 +135,8 @@ impl Camera {
 pub fn quantised_word(value: f64, bits: u32) -> u16 {
     let shift = 16 - bits.min(16);
     let levels = (1u32 << bits.min(16)) - 1;
-    let level = (value * 65535.0 / f64::from(1u32 << shift) + 0.5).floor().clamp(0.0, f64::from(levels));
+    // Cutting off the fraction rounds down, because nothing is negative after the clamp.
+    let level = (value * (65535.0 / f64::from(1u32 << shift)) + 0.5).clamp(0.0, f64::from(levels));
     ((level as u32) << shift) as u16
 }
 

@@ -5,7 +5,7 @@ use super::widgets::section_ui;
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::state::Model;
 use crate::detector::params::{ParamDoc, ParamError, doc};
-use crate::detector::{DetectorParams, Interpolation, Method, NoiseGate, SlopeNeighbours};
+use crate::detector::{DetectorParams, Interpolation, Localisation, Method, NoiseGate, SlopeNeighbours};
 use egui::{Align, Layout, RichText, Ui};
 
 /// Draws the section.
@@ -186,6 +186,16 @@ fn all_rows_ui(ui: &mut Ui, table: &Table<'_>, p: &mut DetectorParams, frame_cou
         |p| &mut p.kernel_cut,
         |ui, value, label| {
             rows::number_ui(ui, egui::DragValue::new(value).speed(0.02).max_decimals(2), label);
+        },
+    );
+    table.row(
+        ui,
+        &doc::LOCALISATION,
+        p,
+        |p| &mut p.localisation,
+        |ui, value, label| {
+            let choices = [(Localisation::Continuous, "Continuous"), (Localisation::Quadratic, "Quadratic")];
+            rows::choice_ui(ui, value, label, &choices);
         },
     );
     table.row(
