@@ -1,4 +1,5 @@
 //! The window, driven as a person drives it: by what is written on its buttons, and by keys.
+#![allow(clippy::unwrap_used)] // A test may panic; so may its helpers.
 
 mod common;
 

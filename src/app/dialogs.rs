@@ -257,7 +257,6 @@ impl PathField {
             if std::mem::take(&mut self.fresh) {
                 edit.request_focus();
             }
-            ui.weak(self.purpose.hint());
             ui.add_space(6.0);
             let entered = edit.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

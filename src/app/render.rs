@@ -117,9 +117,14 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
                 .errors()
                 .first()
                 .map(|m| m.text.clone())
+                .or_else(|| several(app.choice()))
                 .or_else(|| app.model.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string));
         },
-        |app| app.is_settled() && (app.model.burst.is_some() || !app.model.messages.errors().is_empty()),
+        |app| {
+            let answered =
+                app.model.burst.is_some() || !app.model.messages.errors().is_empty() || !app.choice().is_empty();
+            app.is_settled() && answered
+        },
     )?;
     if let Some(problem) = problem {
         return Err(RenderError::Window(problem));
@@ -130,6 +135,13 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     let (width, height) = rendered.image.dimensions();
     write_png(path, Picture::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
     Ok(())
+}
+
+/// What to say when there are several bursts where one was asked for.
+fn several(bursts: &[BurstSource]) -> Option<String> {
+    let names: Vec<String> = bursts.iter().map(BurstSource::label).collect();
+    (!names.is_empty())
+        .then(|| format!("there are {} bursts here, give one of them: {}", names.len(), names.join(", ")))
 }
 
 /// Puts the hand where the options say.

@@ -20,7 +20,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
             menu_bar_ui(ui, &app.model, app.recent(), queue, &mut open_recent);
         });
     });
-    Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar::toolbar_ui(ui, &mut app.model, queue));
+    Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar::toolbar_ui(ui, &app.model, queue));
     Panel::bottom("status bar")
         .frame(bar(ui))
         .show(ui, |ui| panels::status::status_ui(ui, &app.model, app.pictures.readout.as_ref(), queue));

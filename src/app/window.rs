@@ -70,6 +70,8 @@ pub struct BurstscopeApp {
     settings: Settings,
     desk: Desk,
     path_field: Option<PathField>,
+    /// Bursts of a folder, of which one is to be chosen.
+    choice: Vec<BurstSource>,
     restoring: Option<(JobId, Box<Session>)>,
     asked_picture: Option<PictureRequest>,
     asked_patch: Option<PictureRequest>,
@@ -106,6 +108,7 @@ impl BurstscopeApp {
             settings: startup.settings,
             desk: Desk::new(startup.dialogs, on_update),
             path_field: None,
+            choice: Vec::new(),
             restoring: None,
             asked_picture: None,
             asked_patch: None,
@@ -134,6 +137,11 @@ impl BurstscopeApp {
             && !(self.model.auto_detect && self.wants_detection())
     }
 
+    /// Bursts of which a person has to choose one before anything is opened; mostly none.
+    pub fn choice(&self) -> &[BurstSource] {
+        &self.choice
+    }
+
     /// Draws the window and answers what happened since the last time.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
@@ -160,7 +168,11 @@ impl BurstscopeApp {
     }
 
     fn modal_is_open(&self) -> bool {
-        self.palette.is_open() || self.sheet_open || self.about_open || self.path_field.is_some()
+        self.palette.is_open()
+            || self.sheet_open
+            || self.about_open
+            || self.path_field.is_some()
+            || !self.choice.is_empty()
     }
 
     fn overlays_ui(&mut self, ctx: &egui::Context, queue: &mut Queue) {
@@ -176,6 +188,9 @@ impl BurstscopeApp {
             if let Some(path) = path {
                 self.use_files(purpose, vec![path]);
             }
+        }
+        if let Some(burst) = super::panels::chooser::chooser_ui(ctx, &mut self.choice) {
+            self.open(burst);
         }
         super::panels::messages::messages_ui(ctx, &mut self.model.messages);
     }
@@ -254,6 +269,7 @@ impl BurstscopeApp {
                 }
             }
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
+            Err(JobError::Several(bursts)) if session.is_none() => self.choice = bursts,
             Err(error) => self.model.messages.error("Open", error.to_string()),
         }
     }
@@ -430,10 +446,9 @@ impl BurstscopeApp {
         }
         // While the hand still drags a parameter, every value on the way would start a detection for nothing.
         let dragging = ctx.input(|i| i.pointer.any_down());
-        if self.model.auto_detect && !dragging && self.wants_detection() {
-            if self.detecting_params.as_ref() != Some(&self.model.params) {
-                self.start_detection();
-            }
+        let asked = self.detecting_params.as_ref() == Some(&self.model.params);
+        if self.model.auto_detect && !dragging && !asked && self.wants_detection() {
+            self.start_detection();
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Where a burst comes from, and a burst that is open.
 
 use super::fault::JobError;
-use crate::burst::Burst;
+use crate::burst::{Burst, find_bursts};
 use crate::monitor::Monitor;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -45,12 +45,19 @@ impl BurstSource {
     /// Opens it, on the calling thread.
     ///
     /// # Errors
-    /// [`JobError::Failed`] with a message that names the file, [`JobError::Cancelled`] once `monitor` was cancelled.
+    /// [`JobError::Several`] for a folder of bursts, [`JobError::Failed`] with a message that names the file, [`JobError::Cancelled`] once
+    /// `monitor` was cancelled.
     pub fn open(&self, monitor: &Monitor) -> Result<OpenBurst, JobError> {
         let burst = match self {
             Self::Demo => crate::synth::demo::demo_burst(),
-            Self::Paths(paths) => Burst::open_with(paths, &crate::burst::OpenOptions::default(), monitor)
-                .map_err(|error| open_error(&error, monitor))?,
+            Self::Paths(paths) => {
+                let found = bursts_at(paths);
+                if found.len() > 1 {
+                    return Err(JobError::Several(found));
+                }
+                Burst::open_with(paths, &crate::burst::OpenOptions::default(), monitor)
+                    .map_err(|error| open_error(&error, monitor))?
+            }
         };
         monitor.check()?;
         Ok(OpenBurst::new(burst, self.clone()))
@@ -70,6 +77,12 @@ impl BurstSource {
             },
         }
     }
+}
+
+/// The bursts at `paths`, when there are any.
+fn bursts_at(paths: &[PathBuf]) -> Vec<BurstSource> {
+    // What is wrong with the paths is said by the opener.
+    find_bursts(paths).unwrap_or_default().into_iter().map(|found| BurstSource::Paths(found.paths)).collect()
 }
 
 fn open_error(error: &impl std::fmt::Display, monitor: &Monitor) -> JobError {

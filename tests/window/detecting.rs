@@ -135,3 +135,25 @@ fn headings_sort_and_the_filter_leaves_out() {
     window.settle();
     assert_eq!(window.app().model.listed.len(), total);
 }
+
+#[test]
+fn every_parameter_has_a_row_with_its_name_and_unit() {
+    let window = Start { size: [1280.0, 1400.0], ..Start::without_auto_detect() }.open();
+    for doc in burstscope::detector::params::doc::ALL {
+        assert!(
+            window.harness.query_all_by_label(doc.label).next().is_some() || window.shows(doc.label),
+            "{}",
+            doc.label
+        );
+        assert!(doc.unit.is_empty() || window.shows(doc.unit), "the unit of {}", doc.label);
+    }
+}
+
+#[test]
+fn a_key_pressed_twice_between_two_pictures_counts_twice() {
+    let mut window = Start::without_auto_detect().open();
+    window.harness.key_press(Key::ArrowRight);
+    window.harness.key_press(Key::ArrowRight);
+    window.harness.step();
+    assert_eq!(window.app().model.scrub.slope.u, 2.0);
+}

@@ -2,6 +2,7 @@
 
 use crate::support::{Start, noisy_stack};
 use burstscope::engine::BurstSource;
+use egui_kittest::kittest::Queryable;
 use std::io::Write;
 
 #[test]
@@ -35,6 +36,24 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
     window.settle();
     assert_eq!((window.app().model.frame_count(), window.app().model.size()), (4, (64, 48)));
     assert_eq!(window.app().recent(), [BurstSource::Paths(vec![path])]);
+}
+
+#[test]
+fn of_a_folder_of_bursts_one_is_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, frames) in [("first", 3), ("second", 6)] {
+        std::fs::create_dir(folder.path().join(name)).unwrap();
+        noisy_stack(&folder.path().join(name), frames, 40, 40);
+    }
+    let mut window = Start::without_auto_detect().open();
+    window.dialogs.will_choose(folder.path());
+    window.click("Open…");
+    window.settle();
+    assert!(window.shows("2 bursts in this folder"));
+    assert_eq!(window.app().model.frame_count(), 10, "until one is chosen the demo stays");
+    window.harness.get_by_label_contains("second in ").click();
+    window.settle();
+    assert_eq!(window.app().model.frame_count(), 6);
 }
 
 #[test]
@@ -93,7 +112,6 @@ fn files_that_are_dropped_are_opened() {
 /// Types into the path field and accepts.
 pub fn type_path(window: &mut crate::support::Window, text: &str) {
     use egui::accesskit::Role;
-    use egui_kittest::kittest::Queryable;
     let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
     field.focus();
     field.type_text(text);

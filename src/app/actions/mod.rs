@@ -74,9 +74,9 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
             if (plain && typing) || !enabled(id, model) {
                 continue;
             }
-            if input.consume_shortcut(&shortcut) {
-                queue.push(id);
-            }
+            // A key that repeats faster than the window draws is pressed several times in one pass.
+            let presses = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
+            queue.extend(std::iter::repeat_n(id, presses));
         }
     });
 }

@@ -2,6 +2,7 @@
 
 pub mod about;
 pub mod bottom;
+pub mod chooser;
 pub mod descriptor;
 pub mod display;
 pub mod features;

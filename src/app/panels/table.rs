@@ -20,14 +20,15 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
     let mut order = model.order;
     let mut clicked = None;
     let mut hovered = None;
+    ui.spacing_mut().item_spacing.x = 4.0;
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
         let mut table = TableBuilder::new(ui)
             .striped(true)
             .sense(Sense::click())
             .cell_layout(Layout::left_to_right(Align::Center))
             .auto_shrink(false)
-            .column(TableColumn::exact(40.0))
-            .columns(TableColumn::remainder().at_least(52.0), Column::ALL.len() - 1);
+            .column(TableColumn::exact(36.0))
+            .columns(TableColumn::remainder().at_least(47.0), Column::ALL.len() - 1);
         // Follow the selection when it was made elsewhere, and only then.
         if let Some(row) = selected_row.filter(|_| model.selected != scrolled_to) {
             table = table.scroll_to_row(row, None);

@@ -6,7 +6,7 @@ use crate::app::state::scrub::ViewKind;
 use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
 /// Draws the toolbar.
-pub fn toolbar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::OpenFolder, Some("Open…"));
         ui.separator();
@@ -42,7 +42,7 @@ fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn detect_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some(running) = model.busy.detecting {
         button_ui(ui, model, queue, ActionId::Cancel, None);
         let (fraction, stage) =

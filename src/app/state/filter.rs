@@ -247,7 +247,7 @@ mod tests {
         let feature = feature(5.0, 2.0, 3.0);
         for column in Column::ALL {
             assert!(!column.heading().is_empty() && !column.help().is_empty());
-            assert_eq!(column.text(0, &feature).is_empty(), false, "{column:?}");
+            assert!(!column.text(0, &feature).is_empty(), "{column:?}");
         }
     }
 }

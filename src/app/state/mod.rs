@@ -368,7 +368,7 @@ impl Model {
         if let Some((index, &count)) = busiest.filter(|(_, count)| **count > 0) {
             self.scrub.slope = grid.slope(index);
             let Slope { u, v } = self.scrub.slope;
-            self.messages.note(format!("Slope ({u:.2}, {v:.2}) px/frame has the most features: {count}"));
+            self.messages.note(format!("Most features ({count}) are at slope ({u:.2}, {v:.2}) px/frame"));
         }
     }
 
