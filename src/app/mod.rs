@@ -7,6 +7,7 @@
 pub mod actions;
 pub mod canvas;
 pub mod dialogs;
+mod files;
 pub mod gpu;
 pub mod histogram;
 pub mod offscreen;

@@ -2,7 +2,7 @@
 
 use super::actions::{self, ActionId, Queue, palette::Palette};
 use super::canvas::View;
-use super::dialogs::{self, Answer, Desk, FileDialogs, PathField, Purpose, Question, SystemDialogs};
+use super::dialogs::{Desk, FileDialogs, PathField, SystemDialogs};
 use super::panels::display::DisplayState;
 use super::panels::picture::PictureState;
 use super::panels::selection::SelectionState;
@@ -68,11 +68,11 @@ pub struct BurstscopeApp {
     pub(super) display: DisplayState,
     pub(super) selection: SelectionState,
     settings: Settings,
-    desk: Desk,
-    path_field: Option<PathField>,
+    pub(super) desk: Desk,
+    pub(super) path_field: Option<PathField>,
     /// Bursts of a folder, of which one is to be chosen.
     choice: Vec<BurstSource>,
-    restoring: Option<(JobId, Box<Session>)>,
+    pub(super) restoring: Option<(JobId, Box<Session>)>,
     asked_picture: Option<PictureRequest>,
     asked_patch: Option<PictureRequest>,
     detecting_params: Option<DetectorParams>,
@@ -271,120 +271,6 @@ impl BurstscopeApp {
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
             Err(JobError::Several(bursts)) if session.is_none() => self.choice = bursts,
             Err(error) => self.model.messages.error("Open", error.to_string()),
-        }
-    }
-
-    fn take_answers(&mut self) {
-        for answer in self.desk.take_answers() {
-            match answer {
-                Answer::Chosen(purpose, paths) => self.use_files(purpose, paths),
-                Answer::Nothing => {}
-                Answer::NoDialog(question) => {
-                    let text = if question.purpose.saves() { question.suggested_name } else { String::new() };
-                    self.path_field = Some(PathField::new(question.purpose, text, true));
-                }
-            }
-        }
-    }
-
-    fn take_dropped_files(&mut self, ctx: &egui::Context) {
-        let paths: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
-        if paths.is_empty() {
-            return;
-        }
-        match paths.as_slice() {
-            [one] if one.extension().is_some_and(|e| e == "toml") => {
-                let is_session = std::fs::read_to_string(one).is_ok_and(|text| Session::from_toml(&text).is_ok());
-                self.use_files(if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }, paths);
-            }
-            _ => self.open(BurstSource::Paths(paths)),
-        }
-    }
-
-    /// Asks for files with the system's dialog.
-    pub(super) fn ask(&mut self, purpose: Purpose) {
-        let question =
-            Question { purpose, suggested_name: self.suggested_name(purpose), folder: self.folder_of_burst() };
-        self.desk.ask(question);
-    }
-
-    /// Asks for a path with a field to type it into.
-    pub(super) fn open_path_field(&mut self, purpose: Purpose, instead_of_dialog: bool) {
-        self.path_field = Some(PathField::new(purpose, String::new(), instead_of_dialog));
-    }
-
-    fn suggested_name(&self, purpose: Purpose) -> String {
-        let burst = self.model.burst.as_ref().map_or("burst", |b| b.burst.name.as_str());
-        let stem = std::path::Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
-        match purpose {
-            Purpose::SaveSession => format!("{stem}.burstscope.toml"),
-            Purpose::SaveParams => "params.toml".to_owned(),
-            Purpose::Export(kind) => {
-                let what = match (kind, self.model.scrub.kind) {
-                    (dialogs::ExportKind::Csv | dialogs::ExportKind::Colmap | dialogs::ExportKind::Npz, _) => {
-                        "features"
-                    }
-                    (_, ViewKind::Frame) => "frame",
-                    (_, ViewKind::Stack) => "stack",
-                    (_, ViewKind::Dog) => "dog",
-                };
-                format!("{stem}-{what}.{}", kind.extension())
-            }
-            _ => String::new(),
-        }
-    }
-
-    fn folder_of_burst(&self) -> Option<PathBuf> {
-        match &self.model.burst.as_ref()?.source {
-            BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
-            BurstSource::Demo => None,
-        }
-    }
-
-    fn use_files(&mut self, purpose: Purpose, paths: Vec<PathBuf>) {
-        let Some(first) = paths.first().cloned() else { return };
-        match purpose {
-            Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => self.open(BurstSource::Paths(paths)),
-            Purpose::RestoreSession => self.restore_session(&first),
-            Purpose::LoadParams => self.load_params(&first),
-            Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => self.write(purpose, first),
-        }
-    }
-
-    /// Restores a session file: opens its burst, and when that worked takes over everything else. Until then nothing changes.
-    pub fn restore_session(&mut self, path: &std::path::Path) {
-        let read = std::fs::read_to_string(path).map_err(|e| e.to_string());
-        match read.and_then(|text| Session::from_toml(&text)) {
-            Ok(session) => {
-                self.model.messages.resolved("Open session");
-                let id = self.engine.open(session.burst.clone());
-                self.restoring = Some((id, Box::new(session)));
-            }
-            Err(error) => self.model.messages.error("Open session", format!("{error}: {}", path.display())),
-        }
-    }
-
-    fn load_params(&mut self, path: &std::path::Path) {
-        let read = std::fs::read_to_string(path).map_err(|e| e.to_string());
-        match read.and_then(|text| DetectorParams::from_toml(&text)) {
-            Ok(params) => {
-                self.model.params = params;
-                self.model.messages.resolved("Load parameters");
-                self.model.messages.note(format!("Loaded parameters from {}", path.display()));
-            }
-            Err(error) => self.model.messages.error("Load parameters", format!("{error}: {}", path.display())),
-        }
-    }
-
-    fn write(&mut self, purpose: Purpose, path: PathBuf) {
-        match super::writing::prepare(purpose, &self.model, self.view) {
-            Ok(work) => {
-                self.engine.task(purpose.title(), move || {
-                    work(&path)?;
-                    Ok(format!("Wrote {}", path.display()))
-                });
-            }
-            Err(why) => self.model.messages.error(purpose.title(), why),
         }
     }
 

@@ -137,6 +137,22 @@ fn headings_sort_and_the_filter_leaves_out() {
 }
 
 #[test]
+fn looking_at_the_filter_changes_nothing_and_its_sliders_do() {
+    let mut window = Start::default().open();
+    let total = window.app().model.features().len();
+    window.click("Filter");
+    window.harness.run_steps(3);
+    assert!(window.app().model.filter.is_open());
+    assert_eq!(window.app().model.listed.len(), total);
+    // The first row with handles is slope u, the second the scale.
+    window.harness.get_all_by_role_and_label(Role::Slider, "low").nth(1).unwrap().set_value_accesskit(4.0);
+    window.settle();
+    let model = &window.app().model;
+    let expected = model.features().iter().filter(|f| f.sigma >= 4.0).count();
+    assert!(expected < total && model.listed.len() == expected, "{} {expected} {total}", model.listed.len());
+}
+
+#[test]
 fn every_parameter_has_a_row_with_its_name_and_unit() {
     let window = Start { size: [1280.0, 1400.0], ..Start::without_auto_detect() }.open();
     for doc in burstscope::detector::params::doc::ALL {

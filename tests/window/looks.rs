@@ -36,7 +36,7 @@ fn dog_response() {
 
 #[test]
 fn selected_feature() {
-    let mut window = open();
+    let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
     window.key(Key::Home);
     window.key(Key::Enter);
     window.snapshot("selected_feature");

@@ -68,8 +68,13 @@ fn range_ui(
         let set = interval.unwrap_or(Interval { min: low, max: high });
         let (mut min, mut max) = (set.min, set.max);
         ui.spacing_mut().slider_width = 140.0;
-        let slider = egui::RangeSlider::new(&mut min, &mut max, low..=high).max_decimals(4);
-        if ui.add(slider).labelled_by(name.id).changed() || (min, max) != (set.min, set.max) {
+        let text = |x: f64, _: std::ops::RangeInclusive<usize>| crate::app::canvas::number(x as f32, 4);
+        ui.add(egui::RangeSlider::new(&mut min, &mut max, low..=high).custom_formatter(text)).labelled_by(name.id);
+        // The slider rounds what it shows; only a hand moves it by more than that. A handle at its end lets everything beyond pass.
+        let step = 0.002 * (high - low);
+        if (min - set.min).abs() > step || (max - set.max).abs() > step {
+            let min = if min - low <= step { low } else { min };
+            let max = if high - max <= step { high } else { max };
             *interval = (min > low || max < high).then_some(Interval { min, max });
         }
     });
