@@ -123,6 +123,16 @@ mod tests {
         assert_eq!(monitor.check(), Ok(()));
         clone.cancel();
         assert_eq!(monitor.check(), Err(Cancelled));
+        assert_eq!(monitor.silent().check(), Err(Cancelled));
+    }
+
+    #[test]
+    fn a_silent_monitor_passes_cancelling_on_and_tells_nothing() {
+        let monitor = Monitor::with_listener(|_| panic!("nobody is to hear of this"));
+        let silent = monitor.silent();
+        silent.report(Stage::Evaluate, 0.5);
+        silent.cancel();
+        assert!(monitor.is_cancelled());
     }
 
     #[test]

@@ -8,6 +8,8 @@ mod drawing;
 mod interrupting;
 #[path = "commands/making.rs"]
 mod making;
+#[path = "commands/measuring.rs"]
+mod measuring;
 #[path = "commands/real.rs"]
 mod real;
 #[path = "commands/support.rs"]

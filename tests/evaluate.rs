@@ -37,7 +37,7 @@ fn the_burst_search_finds_in_the_dark_what_one_frame_does_not_show() {
     let [frame, mean, one_d, two_d] = ChartMethod::ALL.map(|method| found(&report, method));
     println!("of 14 discs at SNR 0.6: one frame {frame}, plain mean {mean}, BuFF 1D {one_d}, BuFF 2D {two_d}");
     assert!(one_d >= 12.0 && two_d >= 10.0, "{one_d} {two_d}");
-    assert!(frame + 4.0 <= one_d && mean + 4.0 <= one_d, "{frame} {mean}");
+    assert!(frame + 4.0 <= one_d && frame < mean && mean < one_d, "{frame} {mean}");
     for method in &report.rows[0].methods {
         assert_eq!(method.charts.len(), 2);
         assert_eq!(method.charts.iter().map(|c| c.seed).collect::<Vec<_>>(), [11, 12]);

@@ -1,6 +1,7 @@
 //! The arguments as they are written: names, kinds and help texts. What they mean together is checked elsewhere.
 
 use super::choices::{VIEW_KINDS, words};
+use super::evaluate_args::EvaluateArgs;
 use super::search_options::{ParamsFileArg, SearchArgs};
 use crate::app::state::scrub::ViewKind;
 use crate::detector::Slope;
@@ -49,6 +50,8 @@ pub enum Command {
     Stack(StackArgs),
     /// Make a burst with exactly known truth: 16-bit PNG frames and truth.json.
     Synth(SynthArgs),
+    /// Measure the detector on synthetic bursts whose truth is known exactly.
+    Evaluate(EvaluateArgs),
     /// Draw the window into a PNG file, without a display.
     Render(RenderArgs),
 }
@@ -326,7 +329,7 @@ pub struct RenderArgs {
     pub output: OutputArgs,
 }
 
-fn motions() -> impl clap::builder::TypedValueParser<Value = Motion> {
+pub(super) fn motions() -> impl clap::builder::TypedValueParser<Value = Motion> {
     use clap::builder::{PossibleValuesParser, TypedValueParser};
     PossibleValuesParser::new(["1d", "2d"]).map(|word| if word == "2d" { Motion::TwoD } else { Motion::OneD })
 }

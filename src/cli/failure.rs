@@ -2,6 +2,7 @@
 
 use crate::burst::OpenError;
 use crate::detector::{DetectError, ParamError};
+use crate::evaluate::EvaluateError;
 use crate::monitor::Cancelled;
 use crate::synth::{SynthError, WriteBurstError};
 use std::process::ExitCode;
@@ -83,6 +84,17 @@ impl From<SynthError> for Failure {
         match error {
             SynthError::Cancelled(_) => Self::Interrupted,
             SynthError::Param { .. } => Self::usage(format!("--{error}")),
+        }
+    }
+}
+
+impl From<EvaluateError> for Failure {
+    fn from(error: EvaluateError) -> Self {
+        match error {
+            EvaluateError::Cancelled(_) => Self::Interrupted,
+            EvaluateError::Synth(error) => error.into(),
+            EvaluateError::Detector(error) => error.into(),
+            EvaluateError::Param { .. } => Self::usage(format!("--{error}")),
         }
     }
 }

@@ -9,6 +9,9 @@ pub mod args;
 mod choices;
 mod console;
 mod detect;
+mod evaluate;
+pub mod evaluate_args;
+mod evaluate_tables;
 mod failure;
 mod inputs;
 mod render;
@@ -42,6 +45,7 @@ pub fn run() -> ExitCode {
         Some(Command::Detect(args)) => detect::run(args),
         Some(Command::Stack(args)) => stack::run(args),
         Some(Command::Synth(args)) => synth::run(args),
+        Some(Command::Evaluate(args)) => evaluate::run(args),
         Some(Command::Render(args)) => render::run(args),
     };
     match result {

@@ -256,13 +256,14 @@ impl ChartStudy {
     /// # Errors
     /// [`EvaluateError::Detector`] for parameters that make no sense, [`EvaluateError::Cancelled`].
     pub fn detect(&self, method: ChartMethod, burst: &Burst, monitor: &Monitor) -> Result<Detection, EvaluateError> {
-        let mut params = self.params(method);
+        let params = self.params(method);
         if method != ChartMethod::SiftMean {
             return Ok(detect(burst, &params, monitor)?);
         }
-        let mut used = burst.clone();
-        used.frames = burst.frames[params.used_frames(burst.len())].to_vec();
-        params.frames = None;
+        // SIFT uses one frame; the mean is of all those that the burst search would use.
+        let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
+        let used = Burst { frames: burst.frames[all].to_vec(), ..burst.clone() };
+        let params = DetectorParams { frames: None, ..params };
         Ok(detect(&plain_mean(&used, monitor)?, &params, monitor)?)
     }
 
@@ -346,6 +347,30 @@ mod tests {
             assert_eq!(serde_json::to_value(method).expect("a word"), method.name());
         }
         assert!("surf".parse::<ChartMethod>().expect_err("unknown").contains("sift-frame"));
+    }
+
+    #[test]
+    fn the_mean_is_of_all_frames_and_one_frame_is_one() {
+        let chart = ChartParams {
+            width: 200,
+            height: 150,
+            discs: 8,
+            radius: 4.0..=9.0,
+            max_slope: 0.0,
+            snr: 2.0,
+            ..ChartParams::default()
+        };
+        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let study = ChartStudy::default();
+        let noise = |method, study: &ChartStudy| {
+            f64::from(study.detect(method, &burst, &Monitor::default()).expect("detected").frame_noise)
+        };
+        let one = noise(ChartMethod::SiftFrame, &study);
+        // Ten frames have a √10 lower noise, four of them half of it.
+        assert!((noise(ChartMethod::SiftMean, &study) * 10f64.sqrt() / one - 1.0).abs() < 0.05);
+        let frames = Some("3..7".parse().expect("a range"));
+        let some = ChartStudy { detector: DetectorParams { frames, ..DetectorParams::default() }, ..study };
+        assert!((noise(ChartMethod::SiftMean, &some) * 2.0 / one - 1.0).abs() < 0.05);
     }
 
     #[test]

@@ -139,14 +139,15 @@ fn write_share_line(
     let most_false = report.chart.discs.div_ceil(2).max(1) as f64;
     let false_at = |true_positives: f64| true_positives * share / (1.0 - share);
     let end = if false_at(most_true) <= most_false { most_true } else { most_false * (1.0 - share) / share };
+    // The label stands at the foot of the line, where good curves have left.
+    let foot = 0.07 * most_true;
     let (x, y) = (x_of(false_at(end)), y_of(end));
     writeln!(
         out,
-        r#"<line x1="{left:.1}" y1="{:.1}" x2="{x:.1}" y2="{y:.1}" stroke="{FAINT}" stroke-width="1"/><text x="{:.1}" y="{:.1}" font-size="11" fill="{FAINT}"{}>{} % false</text>"#,
+        r#"<line x1="{left:.1}" y1="{:.1}" x2="{x:.1}" y2="{y:.1}" stroke="{FAINT}" stroke-width="1"/><text x="{:.1}" y="{:.1}" font-size="11" fill="{FAINT}">{} % false</text>"#,
         y_of(0.0),
-        (x - 8.0).min(right),
-        y - 4.0,
-        if x > right - 60.0 { r#" text-anchor="end""# } else { "" },
+        (x_of(false_at(foot)) + 6.0).min(right - 60.0),
+        y_of(foot) + 4.0,
         (share * 1000.0).round() / 10.0,
     )
 }

@@ -53,3 +53,14 @@ fn a_long_search_stops_and_leaves_nothing() {
     assert!(duration < Duration::from_secs(5), "{duration:?}");
     assert_eq!(names(home.path()), ["chart"]);
 }
+
+#[test]
+fn a_study_stops_and_leaves_no_figure() {
+    let home = tempfile::tempdir().expect("a folder");
+    let arguments =
+        ["evaluate", "chart", "--motion", "2d", "--seeds", "500", "--threads", "1", "--plot", "roc.svg", "--json"];
+    let (code, duration) = interrupt(home.path(), &arguments, Duration::from_millis(1500));
+    assert_eq!(code, Some(130));
+    assert!(duration < Duration::from_secs(5), "{duration:?}");
+    assert_eq!(names(home.path()), Vec::<String>::new());
+}

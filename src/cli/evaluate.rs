@@ -1,0 +1,152 @@
+//! `evaluate`: the detector measured against known truth.
+
+use super::console::Console;
+use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
+use super::evaluate_tables::{accuracy_table, chart_table, noise_table};
+use super::failure::Failure;
+use super::search_options::SearchArgs;
+use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
+use crate::evaluate::figure::roc_svg;
+use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
+use crate::evaluate::{AccuracyStudy, ChartStudy, NoiseStudy};
+use crate::export::write_whole;
+use serde::Serialize;
+use std::io::Write;
+use std::path::Path;
+
+pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
+    match &args.study {
+        EvaluateStudy::Chart(args) => chart(args),
+        EvaluateStudy::Accuracy(args) => accuracy(args),
+        EvaluateStudy::Noise(args) => noise(args),
+    }
+}
+
+/// A report as a JSON document that says what it is.
+#[derive(Serialize)]
+struct Document<'a, R> {
+    version: &'static str,
+    command: &'static str,
+    #[serde(flatten)]
+    report: &'a R,
+}
+
+impl<'a, R> Document<'a, R> {
+    fn new(command: &'static str, report: &'a R) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION"), command, report }
+    }
+}
+
+/// The detector's parameters, and the slopes if any were given.
+fn searched(search: &SearchArgs) -> Result<(DetectorParams, Option<SlopeGrid>), Failure> {
+    let detector = search.params()?;
+    let given = search.file.params.is_some()
+        || search.slopes_u.is_some()
+        || search.slopes_v.is_some()
+        || search.slope_direction.is_some();
+    let slopes = given.then_some(detector.slopes);
+    Ok((detector, slopes))
+}
+
+fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
+    if args.search.method.is_some() {
+        return Err(Failure::usage("--method: this command compares several; name them with --methods"));
+    }
+    if let Some(path) = &args.plot {
+        check_plot(path)?;
+    }
+    let (detector, slopes) = searched(&args.search)?;
+    let mut study = ChartStudy {
+        chart: args.charts.params(args.max_slope),
+        snrs: args.snr.clone(),
+        first_seed: args.charts.seed,
+        seeds: args.charts.seeds,
+        methods: args.methods.clone(),
+        detector,
+        ranking: args.ranking,
+        false_fraction: args.false_fraction,
+        ..ChartStudy::default()
+    };
+    let mut seen = Vec::new();
+    study.methods.retain(|method| {
+        !seen.contains(method) && {
+            seen.push(*method);
+            true
+        }
+    });
+    match slopes {
+        Some(plane) if plane.is_plane() => {
+            study.slopes_2d = plane;
+            study.slopes_1d = SlopeGrid { v: SlopeAxis::ZERO, ..plane };
+        }
+        Some(line) => study.slopes_1d = line,
+        None => {}
+    }
+    let console = Console::new(&args.output)?;
+    let report = study.run(&console.monitor)?;
+    console.say(&chart_table(&report))?;
+    if let Some(path) = &args.plot {
+        write_whole(path, |out| out.write_all(roc_svg(&report).as_bytes()))?;
+        console.say(&format!("\nwrote {}\n", path.display()))?;
+    }
+    console.say_json(&Document::new("evaluate chart", &report))
+}
+
+fn check_plot(path: &Path) -> Result<(), Failure> {
+    if path.is_dir() {
+        return Err(Failure::usage(format!(
+            "--plot: this is a folder; name a file such as roc.svg: {}",
+            path.display()
+        )));
+    }
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+        return Err(Failure::usage(format!(
+            "--plot: the figure is drawn as SVG, which browsers, editors and papers take; name a file that ends in .svg: {}",
+            path.display()
+        )));
+    }
+    Ok(())
+}
+
+fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
+    let (detector, slopes) = searched(&args.search)?;
+    let default = AccuracyStudy::with_motion(args.charts.motion);
+    let study = AccuracyStudy {
+        chart: args.charts.params(args.max_slope),
+        snrs: args.snr.clone(),
+        first_seed: args.charts.seed,
+        seeds: args.charts.seeds,
+        detector: DetectorParams { slopes: slopes.unwrap_or(default.detector.slopes), ..detector },
+    };
+    let console = Console::new(&args.output)?;
+    let report = study.run(&console.monitor)?;
+    console.say(&accuracy_table(&report))?;
+    console.say_json(&Document::new("evaluate accuracy", &report))
+}
+
+fn noise(args: &NoiseArgs) -> Result<(), Failure> {
+    let (detector, slopes) = searched(&args.search)?;
+    let one = |label: &str| {
+        let detector = DetectorParams { slopes: slopes.unwrap_or(detector.slopes), ..detector.clone() };
+        vec![NoiseSearch { label: label.to_owned(), detector }]
+    };
+    let searches = match (detector.method, slopes) {
+        (Method::Sift, _) => one("SIFT"),
+        (Method::Buff, Some(slopes)) => one(if slopes.is_plane() { "BuFF 2D" } else { "BuFF 1D" }),
+        (Method::Buff, None) => NoiseStudy::searches(&detector),
+    };
+    let levels = args.bits.iter().flat_map(|bits| args.sigma.iter().map(|&sigma| NoiseLevel { sigma, bits: bits.0 }));
+    let study = NoiseStudy {
+        levels: levels.collect(),
+        searches,
+        width: args.width,
+        height: args.height,
+        megapixels: args.megapixels,
+        first_seed: args.seed,
+        ..NoiseStudy::default()
+    };
+    let console = Console::new(&args.output)?;
+    let report = study.run(&console.monitor)?;
+    console.say(&noise_table(&report))?;
+    console.say_json(&Document::new("evaluate noise", &report))
+}

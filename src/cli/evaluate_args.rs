@@ -1,0 +1,179 @@
+//! The arguments of `evaluate` as they are written.
+
+use super::args::{OutputArgs, motions};
+use super::search_options::SearchArgs;
+use crate::evaluate::{ChartMethod, Ranking};
+use crate::synth::{ChartParams, Motion};
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Measure the detector on synthetic bursts whose truth is known exactly.
+#[derive(Debug, Args)]
+pub struct EvaluateArgs {
+    /// What to measure.
+    #[command(subcommand)]
+    pub study: EvaluateStudy,
+}
+
+/// The studies.
+#[derive(Debug, Subcommand)]
+pub enum EvaluateStudy {
+    /// Count the discs that each method finds in the dark.
+    Chart(EvaluateChartArgs),
+    /// Compare places, scales and slopes with the truth.
+    Accuracy(AccuracyArgs),
+    /// Count what is found on noise alone, where there is nothing.
+    Noise(NoiseArgs),
+}
+
+fn chart() -> ChartParams {
+    ChartParams::default()
+}
+
+/// The charts of a study.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Charts")]
+pub struct ChartsArgs {
+    /// Number of charts for each ratio, with seeds counting up.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub seeds: u64,
+    /// The first chart's seed.
+    #[arg(long, value_name = "FIRST", default_value_t = 1)]
+    pub seed: u64,
+    /// Directions of motion: 1d is horizontal, 2d any.
+    #[arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions())]
+    pub motion: Motion,
+    /// Columns.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().width)]
+    pub width: usize,
+    /// Rows.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().height)]
+    pub height: usize,
+    /// Number of discs.
+    #[arg(long, value_name = "N", default_value_t = chart().discs)]
+    pub discs: usize,
+}
+
+impl ChartsArgs {
+    /// The charts, of which a study sets ratio and seed.
+    pub fn params(&self, max_slope: f64) -> ChartParams {
+        let Self { seeds: _, seed: _, motion, width, height, discs } = *self;
+        ChartParams { width, height, discs, motion, max_slope, ..ChartParams::default() }
+    }
+}
+
+/// Count the discs that each method finds in the dark.
+///
+/// Charts of discs are made for every ratio and seed, and all methods run on them with the same parameters. A feature finds a disc when it
+/// lies within half the radius plus 1.5 px of it at mid-burst and its scale is within a factor of 2 of r/√2; repeats are false. The table shows the discs found
+/// at the threshold where a tenth of the detections are false, and what is found at the default threshold.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = CHART_HELP)]
+pub struct EvaluateChartArgs {
+    /// Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise.
+    #[arg(long, value_name = "RATIO,…", value_delimiter = ',', default_value = "0.2,0.35,0.6")]
+    pub snr: Vec<f64>,
+    /// Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean of all frames), buff-1d, buff-2d.
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "sift-frame,sift-mean,buff-1d,buff-2d",
+        value_parser = ChartMethod::from_str)]
+    pub methods: Vec<ChartMethod>,
+    /// What a threshold is put on: strength (the detector's own ranking), response or snr.
+    #[arg(long, value_name = "RANKING", default_value = "strength", value_parser = Ranking::from_str)]
+    pub ranking: Ranking,
+    /// The share of false detections at which methods are compared.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1)]
+    pub false_fraction: f64,
+    /// Largest slope of the discs on each axis that moves, pixels per frame.
+    #[arg(long, value_name = "SLOPE", default_value_t = chart().max_slope)]
+    pub max_slope: f64,
+    /// Draw the curves of true against false features, one panel a ratio, as an SVG figure.
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub charts: ChartsArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const CHART_HELP: &str = "\
+Slopes: without --slopes-u and --slopes-v BuFF 1D searches -3:3:13 to the right and BuFF 2D -3:3:7 on both axes. A line of slopes
+that is given is BuFF 1D's; a plane is BuFF 2D's, and its u axis BuFF 1D's.
+
+JSON (--json):
+  {\"version\", \"command\": \"evaluate chart\", \"chart\", \"first_seed\", \"seeds\", \"ranking\", \"false_fraction\", \"detector\": {as in the parameter file},
+   \"slopes_1d\", \"slopes_2d\", \"rows\": [{\"snr\", \"methods\": [{\"method\", \"true_positives\": {\"mean\", \"standard_error\"},
+     \"default_true_positives\", \"default_false_features\", \"noise_estimate_ratio\", \"roc\": [mean discs found with at most 0, 1, … false features],
+     \"charts\": [{\"seed\", \"true_positives\", \"default_true_positives\", \"default_false_features\", \"noise_estimate_ratio\"}]}]}]}";
+
+/// Compare places, scales and slopes with the truth.
+///
+/// Slopes of the discs are drawn from a continuum that reaches beyond the grid searched. For each disc that is found the strongest feature is
+/// compared with the truth at mid-burst. Features marked as lying at the limit of the slope grid are counted and left out of the errors. Scales
+/// are compared with the σ at which a difference of Gaussians answers a disc most strongly (0.633 of the radius with 3 levels an octave).
+#[derive(Debug, Clone, Args)]
+pub struct AccuracyArgs {
+    /// Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise.
+    #[arg(long, value_name = "RATIO,…", value_delimiter = ',', default_value = "5,0.6")]
+    pub snr: Vec<f64>,
+    /// Largest slope of the discs on each axis that moves, pixels per frame.
+    #[arg(long, value_name = "SLOPE", default_value_t = 3.5)]
+    pub max_slope: f64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub charts: ChartsArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Count what is found on noise alone, where there is nothing.
+///
+/// Bursts of 10 frames of white Gaussian noise around half of full scale are searched by BuFF 1D (13 slopes) and BuFF 2D (7×7), or with the
+/// slopes and method given. The default noise gate promises at most one false feature in a million pixels of the image.
+#[derive(Debug, Clone, Args)]
+pub struct NoiseArgs {
+    /// Standard deviations of the noise of one frame, fractions of full scale, separated by commas.
+    #[arg(long, value_name = "SIGMA,…", value_delimiter = ',', default_value = "0.002,0.02,0.1")]
+    pub sigma: Vec<f64>,
+    /// Bits of the converter that rounds the noise, separated by commas; 'none' for numbers that are not rounded.
+    #[arg(long, value_name = "BITS,…", value_delimiter = ',', default_value = "none,8", value_parser = parse_bits)]
+    pub bits: Vec<Bits>,
+    /// Millions of pixels of the image to be searched for each number of the table, at least.
+    #[arg(long, value_name = "MPX", default_value_t = 50.0)]
+    pub megapixels: f64,
+    /// The first burst's seed.
+    #[arg(long, value_name = "FIRST", default_value_t = 1)]
+    pub seed: u64,
+    /// Columns.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().width)]
+    pub width: usize,
+    /// Rows.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().height)]
+    pub height: usize,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Bits of a converter, or none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bits(pub Option<u32>);
+
+fn parse_bits(text: &str) -> Result<Bits, String> {
+    if text == "none" {
+        return Ok(Bits(None));
+    }
+    text.parse().map(|bits| Bits(Some(bits))).map_err(|_| format!("'{text}' is neither 'none' nor a number of bits"))
+}

@@ -1,0 +1,156 @@
+//! What `evaluate` prints for people.
+
+use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
+use crate::evaluate::chart::{ChartReport, ChartSummary, MethodReport};
+use crate::evaluate::pure_noise::NoiseReport;
+use crate::evaluate::statistics::Errors;
+use std::fmt::{Result, Write};
+
+pub(super) fn chart_table(report: &ChartReport) -> String {
+    let mut text = String::new();
+    // Writing into a string cannot fail, here and below.
+    let _ = write_chart(&mut text, report);
+    text
+}
+
+pub(super) fn accuracy_table(report: &AccuracyReport) -> String {
+    let mut text = String::new();
+    let _ = write_accuracy(&mut text, report);
+    text
+}
+
+pub(super) fn noise_table(report: &NoiseReport) -> String {
+    let mut text = String::new();
+    let _ = write_noise(&mut text, report);
+    text
+}
+
+fn write_charts(out: &mut String, chart: &ChartSummary, first_seed: u64, seeds: u64) -> Result {
+    writeln!(
+        out,
+        "{} discs of radius {} to {} px, contrast {}, in {} frames of {}×{}, {} bits, slopes up to ±{} px/frame in {}",
+        chart.discs,
+        chart.radius[0],
+        chart.radius[1],
+        chart.contrast,
+        chart.frames,
+        chart.width,
+        chart.height,
+        chart.bits,
+        chart.max_slope,
+        chart.motion.to_uppercase()
+    )?;
+    if seeds == 1 {
+        writeln!(out, "one chart for each SNR, seed {first_seed}")
+    } else {
+        writeln!(out, "{seeds} charts for each SNR, seeds {first_seed} to {}", first_seed.saturating_add(seeds - 1))
+    }
+}
+
+fn write_chart(out: &mut String, report: &ChartReport) -> Result {
+    write_charts(out, &report.chart, report.first_seed, report.seeds)?;
+    writeln!(
+        out,
+        "\nDiscs found, of {}, at the threshold on {} where {} % of the detections are false (mean ± standard error)",
+        report.chart.discs,
+        report.ranking.name(),
+        (report.false_fraction * 1000.0).round() / 10.0
+    )?;
+    write_columns(out, report, |method| format!("{:.1}", method.true_positives))?;
+    writeln!(out, "\nDiscs found + false features among all that was detected (means)")?;
+    write_columns(out, report, |method| {
+        format!("{:.1} + {:.1}", method.default_true_positives.mean, method.default_false_features.mean)
+    })?;
+    writeln!(out, "\nEstimated over true noise of a frame")?;
+    write_columns(out, report, |method| {
+        method.noise_estimate_ratio.map_or_else(|| "–".into(), |r| format!("{:.3}", r.mean))
+    })
+}
+
+fn write_columns(out: &mut String, report: &ChartReport, cell: impl Fn(&MethodReport) -> String) -> Result {
+    write!(out, "{:>8}", "SNR")?;
+    for method in report.rows.first().map_or(&[][..], |row| &row.methods) {
+        write!(out, "{:>18}", method.method.label())?;
+    }
+    writeln!(out)?;
+    for row in &report.rows {
+        write!(out, "{:>8}", row.snr)?;
+        for method in &row.methods {
+            write!(out, "{:>18}", cell(method))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn write_accuracy(out: &mut String, report: &AccuracyReport) -> Result {
+    write_charts(out, &report.chart, report.first_seed, report.seeds)?;
+    let grid = report.detector.used_slopes();
+    writeln!(out, "searched at slopes u {} and v {} (min:max:count, px/frame)", grid.u, grid.v)?;
+    for row in &report.rows {
+        write_accuracy_row(out, row)?;
+    }
+    writeln!(
+        out,
+        "\nErrors are those of found discs that are not marked as at the slope limit. Scales are compared with the σ at which a\n\
+         difference of Gaussians answers a disc most strongly, not with r/√2."
+    )
+}
+
+fn write_accuracy_row(out: &mut String, row: &AccuracyRow) -> Result {
+    writeln!(out, "\nSNR {}", row.snr)?;
+    let mut counts = |words: &str, count: RangeCount| {
+        let RangeCount { discs, found, marked } = count;
+        writeln!(out, "  {words:36}{discs:>6}, found {found:>5}, of these marked as at the slope limit {marked:>4}")
+    };
+    counts("discs within the range of slopes", row.within)?;
+    counts("discs beyond the range", row.beyond)?;
+    writeln!(out, "  {:24}{:>16}{:>12}{:>24}", "", "median |error|", "95 %", "mean ± standard error")?;
+    let mut line = |words: &str, median: f64, most: f64, signed: String| {
+        writeln!(out, "  {words:24}{median:>16.4}{most:>12.4}{signed:>24}")
+    };
+    let mut errors = |words: &str, e: &Errors, factor: f64| {
+        let signed = format!(
+            "{:+.4}{}",
+            e.signed.mean * factor,
+            e.signed.standard_error.map_or(String::new(), |error| format!(" ± {:.4}", error * factor))
+        );
+        line(words, e.median_magnitude * factor, e.magnitude_95 * factor, signed)
+    };
+    errors("place u, px", &row.u, 1.0)?;
+    errors("place v, px", &row.v, 1.0)?;
+    errors("scale, %", &row.scale, 100.0)?;
+    errors("slope u, px/frame", &row.slope_u, 1.0)?;
+    errors("slope v, px/frame", &row.slope_v, 1.0)?;
+    line("distance, px", row.distance[0], row.distance[1], String::new())?;
+    line("slope distance, px/frame", row.slope_distance[0], row.slope_distance[1], String::new())
+}
+
+fn write_noise(out: &mut String, report: &NoiseReport) -> Result {
+    writeln!(
+        out,
+        "{} bursts of {} frames of {}×{} for each row, {:.1} Mpx of image, seeds from {}",
+        report.bursts, report.frames, report.width, report.height, report.megapixels, report.first_seed
+    )?;
+    writeln!(out, "\nFalse features in a million pixels of the image (± standard error), and how many there were")?;
+    write!(out, "{:>8}{:>7}", "sigma", "bits")?;
+    let columns = report.rows.first().map_or(&[][..], |row| &row.searches);
+    for search in columns {
+        write!(out, "{:>26}", format!("{}, {} slopes", search.label, search.slopes))?;
+    }
+    writeln!(out)?;
+    for row in &report.rows {
+        write!(out, "{:>8}{:>7}", row.level.sigma, row.level.bits.map_or("–".to_owned(), |bits| bits.to_string()))?;
+        for search in &row.searches {
+            let cell =
+                format!("{:.2} ± {:.2} ({})", search.per_megapixel, search.standard_error, search.false_features);
+            write!(out, "{cell:>26}")?;
+        }
+        writeln!(out)?;
+    }
+    write!(out, "{:>15}", "noise gate")?;
+    for search in columns {
+        write!(out, "{:>26}", format!("{:.2} σ", search.noise_gate_factor))?;
+    }
+    writeln!(out)
+}

@@ -1,0 +1,90 @@
+//! `evaluate`: tables, JSON, the figure, and wrong use.
+
+use super::support::{names, run_badly, run_well};
+use serde_json::Value;
+
+/// Options that make a chart small enough for a test.
+const SMALL: [&str; 10] = ["--width", "260", "--height", "200", "--discs", "8", "--max-slope", "1", "--seeds", "1"];
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("one JSON document")
+}
+
+#[test]
+fn charts_give_a_table_and_a_figure() {
+    let home = tempfile::tempdir().expect("a folder");
+    let few = ["--snr", "0.8,2", "--methods", "sift-frame,buff-1d", "--plot", "figures/roc.svg"];
+    let arguments = [&["evaluate", "chart"], &SMALL[..], &few].concat();
+    let table = run_well(home.path(), &arguments);
+    for words in
+        ["8 discs of radius 3.6 to 19 px", "10 % of the detections are false", "BuFF 1D", "wrote figures/roc.svg"]
+    {
+        assert!(table.contains(words), "{words}: {table}");
+    }
+    assert!(!table.contains("BuFF 2D"));
+    let svg = std::fs::read_to_string(home.path().join("figures/roc.svg")).expect("a figure");
+    assert!(svg.contains("SNR 0.8") && svg.contains("SNR 2"));
+    assert_eq!(names(&home.path().join("figures")), ["roc.svg"]);
+}
+
+#[test]
+fn json_has_everything_and_does_not_depend_on_the_threads() {
+    let home = tempfile::tempdir().expect("a folder");
+    let with = |threads: &str| {
+        let few = ["--snr", "2", "--slopes-u", "-1:1:5", "--seed", "7", "--json", "--threads", threads];
+        let methods = ["--methods", "sift-mean,buff-1d,buff-1d"];
+        run_well(home.path(), &[&["evaluate", "chart"], &SMALL[..], &few, &methods].concat())
+    };
+    let text = with("1");
+    assert_eq!(text, with("3"));
+    let report = json(&text);
+    assert_eq!((report["command"].as_str(), report["first_seed"].as_u64()), (Some("evaluate chart"), Some(7)));
+    assert_eq!(report["slopes_1d"]["u"]["count"], 5);
+    let methods = report["rows"][0]["methods"].as_array().expect("methods");
+    assert_eq!(methods.len(), 2, "a method named twice runs once");
+    assert_eq!(methods[1]["method"], "buff-1d");
+    assert!(methods[1]["true_positives"]["mean"].as_f64().expect("a number") >= 6.0, "{text}");
+    assert_eq!(methods[1]["charts"][0]["seed"], 7);
+}
+
+#[test]
+fn accuracy_and_noise_give_tables_and_json() {
+    let home = tempfile::tempdir().expect("a folder");
+    let accuracy = [&["evaluate", "accuracy", "--snr", "inf"], &SMALL[..], &["--slopes-u", "-1:1:5"]].concat();
+    let table = run_well(home.path(), &accuracy);
+    assert!(table.contains("slope u, px/frame") && table.contains("discs beyond the range"), "{table}");
+    let report = json(&run_well(home.path(), &[&accuracy[..], &["--json"]].concat()));
+    assert_eq!(report["rows"][0]["within"]["discs"], 8);
+    assert!(report["rows"][0]["u"]["median_magnitude"].as_f64().expect("a number") < 0.5);
+
+    let noise = ["evaluate", "noise", "--megapixels", "0.05", "--width", "200", "--height", "150", "--sigma", "0.02"];
+    let table = run_well(home.path(), &[&noise[..], &["--bits", "none,12", "--noise-gate", "3"]].concat());
+    assert!(table.contains("BuFF 2D, 49 slopes") && table.contains("3.00 σ"), "{table}");
+    let sift = run_well(home.path(), &[&noise[..], &["--method", "sift", "--json"]].concat());
+    let report = json(&sift);
+    assert_eq!((report["bursts"].as_u64(), report["rows"].as_array().map(Vec::len)), (Some(2), Some(2)));
+    assert_eq!(report["rows"][0]["searches"][0]["slopes"], 1);
+}
+
+#[test]
+fn wrong_use_says_what_would_be_right() {
+    let home = tempfile::tempdir().expect("a folder");
+    for (arguments, words) in [
+        (vec!["evaluate"], "accuracy"),
+        (vec!["evaluate", "chart", "--plot", "roc.png"], "name a file that ends in .svg"),
+        (vec!["evaluate", "chart", "--method", "sift"], "name them with --methods"),
+        (vec!["evaluate", "chart", "--methods", "surf"], "sift-frame, sift-mean, buff-1d or buff-2d"),
+        (vec!["evaluate", "chart", "--snr", "-1"], "--snr"),
+        (vec!["evaluate", "chart", "--discs", "9000", "--snr", "1"], "--discs: only"),
+        (vec!["evaluate", "chart", "--false-fraction", "2"], "--false-fraction: 2; give a share"),
+        (vec!["evaluate", "chart", "--seeds", "0"], "--seeds"),
+        (vec!["evaluate", "accuracy", "--levels", "0"], "--levels: "),
+        (vec!["evaluate", "noise", "--sigma", "0.5"], "--sigma: 0.5; give standard deviations"),
+        (vec!["evaluate", "noise", "--bits", "many"], "neither 'none' nor a number of bits"),
+        (vec!["evaluate", "noise", "--megapixels", "0"], "--megapixels: 0"),
+    ] {
+        let error = run_badly(home.path(), &arguments, 2);
+        assert!(error.contains(words), "{arguments:?}: {error}");
+    }
+    assert!(names(home.path()).is_empty());
+}
