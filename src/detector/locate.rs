@@ -31,7 +31,8 @@ struct Taps {
 
 impl Taps {
     fn new(sigma: f64, at: f64, pixels: Range<i64>) -> Self {
-        let (mut value, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
+        let count = (pixels.end - pixels.start) as usize;
+        let [mut value, mut first, mut second] = [(); 3].map(|()| Vec::with_capacity(count));
         let (norm, inverse) = (1.0 / (sigma * (2.0 * std::f64::consts::PI).sqrt()), 1.0 / (sigma * sigma));
         for pixel in pixels {
             let d = pixel as f64 - at;

@@ -1,8 +1,8 @@
 //! The motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
 //!
 //! Numerics. Frame `t` is sampled at `x + (t − t0)·λ`. The offset is the same for every pixel, so it splits once into whole pixels and a
-//! fraction, and a row of the result is a weighted sum of at most two rows of each frame, read at a whole-pixel distance: contiguous
-//! loads, no gather. A frame covers a pixel when the sampling point lies between the centres of its first and last pixel; the sum
+//! fraction, and a row of the result is a weighted sum of at most two rows of each frame, read at whole-pixel distances: contiguous
+//! loads, no gather, and sums that stay in registers. A frame covers a pixel when the sampling point lies between the centres of its first and last pixel; the sum
 //! is divided by the number of frames that do, which keeps borders from darkening. Where no frame covers a pixel (a corner, with diagonal
 //! slopes and an even number of frames) the frames' nearest pixels are averaged instead.
 
@@ -73,34 +73,6 @@ pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolat
         .collect()
 }
 
-/// `out += weight·row`.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn add_1(row: &[f32], out: &mut [f32]) {
-    for (o, a) in out.iter_mut().zip(row) {
-        *o += a;
-    }
-}
-
-/// `out += (1−part)·a + part·b`.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn add_2(a: &[f32], b: &[f32], part: f32, out: &mut [f32]) {
-    for ((o, a), b) in out.iter_mut().zip(a).zip(b) {
-        *o += (1.0 - part) * a + part * b;
-    }
-}
-
-/// `out +=` the bilinear mean of two rows; `a` and `b` have one value more than `out`.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn add_4(a: &[f32], b: &[f32], part_u: f32, part_v: f32, out: &mut [f32]) {
-    let n = out.len();
-    let (a0, a1, b0, b1) = (&a[..n], &a[1..=n], &b[..n], &b[1..=n]);
-    for i in 0..n {
-        let upper = (1.0 - part_u) * a0[i] + part_u * a1[i];
-        let lower = (1.0 - part_u) * b0[i] + part_u * b1[i];
-        out[i] += (1.0 - part_v) * upper + part_v * lower;
-    }
-}
-
 /// The bilinear sample of `frame` for pixel (u, v), its nearest pixels where it doesn't reach.
 fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
     let (width, height) = frame.size();
@@ -114,52 +86,76 @@ fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f3
     (1.0 - offset.part_v) * upper + offset.part_v * lower
 }
 
+/// Pixels whose sums are held in registers at once.
+const BLOCK: usize = 64;
+
+/// `out = scale·Σ weight·row`, over `(row, weight)`; each row is at least as long as `out`.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
+    let n = out.len();
+    let mut start = 0;
+    while start + BLOCK <= n {
+        let mut acc = [0.0f32; BLOCK];
+        for &(row, weight) in taps {
+            let row: &[f32; BLOCK] = row[start..start + BLOCK].try_into().expect("a block");
+            for i in 0..BLOCK {
+                acc[i] += weight * row[i];
+            }
+        }
+        for i in 0..BLOCK {
+            acc[i] *= scale;
+        }
+        out[start..start + BLOCK].copy_from_slice(&acc);
+        start += BLOCK;
+    }
+    for (i, out) in out.iter_mut().enumerate().skip(start) {
+        *out = scale * taps.iter().map(|&(row, weight)| weight * row[i]).fold(0.0, |sum, x| sum + x);
+    }
+}
+
 /// Row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one size and their [`frame_offsets`].
 pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
     let (width, height) = frames[0].size();
-    out.fill(0.0);
-    // The columns that every frame of this row covers share one divisor; those at the sides are counted one by one.
+    // The columns that every frame of this row covers share one divisor and are summed in one pass; those at the sides are made one by one.
+    let covers_row = |offset: &FrameOffset| FrameOffset::covered(offset.whole_v, offset.part_v, height).contains(&v);
     let (mut inner, mut rows_covered) = (columns.clone(), 0usize);
-    for (frame, offset) in frames.iter().zip(offsets) {
-        if !FrameOffset::covered(offset.whole_v, offset.part_v, height).contains(&v) {
-            continue;
-        }
+    for offset in offsets.iter().filter(|o| covers_row(o)) {
         rows_covered += 1;
         let covered = FrameOffset::covered(offset.whole_u, offset.part_u, width);
-        let covered = covered.start.max(columns.start)..covered.end.min(columns.end);
         inner = inner.start.max(covered.start)..inner.end.min(covered.end);
-        if covered.is_empty() {
-            continue;
-        }
-        let y = (v as i64 + offset.whole_v) as usize;
-        let x = (covered.start as i64 + offset.whole_u) as usize;
-        let n = covered.len();
-        let out = &mut out[covered.start - columns.start..covered.end - columns.start];
-        match (offset.part_u > 0.0, offset.part_v > 0.0) {
-            (false, false) => add_1(&frame.row(y)[x..x + n], out),
-            (true, false) => add_2(&frame.row(y)[x..x + n], &frame.row(y)[x + 1..x + 1 + n], offset.part_u, out),
-            (false, true) => add_2(&frame.row(y)[x..x + n], &frame.row(y + 1)[x..x + n], offset.part_v, out),
-            (true, true) => {
-                let (a, b) = (&frame.row(y)[x..=x + n], &frame.row(y + 1)[x..=x + n]);
-                add_4(a, b, offset.part_u, offset.part_v, out);
-            }
-        }
     }
     if rows_covered == 0 || inner.is_empty() {
         inner = columns.start..columns.start;
     } else {
-        let scale = 1.0 / rows_covered as f32;
-        out[inner.start - columns.start..inner.end - columns.start].iter_mut().for_each(|x| *x *= scale);
+        let mut taps: Vec<(&[f32], f32)> = Vec::with_capacity(4 * rows_covered);
+        for (frame, offset) in frames.iter().zip(offsets).filter(|(_, o)| covers_row(o)) {
+            let y = (v as i64 + offset.whole_v) as usize;
+            let x = (inner.start as i64 + offset.whole_u) as usize;
+            for (dv, weight_v) in [(0, 1.0 - offset.part_v), (1, offset.part_v)] {
+                for (du, weight_u) in [(0, 1.0 - offset.part_u), (1, offset.part_u)] {
+                    if weight_u * weight_v > 0.0 {
+                        taps.push((&frame.row(y + dv)[x + du..x + du + inner.len()], weight_u * weight_v));
+                    }
+                }
+            }
+        }
+        weighted_sum(
+            &taps,
+            1.0 / rows_covered as f32,
+            &mut out[inner.start - columns.start..inner.end - columns.start],
+        );
     }
     for u in (columns.start..inner.start).chain(inner.end..columns.end) {
-        let covering = coverage(offsets, u, v, (width, height));
-        let value = &mut out[u - columns.start];
-        *value = if covering > 0 {
-            *value / covering as f32
-        } else {
-            let sum: f32 = frames.iter().zip(offsets).map(|(f, o)| sample_clamped(f, o, u, v)).sum();
-            sum / frames.len() as f32
-        };
+        let (mut sum, mut count) = (0.0, 0);
+        for (frame, offset) in frames.iter().zip(offsets).filter(|(_, o)| o.covers(u, v, (width, height))) {
+            sum += sample_clamped(frame, offset, u, v);
+            count += 1;
+        }
+        if count == 0 {
+            count = frames.len();
+            sum = frames.iter().zip(offsets).map(|(f, o)| sample_clamped(f, o, u, v)).sum();
+        }
+        out[u - columns.start] = sum / count as f32;
     }
 }
 

@@ -23,8 +23,8 @@ use std::ops::Range;
 
 /// Median of |x| of a standard normal variable.
 const MEDIAN_OF_NORMAL: f32 = 0.674_49;
-/// Most samples that one estimate looks at; its standard error is then about 0.25 %.
-const MAX_SAMPLES: usize = 250_000;
+/// Most samples that one estimate looks at; its standard error is then about half a percent, and that of the median over frames less.
+const MAX_SAMPLES: usize = 60_000;
 
 /// The standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the rounding error of the
 /// files' numbers (step/√12). 0 for noiseless float frames or images under 3×3 pixels.

@@ -7,7 +7,7 @@
 use super::motion::{FrameOffset, stack_row};
 use super::scale_space::ScaleSpace;
 use crate::plane::Plane;
-use crate::plane::blur::{GaussianKernel, blur_row, blur_rows};
+use crate::plane::blur::{GaussianKernel, blur_rows, subtract_rows};
 use crate::plane::rows::{RowSource, Rows};
 use std::ops::Range;
 
@@ -50,11 +50,12 @@ impl RawPatch {
         debug_assert!(wide.start >= self.left && wide.end <= self.left + width, "the patch reaches far enough");
         debug_assert!(tall.start >= self.top && tall.end <= self.top + height, "the patch reaches far enough");
         // Repeated pixels at the patch's own border reach only what is not asked for, unless it is the octave's border.
-        let (mut padded, mut row_out) = (Vec::new(), vec![0.0; width]);
+        let (mut padded, mut blurred) = (Vec::new(), Rows::default());
+        let wanted = rows.start - self.top..rows.end - self.top;
+        blur_rows(&self.plane, (width, height), kernel, wanted.clone(), &mut padded, &mut blurred);
         let mut out = Plane::zeros(columns.len(), rows.len());
-        for (v, row) in rows.enumerate() {
-            blur_row(&self.plane, height, kernel, row - self.top, &mut padded, &mut row_out);
-            out.row_mut(v).copy_from_slice(&row_out[columns.start - self.left..columns.end - self.left]);
+        for (v, row) in wanted.enumerate() {
+            out.row_mut(v).copy_from_slice(&blurred.row(row)[columns.start - self.left..columns.end - self.left]);
         }
         out
     }
@@ -167,7 +168,7 @@ impl Base<'_> {
                 self.raw_rows(raw_range, 0..width, &mut scratch.stacked, |v, row| {
                     raw.row_mut(v).copy_from_slice(row);
                 });
-                blur_rows(raw, width, height, &space.base_kernel, base_range, padded, &mut scratch.levels[0]);
+                blur_rows(raw, size, &space.base_kernel, base_range, padded, &mut scratch.levels[0]);
             }
             Self::Level(plane) => {
                 let base = &mut scratch.levels[0];
@@ -180,7 +181,7 @@ impl Base<'_> {
         for (i, kernel) in space.step_kernels.iter().enumerate() {
             let (before, after) = scratch.levels.split_at_mut(i + 1);
             let range = widened(wanted, space.halo(i + 1), height);
-            blur_rows(&before[i], width, height, kernel, range, &mut scratch.padded, &mut after[0]);
+            blur_rows(&before[i], size, kernel, range, &mut scratch.padded, &mut after[0]);
         }
         &scratch.levels
     }
@@ -200,9 +201,7 @@ impl Base<'_> {
         for (s, out) in dog.levels.iter_mut().enumerate() {
             out.reset(size.0, wanted.clone());
             for v in wanted.clone() {
-                for ((out, high), low) in out.row_mut(v).iter_mut().zip(levels[s + 1].row(v)).zip(levels[s].row(v)) {
-                    *out = high - low;
-                }
+                subtract_rows(levels[s + 1].row(v), levels[s].row(v), out.row_mut(v));
             }
         }
         &levels[space.levels]

@@ -1,7 +1,7 @@
 //! The joint extrema: samples of D that beat their neighbours in space, scale and slope.
 //!
 //! The tests come in METHOD's order and each rejection is counted. Thresholds come first because they are cheapest and reject nearly
-//! everything: a row is scanned in blocks, and only blocks that hold a large enough |D| are looked at sample by sample.
+//! everything, together with the eight neighbours in the image: both are tested for a whole row at once, in vector lanes.
 
 use super::feature::{Tally, Test};
 use super::octave::DogStrip;
@@ -30,18 +30,33 @@ pub struct Thresholds {
     pub gate: Vec<f32>,
 }
 
-const BLOCK: usize = 64;
-
 /// How many values of `row` lie below `limit` in magnitude.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn count_below(row: &[f32], limit: f32) -> u32 {
     row.iter().map(|x| u32::from(x.abs() < limit)).sum()
 }
 
-/// Whether a value of the block reaches `limit` in magnitude.
+/// Marks with 1 the inner columns (`marks[i]` is column `i + 1`) of a row whose value reaches `limit` in magnitude and is above, or below, all
+/// its eight neighbours. The rows are those above, at and below.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn any_reaches(block: &[f32], limit: f32) -> bool {
-    block.iter().fold(0u32, |hits, x| hits | u32::from(x.abs() >= limit)) != 0
+fn mark_extrema(above: &[f32], row: &[f32], below: &[f32], limit: f32, marks: &mut [u8]) {
+    let n = marks.len();
+    let (a, b, c) = (&above[..n], &above[1..=n], &above[2..n + 2]);
+    let (d, e, f) = (&row[..n], &row[1..=n], &row[2..n + 2]);
+    let (g, h, i) = (&below[..n], &below[1..=n], &below[2..n + 2]);
+    let larger = |x: f32, y: f32| if x > y { x } else { y };
+    let smaller = |x: f32, y: f32| if x < y { x } else { y };
+    for u in 0..n {
+        let most =
+            larger(larger(larger(a[u], b[u]), larger(c[u], d[u])), larger(larger(f[u], g[u]), larger(h[u], i[u])));
+        let least = smaller(
+            smaller(smaller(a[u], b[u]), smaller(c[u], d[u])),
+            smaller(smaller(f[u], g[u]), smaller(h[u], i[u])),
+        );
+        let high = (e[u] > most) & (e[u] >= limit);
+        let low = (e[u] < least) & (e[u] <= -limit);
+        marks[u] = u8::from(high | low);
+    }
 }
 
 /// Whether `value` beats the three samples around column `x` of `row`.
@@ -66,21 +81,11 @@ pub fn beats_all_27(value: f32, dog: &DogStrip, x: usize, y: usize, level_index:
     })
 }
 
-/// Why the sample is not an extremum at its own slope, if it is not.
-fn own_slope_test(value: f32, dog: &DogStrip, x: usize, y: usize, level_index: usize) -> Option<Test> {
-    let own = &dog.levels[level_index];
-    let row = own.row(y);
-    let beside =
-        if value > 0.0 { value > row[x - 1] && value > row[x + 1] } else { value < row[x - 1] && value < row[x + 1] };
-    if !(beside && beats_three(value, own.row(y - 1), x) && beats_three(value, own.row(y + 1), x)) {
-        return Some(Test::SpaceExtremum);
-    }
-    for level in [&dog.levels[level_index - 1], &dog.levels[level_index + 1]] {
-        if !(y - 1..=y + 1).all(|v| beats_three(value, level.row(v), x)) {
-            return Some(Test::ScaleExtremum);
-        }
-    }
-    None
+/// Whether the sample beats its neighbours at the levels above and below.
+fn is_scale_extremum(value: f32, dog: &DogStrip, x: usize, y: usize, level_index: usize) -> bool {
+    [&dog.levels[level_index - 1], &dog.levels[level_index + 1]]
+        .iter()
+        .all(|level| (y - 1..=y + 1).all(|v| beats_three(value, level.row(v), x)))
 }
 
 /// Appends the samples of rows `rows` that pass the thresholds and are extrema at their own slope, and counts the others.
@@ -94,34 +99,41 @@ pub fn own_slope_extrema(
     out: &mut Vec<Candidate>,
 ) {
     let (width, height) = size;
+    let mut marks = vec![0u8; width - 2];
     for level_index in 1..dog.levels.len() - 1 {
-        let limit = thresholds.peak.max(thresholds.gate[level_index]);
+        // A sample of exactly 0 is no extremum, whatever the thresholds.
+        let limit = thresholds.peak.max(thresholds.gate[level_index]).max(f32::MIN_POSITIVE);
+        let own = &dog.levels[level_index];
         for y in rows.start.max(1)..rows.end.min(height - 1) {
-            let row = dog.levels[level_index].row(y);
+            let row = own.row(y);
             let inner = &row[1..width - 1];
             let below_peak = u64::from(count_below(inner, thresholds.peak));
             let below_any = u64::from(count_below(inner, limit));
+            let above = inner.len() as u64 - below_any;
             tally.samples += inner.len() as u64;
             tally.reject(Test::PeakThreshold, below_peak);
             tally.reject(Test::NoiseGate, below_any - below_peak);
-            if below_any == inner.len() as u64 {
+            if above == 0 {
                 continue;
             }
-            for (block_index, block) in inner.chunks(BLOCK).enumerate() {
-                if !any_reaches(block, limit) {
+            mark_extrema(own.row(y - 1), row, own.row(y + 1), limit, &mut marks);
+            let mut extrema = 0;
+            for (chunk_index, chunk) in marks.chunks(8).enumerate() {
+                if chunk.iter().fold(0, |any, mark| any | mark) == 0 {
                     continue;
                 }
-                for (i, &value) in block.iter().enumerate() {
-                    if value.abs() < limit {
-                        continue;
-                    }
-                    let x = 1 + block_index * BLOCK + i;
-                    match own_slope_test(value, dog, x, y, level_index) {
-                        Some(test) => tally.reject(test, 1),
-                        None => out.push(Candidate { x, y, level_index, value }),
+                for (i, _) in chunk.iter().enumerate().filter(|(_, mark)| **mark != 0) {
+                    extrema += 1;
+                    let x = 1 + chunk_index * 8 + i;
+                    let value = row[x];
+                    if is_scale_extremum(value, dog, x, y, level_index) {
+                        out.push(Candidate { x, y, level_index, value });
+                    } else {
+                        tally.reject(Test::ScaleExtremum, 1);
                     }
                 }
             }
+            tally.reject(Test::SpaceExtremum, above - extrema);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Separable Gaussian blur, row by row.
 //!
 //! Numerics. A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉ and normalised to sum 1, as in VLFeat (`vl_imsmooth`); beyond the
-//! image the nearest pixel is repeated. One output row is made in two passes: the rows above and below are combined (vertical pass), then the
-//! combined row is convolved with itself shifted (horizontal pass); symmetric taps are added before they are multiplied. Each output row is
+//! image the nearest pixel is repeated. One output row is made in two passes: the rows above and below are combined (vertical pass, for a few rows at
+//! once), then the combined row is convolved (horizontal pass); symmetric taps are added before they are multiplied. Each output value is
 //! computed by itself in a fixed order, so strips and threads cannot change a bit.
 
 use super::Plane;
@@ -49,33 +49,46 @@ impl GaussianKernel {
 /// Pixels that one step of the inner loops makes: small enough for registers, long enough to hide latencies.
 const BLOCK: usize = 64;
 
-/// The vertical pass: `out = half[0]·centre + Σ half[k]·(above[k−1] + below[k−1])`.
+/// Rows that share one vertical pass: the rows they read overlap, so a block of columns of them stays in the nearest cache.
+const GROUP: usize = 8;
+/// Kernels reach at most this many pixels to each side: ⌈8σ⌉ at the coarsest step of one level an octave.
+const MAX_RADIUS: usize = 128;
+
+/// The vertical pass for `rows.len() − 2·radius` output rows: `out = half[0]·centre + Σ half[k]·(above + below)`. `rows` are the input rows from the first one
+/// that is read to the last; output row `i` starts at `out[i·stride]` and has `width` values.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn combine_rows(centre: &[f32], pairs: &[(&[f32], &[f32])], half: &[f32], out: &mut [f32]) {
-    let width = out.len();
+fn combine_rows(rows: &[&[f32]], half: &[f32], width: usize, out: &mut [f32], stride: usize) {
+    let radius = half.len() - 1;
+    let count = rows.len() - 2 * radius;
     let mut start = 0;
     while start + BLOCK <= width {
-        let mut acc = [0.0f32; BLOCK];
-        let c: &[f32; BLOCK] = centre[start..start + BLOCK].try_into().expect("a block");
-        for i in 0..BLOCK {
-            acc[i] = half[0] * c[i];
-        }
-        for (&(above, below), &tap) in pairs.iter().zip(&half[1..]) {
-            let a: &[f32; BLOCK] = above[start..start + BLOCK].try_into().expect("a block");
-            let b: &[f32; BLOCK] = below[start..start + BLOCK].try_into().expect("a block");
-            for i in 0..BLOCK {
-                acc[i] += tap * (a[i] + b[i]);
+        for i in 0..count {
+            let centre = i + radius;
+            let mut acc = [0.0f32; BLOCK];
+            let c: &[f32; BLOCK] = rows[centre][start..start + BLOCK].try_into().expect("a block");
+            for u in 0..BLOCK {
+                acc[u] = half[0] * c[u];
             }
+            for (k, &tap) in half.iter().enumerate().skip(1) {
+                let a: &[f32; BLOCK] = rows[centre - k][start..start + BLOCK].try_into().expect("a block");
+                let b: &[f32; BLOCK] = rows[centre + k][start..start + BLOCK].try_into().expect("a block");
+                for u in 0..BLOCK {
+                    acc[u] += tap * (a[u] + b[u]);
+                }
+            }
+            out[i * stride + start..i * stride + start + BLOCK].copy_from_slice(&acc);
         }
-        out[start..start + BLOCK].copy_from_slice(&acc);
         start += BLOCK;
     }
-    for (u, out) in out.iter_mut().enumerate().skip(start) {
-        let mut acc = half[0] * centre[u];
-        for (&(above, below), &tap) in pairs.iter().zip(&half[1..]) {
-            acc += tap * (above[u] + below[u]);
+    for i in 0..count {
+        let centre = i + radius;
+        for u in start..width {
+            let mut acc = half[0] * rows[centre][u];
+            for (k, &tap) in half.iter().enumerate().skip(1) {
+                acc += tap * (rows[centre - k][u] + rows[centre + k][u]);
+            }
+            out[i * stride + u] = acc;
         }
-        *out = acc;
     }
 }
 
@@ -112,52 +125,59 @@ fn convolve_row(padded: &[f32], half: &[f32], out: &mut [f32]) {
     }
 }
 
-/// Blurs row `v` of an image of `height` rows into `out`. `source` must hold rows `v ± radius`, clamped to the image. `padded` is scratch space.
-pub fn blur_row(
-    source: &impl RowSource,
-    height: usize,
-    kernel: &GaussianKernel,
-    v: usize,
-    padded: &mut Vec<f32>,
-    out: &mut [f32],
-) {
-    let radius = kernel.radius();
-    if radius == 0 {
-        out.copy_from_slice(source.source_row(v));
-        return;
+/// `out = high − low`, value by value.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn subtract_rows(high: &[f32], low: &[f32], out: &mut [f32]) {
+    for ((out, high), low) in out.iter_mut().zip(high).zip(low) {
+        *out = high - low;
     }
-    let width = out.len();
-    if padded.len() < width + 2 * radius {
-        padded.resize(width + 2 * radius, 0.0);
-    }
-    let padded = &mut padded[..width + 2 * radius];
-    // At most 2·⌈4σ⌉ pairs; σ of one blur stays below about 8 octave pixels.
-    let mut pairs: Vec<(&[f32], &[f32])> = Vec::with_capacity(radius);
-    for k in 1..=radius {
-        pairs.push((source.source_row(v.saturating_sub(k)), source.source_row((v + k).min(height - 1))));
-    }
-    combine_rows(source.source_row(v), &pairs, kernel.half(), &mut padded[radius..radius + width]);
-    let (first, last) = (padded[radius], padded[radius + width - 1]);
-    padded[..radius].fill(first);
-    padded[radius + width..].fill(last);
-    convolve_row(padded, kernel.half(), out);
 }
 
-/// Blurs rows `range` of an image of `height` rows into `out`, which is reset to them. `source` must hold `range` widened by the kernel's
-/// radius and clamped to the image.
+/// Blurs the rows `range` of an image of `width` × `height`, and hands each to `write(v, row)`. `source` must hold `range` widened by the kernel's radius and
+/// clamped to the image. `padded` is scratch space.
+fn blur_each(
+    source: &impl RowSource,
+    (width, height): (usize, usize),
+    kernel: &GaussianKernel,
+    range: Range<usize>,
+    padded: &mut Vec<f32>,
+    mut write: impl FnMut(usize, &mut dyn FnMut(&mut [f32])),
+) {
+    let radius = kernel.radius();
+    assert!(radius <= MAX_RADIUS, "a kernel of radius {radius} is larger than any level needs");
+    let stride = width + 2 * radius;
+    padded.resize((GROUP * stride).max(padded.len()), 0.0);
+    let mut rows: [&[f32]; 2 * MAX_RADIUS + GROUP] = [&[]; 2 * MAX_RADIUS + GROUP];
+    let mut first = range.start;
+    while first < range.end {
+        let count = GROUP.min(range.end - first);
+        for (i, row) in rows[..count + 2 * radius].iter_mut().enumerate() {
+            *row = source.source_row((first + i).saturating_sub(radius).min(height - 1));
+        }
+        combine_rows(&rows[..count + 2 * radius], kernel.half(), width, &mut padded[radius..], stride);
+        for i in 0..count {
+            let line = &mut padded[i * stride..(i + 1) * stride];
+            let (before, after) = (line[radius], line[radius + width - 1]);
+            line[..radius].fill(before);
+            line[radius + width..].fill(after);
+            write(first + i, &mut |out| convolve_row(line, kernel.half(), out));
+        }
+        first += count;
+    }
+}
+
+/// Blurs rows `range` of an image of `width` × `height` into `out`, which is reset to them. `source` must hold `range` widened by the kernel's
+/// radius and clamped to the image. `padded` is scratch space.
 pub fn blur_rows(
     source: &impl RowSource,
-    width: usize,
-    height: usize,
+    size: (usize, usize),
     kernel: &GaussianKernel,
     range: Range<usize>,
     padded: &mut Vec<f32>,
     out: &mut Rows,
 ) {
-    out.reset(width, range.clone());
-    for v in range {
-        blur_row(source, height, kernel, v, padded, out.row_mut(v));
-    }
+    out.reset(size.0, range.clone());
+    blur_each(source, size, kernel, range, padded, |v, convolve| convolve(out.row_mut(v)));
 }
 
 /// The whole image blurred by `kernel`, rows in parallel.
@@ -170,9 +190,13 @@ pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel, monitor: &Monitor) 
     if width == 0 || height == 0 {
         return Ok(out);
     }
-    out.data_mut().par_chunks_mut(width).enumerate().try_for_each_init(Vec::new, |padded, (v, row)| {
+    out.data_mut().par_chunks_mut(GROUP * width).enumerate().try_for_each_init(Vec::new, |padded, (group, rows)| {
         monitor.check()?;
-        blur_row(plane, height, kernel, v, padded, row);
+        let first = group * GROUP;
+        let range = first..first + rows.len() / width;
+        blur_each(plane, (width, height), kernel, range, padded, |v, convolve| {
+            convolve(&mut rows[(v - first) * width..(v - first + 1) * width]);
+        });
         Ok(())
     })?;
     Ok(out)
@@ -217,7 +241,7 @@ mod tests {
         let (mut padded, mut strip) = (Vec::new(), Rows::default());
         for start in (0..60).step_by(7) {
             let range = start..(start + 7).min(60);
-            blur_rows(&plane, 97, 60, &kernel, range.clone(), &mut padded, &mut strip);
+            blur_rows(&plane, (97, 60), &kernel, range.clone(), &mut padded, &mut strip);
             for v in range {
                 assert_eq!(strip.row(v), whole.row(v));
             }
