@@ -8,10 +8,12 @@
 //! Only a patch around each feature is made: stacked (or cut from the octave's stored first level), blurred to the level, differentiated.
 
 use super::feature::Descriptor;
-use super::octave::Base;
-use super::scale_space::ScaleSpace;
+use super::octave::{RawPatch, widened};
 use crate::plane::Plane;
+use crate::plane::blur::GaussianKernel;
+use multiversion::multiversion;
 use std::f32::consts::TAU;
+use std::ops::Range;
 
 const ORIENTATION_BINS: usize = 36;
 const CELLS: usize = 4;
@@ -38,83 +40,138 @@ fn descriptor_radius(sigma: f32) -> i64 {
     (std::f32::consts::SQRT_2 * MAGNIFICATION * sigma * (CELLS as f32 + 1.0) / 2.0 + 0.5).floor() as i64
 }
 
+/// Half the side of the square whose gradients [`GradientPatch::around`] needs for a feature of scale `sigma`, octave pixels.
+pub fn gradient_radius(sigma: f32) -> usize {
+    descriptor_radius(sigma) as usize + 2
+}
+
+/// The columns (or rows) within `radius` of `centre`, inside an octave of `n`.
+pub fn span(centre: f32, radius: usize, n: usize) -> Range<usize> {
+    let middle = ((centre + 0.5).max(0.0) as usize).min(n - 1);
+    widened(&(middle..middle + 1), radius, n)
+}
+
+/// Magnitudes and angles of one row's gradients from the rows above and below; `scale_v` is 1 over their distance.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn gradient_row(above: &[f32], row: &[f32], below: &[f32], scale_v: f32, magnitude: &mut [f32], angle: &mut [f32]) {
+    let n = row.len();
+    if n < 3 {
+        // An octave has at least 16 columns; such a patch has nothing to say.
+        return;
+    }
+    let inner = n - 2;
+    let (before, after) = (&row[..inner], &row[2..]);
+    let (above_in, below_in) = (&above[1..=inner], &below[1..=inner]);
+    {
+        let (m, a) = (&mut magnitude[1..=inner], &mut angle[1..=inner]);
+        for i in 0..inner {
+            let gu = 0.5 * (after[i] - before[i]);
+            let gv = scale_v * (below_in[i] - above_in[i]);
+            m[i] = (gu * gu + gv * gv).sqrt();
+            a[i] = direction(gv, gu);
+        }
+    }
+    for (u, gu) in [(0, row[1] - row[0]), (n - 1, row[n - 1] - row[n - 2])] {
+        let gv = scale_v * (below[u] - above[u]);
+        magnitude[u] = (gu * gu + gv * gv).sqrt();
+        angle[u] = direction(gv, gu);
+    }
+}
+
+/// The direction of (gu, gv) in [0, 2π), to 2·10⁻⁶ radians: a minimax polynomial for the arctangent on [0, 1], without branches so that it
+/// runs in vector lanes.
+#[inline(always)]
+fn direction(gv: f32, gu: f32) -> f32 {
+    let (x, y) = (gu.abs(), gv.abs());
+    let (small, large) = (x.min(y), x.max(y));
+    let a = small / large.max(f32::MIN_POSITIVE);
+    let s = a * a;
+    let mut r = -0.011_721_2;
+    r = r * s + 0.052_653_32;
+    r = r * s - 0.116_432_87;
+    r = r * s + 0.193_543_46;
+    r = r * s - 0.332_623_47;
+    r = r * s + 0.999_977_26;
+    r *= a;
+    r = if y > x { std::f32::consts::FRAC_PI_2 - r } else { r };
+    r = if gu < 0.0 { std::f32::consts::PI - r } else { r };
+    r = if gv < 0.0 { TAU - r } else { r };
+    if r >= TAU { 0.0 } else { r }
+}
+
+/// exp(−d²/(2·sigma²)) of the distances of `range` from `centre`.
+fn window(range: Range<i64>, centre: f32, sigma: f32) -> Vec<f32> {
+    let scale = -0.5 / (sigma * sigma);
+    range.map(|at| (scale * (at as f32 - centre).powi(2)).exp()).collect()
+}
+
 impl GradientPatch {
-    /// The gradients that orientation and descriptor of a feature at (x, y) with scale `sigma` (octave pixels of an octave of `size`) need, on
-    /// Gaussian level `level`.
-    pub fn around(
-        base: &Base<'_>,
-        space: &ScaleSpace,
-        size: (usize, usize),
-        (x, y): (f32, f32),
-        sigma: f32,
-        level: i32,
-    ) -> Self {
-        let radius = descriptor_radius(sigma) + 2;
-        let span = |centre: f32, n: usize| {
-            let middle = (centre + 0.5) as i64;
-            (middle - radius).clamp(0, n as i64 - 1) as usize..(middle + radius + 1).clamp(1, n as i64) as usize
-        };
-        let (columns, rows) = (span(x, size.0), span(y, size.1));
-        let (left, top) = (columns.start, rows.start);
-        let sigma_level = space.sigma_octave(f64::from(level));
-        Self::of(&base.level_patch(size, columns, rows, sigma_level, space.kernel_cut), (left, top), size)
+    /// The gradients that orientation and descriptor of a feature at (x, y) with scale `sigma` need, from the pixels around it (which reach
+    /// [`gradient_radius`] and the kernel's radius) blurred by `kernel` to the feature's Gaussian level. All in octave pixels.
+    pub fn around(raw: &RawPatch, (x, y): (f32, f32), sigma: f32, kernel: &GaussianKernel) -> Self {
+        let (columns, rows) =
+            (span(x, gradient_radius(sigma), raw.size.0), span(y, gradient_radius(sigma), raw.size.1));
+        let corner = (columns.start, rows.start);
+        Self::of(&raw.blurred(columns, rows, kernel), corner, raw.size)
     }
 
     /// The gradients of a `patch` whose first pixel is (left, top) of an octave of `size`. Central differences, one-sided at the patch's border.
     pub fn of(patch: &Plane, (left, top): (usize, usize), size: (usize, usize)) -> Self {
         let (width, height) = patch.size();
-        let mut magnitude = Vec::with_capacity(width * height);
-        let mut angle = Vec::with_capacity(width * height);
-        for v in 0..height {
+        let mut magnitude = vec![0.0; width * height];
+        let mut angle = vec![0.0; width * height];
+        for (v, (magnitude, angle)) in magnitude.chunks_mut(width).zip(angle.chunks_mut(width)).enumerate() {
             let (above, below) = (patch.row(v.saturating_sub(1)), patch.row((v + 1).min(height - 1)));
-            let row = patch.row(v);
             let scale_v = if v == 0 || v + 1 == height { 1.0 } else { 0.5 };
-            for u in 0..width {
-                let (before, after) = (u.saturating_sub(1), (u + 1).min(width - 1));
-                let scale_u = if u == 0 || u + 1 == width { 1.0 } else { 0.5 };
-                let (gu, gv) = (scale_u * (row[after] - row[before]), scale_v * (below[u] - above[u]));
-                magnitude.push((gu * gu + gv * gv).sqrt());
-                let direction = gv.atan2(gu);
-                angle.push(if direction < 0.0 { direction + TAU } else { direction });
-            }
+            gradient_row(above, patch.row(v), below, scale_v, magnitude, angle);
         }
         Self { left, top, size, width, magnitude, angle }
     }
 
-    /// Calls `f(column, row, magnitude, angle)` for the octave's pixels within `radius` of the pixel (xi, yi), except the image's rim.
-    fn for_each_within(&self, (xi, yi): (i64, i64), radius: i64, mut f: impl FnMut(i64, i64, f32, f32)) {
-        let rows = (yi - radius).max(1)..=(yi + radius).min(self.size.1 as i64 - 2);
-        for row in rows {
-            let line = (row as usize - self.top) * self.width;
-            for column in (xi - radius).max(1)..=(xi + radius).min(self.size.0 as i64 - 2) {
-                let at = line + column as usize - self.left;
-                f(column, row, self.magnitude[at], self.angle[at]);
-            }
-        }
+    /// The octave's columns (or rows) within `radius` of `centre`, except the image's rim.
+    fn reach(centre: i64, radius: i64, n: usize) -> Range<i64> {
+        (centre - radius).max(1)..(centre + radius + 1).min(n as i64 - 1)
+    }
+
+    /// Magnitudes and angles of a row's `columns`.
+    fn line(&self, row: i64, columns: &Range<i64>) -> (&[f32], &[f32]) {
+        let start = (row as usize - self.top) * self.width + columns.start as usize - self.left;
+        let end = start + (columns.end - columns.start) as usize;
+        (&self.magnitude[start..end], &self.angle[start..end])
     }
 
     /// The orientations of a feature at (x, y), scale `sigma`, in octave pixels: radians in [0, 2π), strongest first, at most `most` (1 … 4).
     /// Without any gradient the only orientation is 0.
     pub fn orientations(&self, x: f32, y: f32, sigma: f32, most: usize) -> Vec<f32> {
-        let window = 1.5 * sigma;
-        let radius = (3.0 * window).floor().max(1.0) as i64;
-        let (xi, yi) = ((x + 0.5) as i64, (y + 0.5) as i64);
+        let spread = 1.5 * sigma;
+        let radius = (3.0 * spread).floor().max(1.0) as i64;
+        let columns = Self::reach((x + 0.5) as i64, radius, self.size.0);
+        let rows = Self::reach((y + 0.5) as i64, radius, self.size.1);
+        if columns.is_empty() {
+            return vec![0.0];
+        }
         let mut histogram = [0.0f32; ORIENTATION_BINS];
         let reach = (radius * radius) as f32 + 0.6;
-        self.for_each_within((xi, yi), radius, |column, row, magnitude, angle| {
-            let (du, dv) = (column as f32 - x, row as f32 - y);
-            let r2 = du * du + dv * dv;
-            if r2 >= reach {
-                return;
+        let (along_u, along_v) = (window(columns.clone(), x, spread), window(rows.clone(), y, spread));
+        for (row, weight_v) in rows.zip(along_v) {
+            let dv = row as f32 - y;
+            let (magnitudes, angles) = self.line(row, &columns);
+            for ((column, weight_u), (magnitude, angle)) in
+                columns.clone().zip(&along_u).zip(magnitudes.iter().zip(angles))
+            {
+                let du = column as f32 - x;
+                if du * du + dv * dv >= reach {
+                    continue;
+                }
+                let weight = weight_u * weight_v * magnitude;
+                // Shifted by a turn so that the whole part is positive.
+                let at = angle * (ORIENTATION_BINS as f32 / TAU) + (ORIENTATION_BINS as f32 - 0.5);
+                let bin = at as usize;
+                let share = at - bin as f32;
+                histogram[bin % ORIENTATION_BINS] += (1.0 - share) * weight;
+                histogram[(bin + 1) % ORIENTATION_BINS] += share * weight;
             }
-            let weight = (-r2 / (2.0 * window * window)).exp() * magnitude;
-            let at = ORIENTATION_BINS as f32 * angle / TAU - 0.5;
-            let bin = at.floor();
-            let share = at - bin;
-            let bin = bin as i64 + ORIENTATION_BINS as i64;
-            histogram[(bin as usize) % ORIENTATION_BINS] += (1.0 - share) * weight;
-            histogram[(bin as usize + 1) % ORIENTATION_BINS] += share * weight;
-        });
+        }
         for _ in 0..6 {
             let before = histogram;
             for (i, out) in histogram.iter_mut().enumerate() {
@@ -139,43 +196,59 @@ impl GradientPatch {
         if peaks.is_empty() { vec![0.0] } else { peaks.into_iter().map(|(_, angle)| angle.rem_euclid(TAU)).collect() }
     }
 
-    /// The descriptor of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians.
+    /// The descriptor of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians in [0, 2π).
     pub fn descriptor(&self, x: f32, y: f32, sigma: f32, orientation: f32) -> Descriptor {
+        const PADDED: usize = CELLS + 2;
         let cell = MAGNIFICATION * sigma + f32::EPSILON;
         let (sin, cos) = orientation.sin_cos();
-        let half = CELLS as i64 / 2;
-        let mut bins = [0.0f32; CELLS * CELLS * DIRECTIONS];
-        let (xi, yi) = ((x + 0.5) as i64, (y + 0.5) as i64);
-        self.for_each_within((xi, yi), descriptor_radius(sigma), |column, row, magnitude, angle| {
-            let (du, dv) = (column as f32 - x, row as f32 - y);
-            let (nx, ny) = ((cos * du + sin * dv) / cell, (cos * dv - sin * du) / cell);
-            // Farther than 2.5 cells nothing is added.
-            if nx.abs() >= 2.5 || ny.abs() >= 2.5 {
-                return;
-            }
-            let turned = DIRECTIONS as f32 * (angle - orientation).rem_euclid(TAU) / TAU;
-            // A Gaussian of half the descriptor's width, which is two cells.
-            let weight = magnitude * (-(nx * nx + ny * ny) / 8.0).exp();
-            let (bx, by, bt) = ((nx - 0.5).floor(), (ny - 0.5).floor(), turned.floor());
-            let (rx, ry, rt) = (nx - bx - 0.5, ny - by - 0.5, turned - bt);
-            for (dx, wx) in [(0, 1.0 - rx), (1, rx)] {
-                let cell_x = bx as i64 + dx + half;
-                if !(0..CELLS as i64).contains(&cell_x) {
+        let (sin, cos) = (sin / cell, cos / cell);
+        // A cell more on each side takes what falls outside, so that no weight needs a test.
+        let mut bins = [0.0f32; PADDED * PADDED * DIRECTIONS];
+        let radius = descriptor_radius(sigma);
+        let columns = Self::reach((x + 0.5) as i64, radius, self.size.0);
+        let rows = Self::reach((y + 0.5) as i64, radius, self.size.1);
+        if columns.is_empty() {
+            return quantise([0.0; 128]);
+        }
+        // A Gaussian of half the descriptor's width, which is two cells.
+        let (along_u, along_v) = (window(columns.clone(), x, 2.0 * cell), window(rows.clone(), y, 2.0 * cell));
+        for (row, weight_v) in rows.zip(along_v) {
+            let dv = row as f32 - y;
+            let (magnitudes, angles) = self.line(row, &columns);
+            for ((column, weight_u), (magnitude, angle)) in
+                columns.clone().zip(&along_u).zip(magnitudes.iter().zip(angles))
+            {
+                let du = column as f32 - x;
+                let (nx, ny) = (cos * du + sin * dv, cos * dv - sin * du);
+                // Farther than 2.5 cells nothing is added.
+                if nx.abs() >= 2.5 || ny.abs() >= 2.5 {
                     continue;
                 }
-                for (dy, wy) in [(0, 1.0 - ry), (1, ry)] {
-                    let cell_y = by as i64 + dy + half;
-                    if !(0..CELLS as i64).contains(&cell_y) {
-                        continue;
-                    }
-                    let at = (cell_y as usize * CELLS + cell_x as usize) * DIRECTIONS;
-                    let weight = weight * wx * wy;
-                    bins[at + bt as usize % DIRECTIONS] += weight * (1.0 - rt);
-                    bins[at + (bt as usize + 1) % DIRECTIONS] += weight * rt;
+                let turned = angle - orientation;
+                let turned = (if turned < 0.0 { turned + TAU } else { turned }) * (DIRECTIONS as f32 / TAU);
+                let weight = magnitude * weight_u * weight_v;
+                // In cells from the first padded one; positive, so the whole part is the floor. The sum may round up to 5.
+                let (cx, cy) = (nx + 2.5, ny + 2.5);
+                let (bx, by, bt) = ((cx as usize).min(CELLS), (cy as usize).min(CELLS), turned as usize);
+                let (rx, ry, rt) = (cx - bx as f32, cy - by as f32, turned - bt as f32);
+                let (t0, t1) = (bt % DIRECTIONS, (bt + 1) % DIRECTIONS);
+                let at = (by * PADDED + bx) * DIRECTIONS;
+                for (offset, w) in [
+                    (0, weight * (1.0 - rx) * (1.0 - ry)),
+                    (DIRECTIONS, weight * rx * (1.0 - ry)),
+                    (PADDED * DIRECTIONS, weight * (1.0 - rx) * ry),
+                    ((PADDED + 1) * DIRECTIONS, weight * rx * ry),
+                ] {
+                    bins[at + offset + t0] += w * (1.0 - rt);
+                    bins[at + offset + t1] += w * rt;
                 }
             }
-        });
-        quantise(bins)
+        }
+        quantise(std::array::from_fn(|i| {
+            let (cell, direction) = (i / DIRECTIONS, i % DIRECTIONS);
+            let (cx, cy) = (cell % CELLS + 1, cell / CELLS + 1);
+            bins[(cy * PADDED + cx) * DIRECTIONS + direction]
+        }))
     }
 }
 
@@ -220,6 +293,18 @@ mod tests {
     fn patch_of(f: impl Fn(f32, f32) -> f32) -> GradientPatch {
         let plane = Plane::from_fn(101, 101, |u, v| f(u as f32 - 50.0, v as f32 - 50.0));
         GradientPatch::of(&plane, (0, 0), (101, 101))
+    }
+
+    #[test]
+    fn directions_are_exact_to_a_few_millionths() {
+        for i in 0..10_000 {
+            let angle = i as f32 / 10_000.0 * TAU;
+            let (gv, gu) = (0.01 * angle.sin(), 0.01 * angle.cos());
+            let d = (direction(gv, gu) - angle).rem_euclid(TAU);
+            assert!(d.min(TAU - d) < 4e-6, "{angle}: {}", direction(gv, gu));
+        }
+        assert_eq!(direction(0.0, 0.0), 0.0);
+        assert!(direction(-1e-30, 1.0) < TAU);
     }
 
     #[test]

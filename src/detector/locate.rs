@@ -9,37 +9,16 @@
 //! The filter is taken [`SCALE_FACTOR`] times the feature's scale. The noise of a peak's place is the noise of D's gradient over D's curvature; for a
 //! disc it is smallest a little above the scale at which |D| itself is largest (0.040 px at 1.2 times, 0.043 px at 1.1 times, 0.050 px at the scale itself, at a per-pixel SNR of 5 in 10 frames); much above, neighbouring blobs pull it aside.
 
-use super::octave::{Base, widened};
+use super::octave::RawPatch;
 use super::refine::{peak_offset, peak_offset_2d};
-use crate::plane::Plane;
 use std::ops::Range;
 
 /// Scale of the localising filter over the feature's scale.
 pub const SCALE_FACTOR: f64 = 1.2;
 /// A place that moves farther than this from the quadratic fit, in octave pixels, is not the same extremum.
-const FARTHEST_MOVE: f64 = 1.0;
+pub const FARTHEST_MOVE_PX: usize = 1;
 /// Newton steps at most; two are usual.
 const MAX_STEPS: usize = 6;
-
-/// The pixels around a feature, before any blur of their octave.
-#[derive(Debug)]
-struct Window {
-    patch: Plane,
-    left: i64,
-    top: i64,
-    size: (i64, i64),
-}
-
-impl Window {
-    fn of(base: &Base<'_>, size: (usize, usize), columns: Range<usize>, rows: Range<usize>) -> Self {
-        let (left, top) = (columns.start as i64, rows.start as i64);
-        let mut patch = base.patch(columns, rows);
-        // D of a constant is 0; without it the sums below are sums of small numbers.
-        let middle = patch.at(patch.width() / 2, patch.height() / 2);
-        patch.data_mut().iter_mut().for_each(|x| *x -= middle);
-        Self { patch, left, top, size: (size.0 as i64, size.1 as i64) }
-    }
-}
 
 /// A Gaussian and its first two derivatives, sampled at the pixels around a place.
 struct Taps {
@@ -72,27 +51,26 @@ struct Local {
     hessian: [f64; 3],
 }
 
-impl Window {
+impl RawPatch {
     /// Adds `sign` times the image blurred by `sigma` at (x, y), with derivatives.
     fn add_gaussian(&self, sigma: f64, (x, y): (f64, f64), sign: f64, out: &mut Local) {
         let reach = (4.0 * sigma).ceil() as i64;
         let span = |at: f64| at.round() as i64 - reach..at.round() as i64 + reach + 1;
         let (columns, rows) = (span(x), span(y));
         let (along_u, along_v) = (Taps::new(sigma, x, columns.clone()), Taps::new(sigma, y, rows.clone()));
-        let inside = columns.start >= self.left && columns.end <= self.left + self.patch.width() as i64;
+        let (left, top) = (self.left as i64, self.top as i64);
+        let (wide, tall) = (self.plane.width() as i64, self.plane.height() as i64);
+        let inside = columns.start >= left && columns.end <= left + wide;
         let mut line = vec![0.0f32; columns.clone().count()];
         for (j, row) in rows.enumerate() {
             // Beyond the image the nearest pixel is repeated, as everywhere.
-            let row =
-                row.clamp(0, self.size.1 - 1).clamp(self.top, self.top + self.patch.height() as i64 - 1) - self.top;
-            let pixels = self.patch.row(row as usize);
+            let pixels = self.plane.row((row.clamp(top, top + tall - 1) - top) as usize);
             let pixels = if inside {
-                let start = (columns.start - self.left) as usize;
+                let start = (columns.start - left) as usize;
                 &pixels[start..start + line.len()]
             } else {
                 for (out, column) in line.iter_mut().zip(columns.clone()) {
-                    let column = column.clamp(0, self.size.0 - 1).clamp(self.left, self.left + pixels.len() as i64 - 1);
-                    *out = pixels[(column - self.left) as usize];
+                    *out = pixels[(column.clamp(left, left + wide - 1) - left) as usize];
                 }
                 &line[..]
             };
@@ -143,29 +121,28 @@ pub struct Located {
     pub slope_step_j: f32,
 }
 
-/// Localises the extremum near (x, y) of scale `sigma` (octave pixels of an octave of `size`) with `levels` levels per octave.
-///
-/// `base(di, dj)` gives the octave's first level at the neighbouring slope (di, dj) of the grid, or `None` where the grid ends. `None` is returned when there is
-/// no extremum within a pixel; the quadratic fit's answer then stands.
-pub fn locate<'a>(
-    base: impl Fn(i32, i32) -> Option<Base<'a>>,
-    size: (usize, usize),
-    (x0, y0): (f64, f64),
-    sigma: f64,
-    levels: usize,
-) -> Option<Located> {
-    let here = base(0, 0)?;
-    let from = here.sigma_octave();
+/// The scales of the localising filter for a feature of scale `sigma` with `levels` levels per octave: the standard deviations that its two Gaussians
+/// still have to add to an image of σ `from`; all in octave pixels.
+pub fn filter_scales(sigma: f64, levels: usize, from: f64) -> (f64, f64) {
     let rest = |s: f64| (s * s - from * from).max(0.36).sqrt();
-    let scales = (rest(SCALE_FACTOR * sigma), rest(SCALE_FACTOR * sigma * 2f64.powf(1.0 / levels as f64)));
-    let reach = (4.0 * scales.1).ceil() as usize + 2;
-    let span = |at: f64, n: usize| {
-        let middle = (at.round().max(0.0) as usize).min(n - 1);
-        widened(&(middle..middle + 1), reach, n)
-    };
-    let (columns, rows) = (span(x0, size.0), span(y0, size.1));
-    let window = |base: &Base<'_>| Window::of(base, size, columns.clone(), rows.clone());
-    let middle = window(&here);
+    (rest(SCALE_FACTOR * sigma), rest(SCALE_FACTOR * sigma * 2f64.powf(1.0 / levels as f64)))
+}
+
+/// How far around a feature the pixels for `filter_scales` must reach, octave pixels.
+pub fn filter_reach(scales: (f64, f64)) -> usize {
+    (4.0 * scales.1).ceil() as usize + FARTHEST_MOVE_PX + 1
+}
+
+/// Localises the extremum near (x0, y0), octave pixels, with the filter of `scales`.
+///
+/// `middle` holds the pixels around it at its own slope, [`filter_reach`] to each side; `neighbour(di, dj)` gives those at the neighbouring slope (di, dj) of the grid,
+/// or `None` where the grid ends. `None` is returned when there is no extremum within a pixel; the quadratic fit's answer then stands.
+pub fn locate(
+    middle: &RawPatch,
+    neighbour: impl Fn(i32, i32) -> Option<RawPatch>,
+    (x0, y0): (f64, f64),
+    scales: (f64, f64),
+) -> Option<Located> {
     let (mut x, mut y) = (x0, y0);
     let mut local = middle.dog(scales, (x, y));
     let sign = local.value.signum();
@@ -181,7 +158,7 @@ pub fn locate<'a>(
         let length = du.hypot(dv).max(1e-12);
         let damp = (0.5 / length).min(1.0);
         (x, y) = (x + damp * du, y + damp * dv);
-        if (x - x0).hypot(y - y0) > FARTHEST_MOVE {
+        if (x - x0).hypot(y - y0) > FARTHEST_MOVE_PX as f64 {
             return None;
         }
         local = middle.dog(scales, (x, y));
@@ -193,7 +170,7 @@ pub fn locate<'a>(
         if (di, dj) == (0, 0) {
             return Some(local.value as f32);
         }
-        base(di, dj).map(|base| window(&base).dog(scales, (x, y)).value as f32)
+        neighbour(di, dj).map(|patch| patch.dog(scales, (x, y)).value as f32)
     };
     let peak = |before: Option<f32>, after: Option<f32>| match (before, after) {
         (Some(before), Some(after)) => peak_offset(before, local.value as f32, after),
@@ -218,7 +195,18 @@ pub fn locate<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::octave::Base;
     use crate::detector::scale_space::SIGMA_BASE;
+    use crate::plane::Plane;
+
+    fn whole(plane: &Plane) -> RawPatch {
+        let (width, height) = plane.size();
+        Base::Level(plane).patch((width, height), 0..width, 0..height)
+    }
+
+    fn scales() -> (f64, f64) {
+        filter_scales(2.5, 3, SIGMA_BASE)
+    }
 
     /// A blob of standard deviation `sigma` at (x, y), as a finished first level shows it.
     fn blob(sigma: f64, x: f64, y: f64) -> Plane {
@@ -232,9 +220,7 @@ mod tests {
     fn a_blob_is_found_to_a_thousandth_of_a_pixel() {
         for (x, y) in [(40.0, 35.0), (40.3, 34.6), (39.51, 35.49)] {
             let plane = blob(2.5, x, y);
-            let found =
-                locate(|di, dj| (di == 0 && dj == 0).then_some(Base::Level(&plane)), (80, 70), (40.2, 34.9), 2.5, 3)
-                    .expect("a clean blob");
+            let found = locate(&whole(&plane), |_, _| None, (40.2, 34.9), scales()).expect("a clean blob");
             assert!((found.x - x).abs() < 1e-3 && (found.y - y).abs() < 1e-3, "{found:?} for {x} {y}");
             assert_eq!((found.slope_step_i, found.slope_step_j), (0.0, 0.0));
         }
@@ -246,8 +232,8 @@ mod tests {
         let planes = [blob(2.5, 40.0, 35.0), blob(2.5, 40.0, 35.0), blob(2.5, 40.0, 35.0)];
         let faded = |plane: &Plane, by: f32| Plane::from_fn(80, 70, |u, v| 0.3 + by * (plane.at(u, v) - 0.3));
         let planes = [faded(&planes[0], 0.5), faded(&planes[1], 1.0), faded(&planes[2], 0.9)];
-        let base = |di: i32, dj: i32| (dj == 0 && di.abs() <= 1).then(|| Base::Level(&planes[(di + 1) as usize]));
-        let found = locate(base, (80, 70), (40.0, 35.0), 2.5, 3).expect("a clean blob");
+        let neighbour = |di: i32, dj: i32| (dj == 0 && di.abs() <= 1).then(|| whole(&planes[(di + 1) as usize]));
+        let found = locate(&whole(&planes[1]), neighbour, (40.0, 35.0), scales()).expect("a clean blob");
         let expected = peak_offset(0.5, 1.0, 0.9);
         assert!((found.slope_step_i - expected).abs() < 1e-3, "{found:?} {expected}");
     }
@@ -255,9 +241,7 @@ mod tests {
     #[test]
     fn nothing_is_located_on_a_slope_or_beyond_a_pixel() {
         let ramp = Plane::from_fn(80, 70, |u, v| (u + 2 * v) as f32 * 0.003);
-        let at = |plane: &Plane, x: f64| {
-            locate(|i, j| (i == 0 && j == 0).then_some(Base::Level(plane)), (80, 70), (x, 35.0), 2.5, 3)
-        };
+        let at = |plane: &Plane, x: f64| locate(&whole(plane), |_, _| None, (x, 35.0), scales());
         assert_eq!(at(&ramp, 40.0), None);
         assert_eq!(at(&blob(2.5, 44.0, 35.0), 40.0), None);
     }

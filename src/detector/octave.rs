@@ -7,7 +7,7 @@
 use super::motion::{FrameOffset, stack_row};
 use super::scale_space::ScaleSpace;
 use crate::plane::Plane;
-use crate::plane::blur::{GaussianKernel, blur_rows};
+use crate::plane::blur::{GaussianKernel, blur_row, blur_rows};
 use crate::plane::rows::{RowSource, Rows};
 use std::ops::Range;
 
@@ -25,6 +25,39 @@ pub enum Base<'a> {
     },
     /// The finished first level, on the octave's pixels.
     Level(&'a Plane),
+}
+
+/// The pixels around a feature as they are before any blur of their octave, less the value in the middle.
+#[derive(Debug)]
+pub struct RawPatch {
+    /// The pixels.
+    pub plane: Plane,
+    /// Column of the octave at which they begin.
+    pub left: usize,
+    /// Row of the octave at which they begin.
+    pub top: usize,
+    /// The octave's size.
+    pub size: (usize, usize),
+}
+
+impl RawPatch {
+    /// Columns `columns` and rows `rows` of the octave, blurred by `kernel`. The patch must reach farther by the kernel's radius, or to the octave's border.
+    /// One blur to a level equals the levels' chain of blurs up to the kernels' cut.
+    pub fn blurred(&self, columns: Range<usize>, rows: Range<usize>, kernel: &GaussianKernel) -> Plane {
+        let reach = kernel.radius();
+        let (width, height) = self.plane.size();
+        let (wide, tall) = (widened(&columns, reach, self.size.0), widened(&rows, reach, self.size.1));
+        debug_assert!(wide.start >= self.left && wide.end <= self.left + width, "the patch reaches far enough");
+        debug_assert!(tall.start >= self.top && tall.end <= self.top + height, "the patch reaches far enough");
+        // Repeated pixels at the patch's own border reach only what is not asked for, unless it is the octave's border.
+        let (mut padded, mut row_out) = (Vec::new(), vec![0.0; width]);
+        let mut out = Plane::zeros(columns.len(), rows.len());
+        for (v, row) in rows.enumerate() {
+            blur_row(&self.plane, height, kernel, row - self.top, &mut padded, &mut row_out);
+            out.row_mut(v).copy_from_slice(&row_out[columns.start - self.left..columns.end - self.left]);
+        }
+        out
+    }
 }
 
 /// Scratch space for the strips of one slope; reused, so that the search does not allocate per strip.
@@ -94,51 +127,25 @@ impl Base<'_> {
         }
     }
 
-    /// Columns `columns` and rows `rows` of the octave, inside it, as they are before any blur of this octave.
-    pub fn patch(&self, columns: Range<usize>, rows: Range<usize>) -> Plane {
-        let mut patch = Plane::zeros(columns.len(), rows.len());
-        let top = rows.start;
+    /// Columns `columns` and rows `rows` of the octave of `size`, inside it, as they are before any blur of this octave.
+    pub fn patch(&self, size: (usize, usize), columns: Range<usize>, rows: Range<usize>) -> RawPatch {
+        let (left, top) = (columns.start, rows.start);
+        let mut plane = Plane::zeros(columns.len(), rows.len());
         match self {
             Self::Frames { .. } => {
                 let mut stacked = Vec::new();
-                self.raw_rows(rows, columns, &mut stacked, |v, row| patch.row_mut(v - top).copy_from_slice(row));
+                self.raw_rows(rows, columns, &mut stacked, |v, row| plane.row_mut(v - top).copy_from_slice(row));
             }
-            Self::Level(plane) => {
+            Self::Level(level) => {
                 for v in rows {
-                    patch.row_mut(v - top).copy_from_slice(&plane.row(v)[columns.clone()]);
+                    plane.row_mut(v - top).copy_from_slice(&level.row(v)[columns.clone()]);
                 }
             }
         }
-        patch
-    }
-
-    /// The image around a feature at a level whose σ is `sigma_octave` octave pixels: columns `columns`, rows `rows` of the octave, inside the
-    /// octave's `size`. Kernels end at `kernel_cut` standard deviations. The blur is done in one step, which equals the levels' chain of
-    /// blurs up to the kernels' cut.
-    pub fn level_patch(
-        &self,
-        size: (usize, usize),
-        columns: Range<usize>,
-        rows: Range<usize>,
-        sigma_octave: f64,
-        kernel_cut: f64,
-    ) -> Plane {
-        let from = self.sigma_octave();
-        let kernel = GaussianKernel::with_cut((sigma_octave * sigma_octave - from * from).max(0.0).sqrt(), kernel_cut);
-        let reach = kernel.radius();
-        let (wide, tall) = (widened(&columns, reach, size.0), widened(&rows, reach, size.1));
-        let patch = self.patch(wide.clone(), tall.clone());
-        // Repeated pixels at the patch's own border reach only rows and columns that are cut away, unless it is the image's border.
-        let (width, height) = patch.size();
-        let (mut padded, mut blurred) = (Vec::new(), Rows::default());
-        let wanted = rows.start - tall.start..rows.end - tall.start;
-        blur_rows(&patch, width, height, &kernel, wanted.clone(), &mut padded, &mut blurred);
-        let left = columns.start - wide.start;
-        let mut out = Plane::zeros(columns.len(), rows.len());
-        for (v, from) in wanted.enumerate() {
-            out.row_mut(v).copy_from_slice(&blurred.row(from)[left..left + columns.len()]);
-        }
-        out
+        // Only differences matter around a feature; small numbers round less.
+        let middle = plane.at(plane.width() / 2, plane.height() / 2);
+        plane.data_mut().iter_mut().for_each(|x| *x -= middle);
+        RawPatch { plane, left, top, size }
     }
 
     /// Gaussian levels −1 … S+1 around rows `wanted`, into the scratch; level index `i` has `space.halo(i)` more rows on each side.

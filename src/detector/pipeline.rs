@@ -4,12 +4,12 @@
 //! strip visits all slopes in order, holding only those that its undecided candidates still need. The strip's height is chosen so that
 //! what it holds stays within [`WINDOW_BYTES`] per thread. Strips return their keypoints in order, so threads cannot change the result.
 
-use super::describe::GradientPatch;
+use super::describe::{GradientPatch, gradient_radius, span};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
-use super::locate::locate;
+use super::locate::{FARTHEST_MOVE_PX, filter_reach, filter_scales, locate};
 use super::motion::{FrameOffset, coverage, frame_offsets};
 use super::noise::{dog_noise_variance, frame_noise, gate_factor};
-use super::octave::{Base, StripScratch, widened};
+use super::octave::{Base, RawPatch, StripScratch, widened};
 use super::params::{DetectorParams, Localisation, ParamError};
 use super::refine::{Limits, MAX_MOVES, refine};
 use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
@@ -20,6 +20,7 @@ use super::view::searched_octaves;
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
+use crate::plane::blur::GaussianKernel;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -305,20 +306,29 @@ impl Search<'_> {
         (self.frames.len() as f32 / covering.max(1) as f32).sqrt()
     }
 
-    /// The keypoint at its place and slope on the continuous D, where the parameters ask for that and it has one.
-    fn located(&self, octave: i32, bases: &[Plane], keypoint: &Keypoint) -> Keypoint {
+    /// The keypoint at its place and slope on the continuous D, where the parameters ask for that and it has one. `raw` holds the pixels around it.
+    fn located(
+        &self,
+        octave: i32,
+        bases: &[Plane],
+        keypoint: &Keypoint,
+        raw: &RawPatch,
+        scales: (f64, f64),
+    ) -> Keypoint {
         if self.params.localisation == Localisation::Quadratic {
             return *keypoint;
         }
         let (i, j) = self.grid.coordinates(keypoint.slope_index);
-        let base = |di: i32, dj: i32| {
+        let reach = filter_reach(scales);
+        let (columns, rows) = (span(keypoint.x, reach, raw.size.0), span(keypoint.y, reach, raw.size.1));
+        let neighbour = |di: i32, dj: i32| {
             let i = i.checked_add_signed(di as isize).filter(|&i| i < self.grid.u.count)?;
             let j = j.checked_add_signed(dj as isize).filter(|&j| j < self.grid.v.count)?;
-            Some(self.base(octave, bases, j * self.grid.u.count + i))
+            let base = self.base(octave, bases, j * self.grid.u.count + i);
+            Some(base.patch(raw.size, columns.clone(), rows.clone()))
         };
         let at = (f64::from(keypoint.x), f64::from(keypoint.y));
-        let size = octave_size(self.size_image, octave);
-        let Some(found) = locate(base, size, at, f64::from(keypoint.sigma_octave), self.space.levels) else {
+        let Some(found) = locate(raw, neighbour, at, scales) else {
             return *keypoint;
         };
         Keypoint {
@@ -342,10 +352,18 @@ impl Search<'_> {
             .par_iter()
             .map(|keypoint| {
                 self.monitor.check()?;
+                let base = self.base(octave, bases, keypoint.slope_index);
+                let from = base.sigma_octave();
+                let scales = filter_scales(f64::from(keypoint.sigma_octave), self.space.levels, from);
+                let sigma_level = self.space.sigma_octave(f64::from(keypoint.level));
+                let blur = (sigma_level * sigma_level - from * from).max(0.0).sqrt();
+                let kernel = GaussianKernel::with_cut(blur, self.space.kernel_cut);
+                let reach = filter_reach(scales)
+                    .max(gradient_radius(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX);
+                let raw = base.patch(size, span(keypoint.x, reach, size.0), span(keypoint.y, reach, size.1));
                 let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
-                    self.located(octave, bases, keypoint);
-                let base = self.base(octave, bases, slope_index);
-                let patch = GradientPatch::around(&base, &self.space, size, (x, y), sigma, level);
+                    self.located(octave, bases, keypoint, &raw, scales);
+                let patch = GradientPatch::around(&raw, (x, y), sigma, &kernel);
                 let (i, j) = self.grid.coordinates(slope_index);
                 let feature = |angle: f32| Feature {
                     u: x * pixel,

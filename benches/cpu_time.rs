@@ -1,0 +1,65 @@
+//! CPU time, wall time and memory of whole detections, as the operating system counts them, on request: the partner of `versus_opencv.py`, which
+//! asks for runs in turns with another program's, so that both see the same machine.
+//!
+//! Writes the middle frame as an 8-bit PNG to the path given as the first argument, then reads commands from standard input, one a line:
+//! `METHOD THREADS [PEAK_THRESHOLD]`, with METHOD one of `1d`, `2d`, `1d-doubled`, `sift`; answers each with a line of
+//! `METHOD features cpu_secs wall_secs peak_bytes_over_burst`.
+
+mod common;
+
+use burstscope::detector::{DetectorParams, Method, SlopeGrid};
+use burstscope::plane::statistics::{Region, summary};
+use burstscope::{Monitor, detect};
+use std::io::BufRead;
+
+fn params(method: &str, peak_threshold: f32) -> Option<DetectorParams> {
+    let base = DetectorParams { octaves: 16, peak_threshold, ..DetectorParams::default() };
+    Some(match method {
+        "1d" => base,
+        "1d-doubled" => DetectorParams { first_octave: -1, ..base },
+        "2d" => DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), ..base },
+        "sift" => DetectorParams { method: Method::Sift, ..base },
+        _ => return None,
+    })
+}
+
+/// A number of kB from `/proc/self/status`; 0 where there is none.
+fn status_bytes(field: &str) -> u64 {
+    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = text.lines().find(|l| l.starts_with(field)).unwrap_or_default();
+    line.split_whitespace().nth(1).and_then(|n| n.parse::<u64>().ok()).unwrap_or(0) * 1024
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1).filter(|a| a != "--bench");
+    let burst = common::burst(1600, 1200);
+    if let Some(path) = arguments.next() {
+        let frame = &burst.frames[burst.len() / 2];
+        let range = summary(frame, &Region::whole(frame));
+        let byte = |x: f32| ((x - range.min) / (range.max - range.min) * 255.0).round() as u8;
+        let bytes = frame.data().iter().map(|&x| byte(x)).collect();
+        image::GrayImage::from_raw(frame.width() as u32, frame.height() as u32, bytes)
+            .expect("one byte a pixel")
+            .save(&path)
+            .expect("the picture can be written");
+    }
+    println!("ready");
+    for line in std::io::stdin().lock().lines() {
+        let line = line.expect("text");
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let (Some(method), Some(threads)) = (words.first(), words.get(1).and_then(|n| n.parse().ok())) else { break };
+        let peak = words.get(2).and_then(|n| n.parse().ok()).unwrap_or(0.0003);
+        let Some(params) = params(method, peak) else { break };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        // Forget the peak so far, where the system allows it.
+        let _ = std::fs::write("/proc/self/clear_refs", "5");
+        let before = status_bytes("VmRSS");
+        let (cpu, wall) = (cpu_time::ProcessTime::now(), std::time::Instant::now());
+        let found = pool.install(|| detect(&burst, &params, &Monitor::default())).expect("valid parameters");
+        let (cpu, wall) = (cpu.elapsed().as_secs_f64(), wall.elapsed().as_secs_f64());
+        let peak = status_bytes("VmHWM").saturating_sub(before);
+        let t = found.times;
+        eprintln!("noise {:.3} search {:.3} describe {:.3}", t.noise_secs, t.search_secs, t.describe_secs);
+        println!("{method} {} {cpu:.4} {wall:.4} {peak}", found.features.len());
+    }
+}
