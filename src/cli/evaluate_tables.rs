@@ -105,9 +105,9 @@ fn write_accuracy_row(out: &mut String, row: &AccuracyRow) -> Result {
     };
     counts("discs within the range of slopes", row.within)?;
     counts("discs beyond the range", row.beyond)?;
-    writeln!(out, "  {:24}{:>16}{:>12}{:>24}", "", "median |error|", "95 %", "mean ± standard error")?;
+    writeln!(out, "  {:24}{:>16}{:>12}{:>31}", "", "median |error|", "95 %", "mean ± standard error")?;
     let mut line = |words: &str, median: f64, most: f64, signed: String| {
-        writeln!(out, "  {words:24}{median:>16.4}{most:>12.4}{signed:>24}")
+        writeln!(out, "  {words:24}{median:>16.4}{most:>12.4}{signed:>31}")
     };
     let mut errors = |words: &str, e: &Errors, factor: f64| {
         let signed = format!(
@@ -122,7 +122,9 @@ fn write_accuracy_row(out: &mut String, row: &AccuracyRow) -> Result {
     errors("scale, %", &row.scale, 100.0)?;
     errors("slope u, px/frame", &row.slope_u, 1.0)?;
     errors("slope v, px/frame", &row.slope_v, 1.0)?;
-    line("distance, px", row.distance[0], row.distance[1], String::new())?;
+    line("distance, px", row.distance[0], row.distance[1], format!("of {} discs", row.u.count))?;
+    let apart = format!("of {} discs that stand apart", row.apart);
+    line("distance, px", row.distance_apart[0], row.distance_apart[1], apart)?;
     line("slope distance, px/frame", row.slope_distance[0], row.slope_distance[1], String::new())
 }
 

@@ -17,7 +17,7 @@ use super::statistics::{Errors, quantile};
 use super::{EvaluateError, check_lists};
 use crate::detector::{DetectorParams, Feature, SlopeGrid, detect};
 use crate::monitor::Monitor;
-use crate::synth::{ChartParams, FeatureTruth, Motion, synth_chart};
+use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use serde::Serialize;
 
 /// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's text.
@@ -88,6 +88,10 @@ pub struct AccuracyRow {
     pub v: Errors,
     /// Distances from the true places, pixels: median and 95 %.
     pub distance: [f64; 2],
+    /// How many of the discs compared stand apart, see [`stands_apart`].
+    pub apart: usize,
+    /// Distances of those from their true places, pixels: median and 95 %.
+    pub distance_apart: [f64; 2],
     /// σ over the expected one, minus 1.
     pub scale: Errors,
     /// Slopes to the right, pixels per frame.
@@ -112,6 +116,7 @@ pub struct RangeCount {
 /// A disc and what found it.
 struct Found {
     disc: FeatureTruth,
+    apart: bool,
     feature: Option<Feature>,
 }
 
@@ -128,7 +133,11 @@ impl AccuracyStudy {
         let found = run_jobs(&jobs, 1, monitor, |&(snr, seed), monitor, steps| {
             let (burst, truth) = synth_chart(&ChartParams { snr, seed, ..self.chart.clone() }, monitor)?;
             let detection = detect(&burst, &self.detector, monitor)?;
-            let mut found: Vec<Found> = truth.features.iter().map(|&disc| Found { disc, feature: None }).collect();
+            let mut found: Vec<Found> = truth
+                .features
+                .iter()
+                .map(|&disc| Found { disc, apart: stands_apart(&disc, &truth), feature: None })
+                .collect();
             for judged in judge(&detection.features, &truth, Ranking::Strength) {
                 if let Some(disc) = judged.disc {
                     found[disc].feature = Some(detection.features[judged.feature]);
@@ -152,7 +161,8 @@ impl AccuracyStudy {
         let (mut within, mut beyond) = (RangeCount::default(), RangeCount::default());
         let (mut u, mut v, mut scale) = (Vec::new(), Vec::new(), Vec::new());
         let (mut slope_u, mut slope_v) = (Vec::new(), Vec::new());
-        for Found { disc, feature } in found {
+        let (mut apart_u, mut apart_v) = (Vec::new(), Vec::new());
+        for Found { disc, apart, feature } in found {
             let count = if reaches(&grid, disc) { &mut within } else { &mut beyond };
             count.discs += 1;
             let Some(feature) = feature else { continue };
@@ -163,6 +173,10 @@ impl AccuracyStudy {
             }
             u.push(f64::from(feature.u) - disc.u);
             v.push(f64::from(feature.v) - disc.v);
+            if *apart {
+                apart_u.push(f64::from(feature.u) - disc.u);
+                apart_v.push(f64::from(feature.v) - disc.v);
+            }
             scale.push(f64::from(feature.sigma) / expected_sigma(disc.radius, self.detector.levels) - 1.0);
             slope_u.push(f64::from(feature.slope.u) - disc.slope_u);
             slope_v.push(f64::from(feature.slope.v) - disc.slope_v);
@@ -172,6 +186,8 @@ impl AccuracyStudy {
             within,
             beyond,
             distance: lengths(&u, &v),
+            apart: apart_u.len(),
+            distance_apart: lengths(&apart_u, &apart_v),
             u: Errors::of(&u),
             v: Errors::of(&v),
             scale: Errors::of(&scale),
@@ -192,6 +208,23 @@ fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
         count < 2 || (f64::from(min)..=f64::from(max)).contains(&x)
     };
     inside(along, grid.u.min, grid.u.max, grid.u.count) && inside(across, grid.v.min, grid.v.max, grid.v.count)
+}
+
+/// Around a disc a detector looks this far, in radii from its centre: three σ of the wider Gaussian that answers it, rounded up.
+pub const SURROUNDINGS_IN_RADII: f64 = 2.4;
+
+/// Whether no other disc of the chart comes into the surroundings of `disc` in any frame ([`SURROUNDINGS_IN_RADII`]). Where one does, it draws the
+/// extremum of D towards itself or away, and in a moving chart also smears over it: errors that no noise makes.
+pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
+    let others = || truth.features.iter().filter(|other| other.id != disc.id);
+    (0..truth.frames).all(|t| {
+        let dt = t as f64 - truth.t0;
+        let (u, v) = disc.position(dt);
+        others().all(|other| {
+            let (other_u, other_v) = other.position(dt);
+            (other_u - u).hypot(other_v - v) > SURROUNDINGS_IN_RADII * disc.radius + other.radius
+        })
+    })
 }
 
 /// Median and 95 % of the lengths of vectors.
@@ -217,6 +250,25 @@ mod tests {
             assert!(response(sigma) > response(sigma * 1.001) && response(sigma) > response(sigma / 1.001));
         }
         assert!((expected_sigma(10.0, 3) - 6.327).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_disc_stands_apart_until_another_comes_near_in_some_frame() {
+        let chart = ChartParams {
+            width: 160,
+            height: 120,
+            discs: 2,
+            radius: 10.0..=10.0,
+            frames: 2,
+            max_slope: 0.0,
+            ..ChartParams::default()
+        };
+        let (_, mut truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        // 2.4 radii and the other's radius: 34 px between the centres.
+        (truth.features[1].u, truth.features[1].v) = (truth.features[0].u + 35.0, truth.features[0].v);
+        assert!(stands_apart(&truth.features[0], &truth));
+        truth.features[1].slope_u = -3.0; // 1.5 px nearer in the last frame
+        assert!(!stands_apart(&truth.features[0], &truth));
     }
 
     #[test]
