@@ -102,9 +102,7 @@ fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
                 acc[i] += weight * row[i];
             }
         }
-        for i in 0..BLOCK {
-            acc[i] *= scale;
-        }
+        acc.iter_mut().for_each(|x| *x *= scale);
         out[start..start + BLOCK].copy_from_slice(&acc);
         start += BLOCK;
     }
