@@ -1,0 +1,144 @@
+//! Parameters that are one of a few words, and those that are written in a form of their own, such as `auto` or `2..9`.
+
+use serde::{Deserialize, Serialize};
+
+/// Which detector runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// The burst feature finder: joint extrema over place, scale and slope. One line of slopes is BuFF 1D, a plane of slopes BuFF 2D.
+    #[default]
+    Buff,
+    /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.
+    Sift,
+}
+
+impl Method {
+    /// All methods, in the order in which they are offered.
+    pub const ALL: [Self; 2] = [Self::Buff, Self::Sift];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Buff => "buff",
+            Self::Sift => "sift",
+        }
+    }
+}
+
+/// With which slopes a candidate is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SlopeNeighbours {
+    /// The neighbouring slopes of the grid: 2 on a line (as LiFF does), 8 in a plane.
+    #[default]
+    Adjacent,
+    /// Every slope of the grid, as the authors' code does.
+    All,
+}
+
+/// How frames are sampled between pixels when they are shifted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// Bilinear.
+    #[default]
+    Linear,
+    /// The nearest pixel, as LiFF and the authors' code do.
+    Nearest,
+}
+
+/// How the place and slope of an extremum between the samples are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Localisation {
+    /// On the continuous D (see [`super::super::locate`]).
+    #[default]
+    Continuous,
+    /// By a quadratic fit to the samples around it, as VLFeat and LiFF do.
+    Quadratic,
+}
+
+/// The noise gate: how many standard deviations of the noise in D a response must reach.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum NoiseGate {
+    /// The factor is derived from the size of the search so that pure noise gives at most about one false feature per megapixel.
+    #[default]
+    Auto,
+    /// This factor; 0 switches the gate off.
+    Factor(f32),
+}
+
+impl std::fmt::Display for NoiseGate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Factor(k) => write!(f, "{k}"),
+        }
+    }
+}
+
+impl std::str::FromStr for NoiseGate {
+    type Err = String;
+
+    /// Reads `auto` or a number.
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "auto" => Ok(Self::Auto),
+            number => number
+                .parse()
+                .map(Self::Factor)
+                .map_err(|_| format!("'{text}' is neither 'auto' nor a number of standard deviations")),
+        }
+    }
+}
+
+impl Serialize for NoiseGate {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => serializer.serialize_str("auto"),
+            Self::Factor(k) => serializer.serialize_f32(*k),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for NoiseGate {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Either {
+            Number(f32),
+            Word(String),
+        }
+        match Either::deserialize(deserializer)? {
+            Either::Number(k) => Ok(Self::Factor(k)),
+            Either::Word(word) => word.parse().map_err(serde::de::Error::custom),
+        }
+    }
+}
+
+/// Frames `start..end` of the burst (`end` excluded), as `--frames A..B` names them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FrameRange {
+    /// First frame used, counted from 0.
+    pub start: usize,
+    /// One past the last frame used.
+    pub end: usize,
+}
+
+impl std::fmt::Display for FrameRange {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}..{}", self.start, self.end)
+    }
+}
+
+impl std::str::FromStr for FrameRange {
+    type Err = String;
+
+    /// Reads `A..B`, the frames A … B−1.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let bad = || format!("'{text}' is not A..B, such as 0..10 for the first ten frames");
+        let (start, end) = text.split_once("..").ok_or_else(bad)?;
+        Ok(Self { start: start.trim().parse().map_err(|_| bad())?, end: end.trim().parse().map_err(|_| bad())? })
+    }
+}

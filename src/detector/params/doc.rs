@@ -1,0 +1,192 @@
+//! The descriptions of all parameters, in the words that every surface shows: help pages, tooltips, error messages.
+
+/// What a person needs to know about one parameter, in the words that every surface shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ParamDoc {
+    /// Name on the command line, without dashes in front; the file's field has `_` for `-`.
+    pub name: &'static str,
+    /// Name in the window, in sentence case.
+    pub label: &'static str,
+    /// Unit of its value; empty when it has none.
+    pub unit: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// What raising (or changing) it does.
+    pub effect: &'static str,
+}
+
+impl ParamDoc {
+    /// Meaning, unit and effect as running text, for help pages and tooltips.
+    pub fn help(&self) -> String {
+        if self.unit.is_empty() {
+            format!("{} {}", self.meaning, self.effect)
+        } else {
+            format!("{} Unit: {}. {}", self.meaning, self.unit, self.effect)
+        }
+    }
+}
+
+macro_rules! doc {
+    ($id:ident, $name:literal, $label:literal, $unit:literal, $meaning:literal, $effect:literal) => {
+        #[doc = concat!($meaning, " ", $effect)]
+        pub const $id: ParamDoc =
+            ParamDoc { name: $name, label: $label, unit: $unit, meaning: $meaning, effect: $effect };
+    };
+}
+doc!(
+    METHOD,
+    "method",
+    "Method",
+    "",
+    "The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame.",
+    "Sift is the baseline that the burst has to beat."
+);
+doc!(
+    SLOPES_U,
+    "slopes-u",
+    "Slopes u",
+    "px/frame",
+    "The slopes searched along the first axis, to the right unless the direction turns it, as MIN:MAX:COUNT.",
+    "A wider range finds faster motion; a step much above 2σ/(N−1) misses features between slopes, a finer one only costs time."
+);
+doc!(
+    SLOPES_V,
+    "slopes-v",
+    "Slopes v",
+    "px/frame",
+    "The slopes searched along the second axis, down unless the direction turns it, as MIN:MAX:COUNT.",
+    "More than one makes the search two-dimensional (BuFF 2D) and multiplies its time."
+);
+doc!(
+    SLOPE_DIRECTION,
+    "slope-direction",
+    "Direction",
+    "degrees",
+    "Turns the slope grid from +u towards +v (clockwise on screen), so that a line of slopes can point anywhere.",
+    "Set it to the direction in which the camera moves; 90 searches vertical motion."
+);
+doc!(
+    FRAMES,
+    "frames",
+    "Frames used",
+    "frames",
+    "The frames A … B−1 that are searched; all of them if absent.",
+    "More frames lower the noise, as long as the motion stays straight; features are reported at the middle of those used."
+);
+doc!(
+    OCTAVES,
+    "octaves",
+    "Octaves",
+    "",
+    "How many octaves of scale are searched, each twice as coarse as the one before; fewer where the image gets too small.",
+    "More octaves find larger blobs, at little cost."
+);
+doc!(
+    LEVELS,
+    "levels",
+    "Levels",
+    "per octave",
+    "Scales per octave.",
+    "More levels sample scale more finely and cost time in proportion."
+);
+doc!(
+    FIRST_OCTAVE,
+    "first-octave",
+    "First octave",
+    "",
+    "The finest octave: 0 starts at the image's own resolution, −1 at the doubled image.",
+    "−1 finds smaller features, of which noise has many, for about four times the time; 1 and above skip fine scales."
+);
+doc!(
+    PEAK_THRESHOLD,
+    "peak-threshold",
+    "Peak threshold",
+    "of full scale",
+    "The least |DoG| of a feature, after interpolation, as a fraction of full scale.",
+    "Raise it to keep only features of higher contrast; it knows nothing of the noise."
+);
+doc!(
+    NOISE_GATE,
+    "noise-gate",
+    "Noise gate",
+    "σ of the noise in D",
+    "The least |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; auto derives it from the size of the search, 0 switches it off.",
+    "Raise it to eliminate more noise; lower it to see fainter features among more false ones."
+);
+doc!(
+    EDGE_THRESHOLD,
+    "edge-threshold",
+    "Edge threshold",
+    "",
+    "The largest ratio of the principal curvatures of D.",
+    "Raise it to keep more features on edges, which are poorly localised along the edge."
+);
+doc!(
+    SLOPE_NEIGHBOURS,
+    "slope-neighbours",
+    "Slope neighbours",
+    "",
+    "The slopes that a feature must beat: adjacent ones of the grid, or all.",
+    "All keeps at most one slope per place and scale and needs more memory; adjacent lets two motions share a place."
+);
+doc!(
+    INTERPOLATION,
+    "interpolation",
+    "Interpolation",
+    "",
+    "How frames are sampled between pixels when they are shifted: linear or nearest.",
+    "Nearest reproduces the published implementations; linear is more accurate."
+);
+doc!(
+    KERNEL_CUT,
+    "kernel-cut",
+    "Kernel cut",
+    "σ",
+    "Where the Gaussian kernels end, in standard deviations.",
+    "4 is exact to a thousandth; 2 reproduces the authors' code, which misses some sizes of blobs by it."
+);
+doc!(
+    LOCALISATION,
+    "localisation",
+    "Localisation",
+    "",
+    "How the place and slope between the samples are found: continuous or quadratic.",
+    "Continuous follows D itself to its extremum and is about twice as exact; quadratic reproduces VLFeat and LiFF."
+);
+doc!(
+    MAX_FEATURES,
+    "max-features",
+    "Max features",
+    "features",
+    "Keep only this many features, the strongest by response times the square root of the signal-to-noise ratio; 0 keeps all.",
+    "Lower it to keep only the most reliable."
+);
+doc!(
+    MAX_ORIENTATIONS,
+    "max-orientations",
+    "Max orientations",
+    "per keypoint",
+    "How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own.",
+    "Raise it to match ambiguous places under rotation (VLFeat and LiFF use 4), for more features at one place."
+);
+
+/// All of them, in the order in which surfaces show them.
+pub const ALL: [ParamDoc; 17] = [
+    METHOD,
+    SLOPES_U,
+    SLOPES_V,
+    SLOPE_DIRECTION,
+    FRAMES,
+    OCTAVES,
+    LEVELS,
+    FIRST_OCTAVE,
+    PEAK_THRESHOLD,
+    NOISE_GATE,
+    EDGE_THRESHOLD,
+    SLOPE_NEIGHBOURS,
+    INTERPOLATION,
+    KERNEL_CUT,
+    LOCALISATION,
+    MAX_FEATURES,
+    MAX_ORIENTATIONS,
+];
