@@ -8,6 +8,9 @@
 //! `[1 −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over 0.6745 is the standard
 //! deviation, whatever a minority of edges does. Texture can only add, so the smaller of the two estimates is taken.
 //!
+//! Pixels at the ends of the file's range are left out: in the black parts of a dark frame the noise is cut off at zero, and half an image of zeros would
+//! make any median zero.
+//!
 //! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. All its parts are close to Gaussians, whose inner
 //! products are known: ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B. Bilinear sampling at a fraction f adds the
 //! variance f(1−f) in its direction; that differs from frame to frame and is averaged over them.
@@ -49,11 +52,11 @@ fn estimates(planes: Vec<(&Plane, Option<&Plane>)>, step: f32, monitor: &Monitor
         .map(|(first, second)| {
             monitor.check()?;
             Ok(match second {
-                None => noise_of(first.size(), |u, v| first.data()[v * first.width() + u], step),
+                None => noise_of(first.size(), |at| (first.data()[at], is_cut_off(first.data()[at], step)), step),
                 Some(second) => {
-                    let difference = |u: usize, v: usize| {
-                        let at = v * first.width() + u;
-                        second.data()[at] - first.data()[at]
+                    let difference = |at: usize| {
+                        let (a, b) = (first.data()[at], second.data()[at]);
+                        (b - a, is_cut_off(a, step) || is_cut_off(b, step))
                     };
                     noise_of(first.size(), difference, step) / 2f32.sqrt()
                 }
@@ -62,8 +65,14 @@ fn estimates(planes: Vec<(&Plane, Option<&Plane>)>, step: f32, monitor: &Monitor
         .collect()
 }
 
-/// The standard deviation of the white noise in the image `at(u, v)` of `size`; `step` is the smallest difference of its values.
-fn noise_of(size: (usize, usize), at: impl Fn(usize, usize) -> f32, step: f32) -> f32 {
+/// Whether a value is at the end of what the file can hold, so that its noise was cut off.
+fn is_cut_off(value: f32, step: f32) -> bool {
+    step > 0.0 && (value < 0.5 * step || value > 1.0 - 0.5 * step)
+}
+
+/// The standard deviation of the white noise in an image of `size`, whose pixel with running index `at` gives its value and whether it is cut off;
+/// `step` is the smallest difference of its values. Places that touch a cut-off pixel don't count, unless nearly all do.
+fn noise_of(size: (usize, usize), pixel: impl Fn(usize) -> (f32, bool), step: f32) -> f32 {
     let (width, height) = size;
     if width < 3 || height < 3 {
         return 0.0;
@@ -71,14 +80,23 @@ fn noise_of(size: (usize, usize), at: impl Fn(usize, usize) -> f32, step: f32) -
     let total = (width - 2) * (height - 2);
     // A stride without a common factor with usual widths spreads the samples over the image.
     let stride = if total > MAX_SAMPLES { (total / MAX_SAMPLES) | 1 } else { 1 };
-    let mut magnitudes: Vec<f32> = (0..total)
-        .step_by(stride)
-        .map(|i| {
-            let (u, v) = (1 + i % (width - 2), 1 + i / (width - 2));
-            let row = |v: usize| at(u - 1, v) - 2.0 * at(u, v) + at(u + 1, v);
-            (row(v - 1) - 2.0 * row(v) + row(v + 1)).abs()
-        })
-        .collect();
+    let sample = |i: usize| {
+        let centre = (1 + i / (width - 2)) * width + 1 + i % (width - 2);
+        let (mut sum, mut cut_off) = (0.0, false);
+        for (row, weight_v) in [(centre - width, 1.0), (centre, -2.0), (centre + width, 1.0)] {
+            for (at, weight_u) in [(row - 1, 1.0), (row, -2.0), (row + 1, 1.0)] {
+                let (value, cut) = pixel(at);
+                sum += weight_u * weight_v * value;
+                cut_off |= cut;
+            }
+        }
+        (sum.abs(), cut_off)
+    };
+    let samples: Vec<(f32, bool)> = (0..total).step_by(stride).map(sample).collect();
+    let mut magnitudes: Vec<f32> = samples.iter().filter(|(_, cut_off)| !cut_off).map(|(x, _)| *x).collect();
+    if magnitudes.len() * 20 < samples.len() {
+        magnitudes = samples.into_iter().map(|(x, _)| x).collect();
+    }
     median_on_lattice(&mut magnitudes, step) / (MEDIAN_OF_NORMAL * 6.0)
 }
 
@@ -210,6 +228,19 @@ mod tests {
                 expected / step
             );
         }
+    }
+
+    #[test]
+    fn black_parts_where_the_noise_is_cut_off_do_not_count() {
+        // Two thirds of the image are so dark that nearly all of their noise is cut off at zero.
+        let (sigma, step) = (3.0 / 255.0, 1.0 / 255.0);
+        let mut burst = noisy_burst(sigma, 3, |u, _| if u < 200 { -0.03 } else { 0.4 }, step);
+        for frame in &mut burst.frames {
+            let cut = Plane::from_vec(300, 200, frame.data().iter().map(|x| x.max(0.0)).collect());
+            *frame = std::sync::Arc::new(cut);
+        }
+        let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
+        assert!((estimate / sigma - 1.0).abs() < 0.06, "{}", estimate / sigma);
     }
 
     #[test]

@@ -41,7 +41,8 @@ fn burst_text(model: &Model) -> String {
     let burst = &open.burst;
     let (width, height) = burst.size();
     let depth = if burst.quantisation_step > 0.0 {
-        format!(" · {:.0} levels", 1.0 / burst.quantisation_step + 1.0)
+        // Twelve bits at the top of a 16-bit word end a little below full scale: whole steps, and the level at zero.
+        format!(" · {:.0} levels", (1.0 / burst.quantisation_step + 0.02).floor() + 1.0)
     } else {
         " · float".to_owned()
     };
