@@ -222,7 +222,7 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: &[(f32,
 
 #[test]
 fn liff_from_octave_0() {
-    check_liff(0, 3.0, 3.0, &[(8.0, 1.2), (16.0, 1.0)]);
+    check_liff(0, 3.0, 3.0, &[(8.0, 1.3), (16.0, 1.0)]);
 }
 
 #[test]

@@ -99,7 +99,7 @@ fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
         for &(row, weight) in taps {
             let row: &[f32; BLOCK] = row[start..start + BLOCK].try_into().expect("a block");
             for i in 0..BLOCK {
-                acc[i] += weight * row[i];
+                acc[i] = weight.mul_add(row[i], acc[i]);
             }
         }
         acc.iter_mut().for_each(|x| *x *= scale);
@@ -107,7 +107,7 @@ fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
         start += BLOCK;
     }
     for (i, out) in out.iter_mut().enumerate().skip(start) {
-        *out = scale * taps.iter().map(|&(row, weight)| weight * row[i]).fold(0.0, |sum, x| sum + x);
+        *out = scale * taps.iter().fold(0.0, |sum, &(row, weight)| weight.mul_add(row[i], sum));
     }
 }
 

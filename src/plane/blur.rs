@@ -3,7 +3,7 @@
 //! Numerics. A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉ and normalised to sum 1, as in VLFeat (`vl_imsmooth`); beyond the
 //! image the nearest pixel is repeated. One output row is made in two passes: the rows above and below are combined (vertical pass, for a few rows at
 //! once), then the combined row is convolved (horizontal pass); symmetric taps are added before they are multiplied. Each output value is
-//! computed by itself in a fixed order, so strips and threads cannot change a bit.
+//! computed by itself in a fixed order, with fused multiply-adds in full blocks and in the rest alike, so strips and threads cannot change a bit.
 
 use super::Plane;
 use super::rows::{RowSource, Rows};
@@ -73,7 +73,7 @@ fn combine_rows(rows: &[&[f32]], half: &[f32], width: usize, out: &mut [f32], st
                 let a: &[f32; BLOCK] = rows[centre - k][start..start + BLOCK].try_into().expect("a block");
                 let b: &[f32; BLOCK] = rows[centre + k][start..start + BLOCK].try_into().expect("a block");
                 for u in 0..BLOCK {
-                    acc[u] += tap * (a[u] + b[u]);
+                    acc[u] = tap.mul_add(a[u] + b[u], acc[u]);
                 }
             }
             out[i * stride + start..i * stride + start + BLOCK].copy_from_slice(&acc);
@@ -85,7 +85,7 @@ fn combine_rows(rows: &[&[f32]], half: &[f32], width: usize, out: &mut [f32], st
         for u in start..width {
             let mut acc = half[0] * rows[centre][u];
             for (k, &tap) in half.iter().enumerate().skip(1) {
-                acc += tap * (rows[centre - k][u] + rows[centre + k][u]);
+                acc = tap.mul_add(rows[centre - k][u] + rows[centre + k][u], acc);
             }
             out[i * stride + u] = acc;
         }
@@ -109,7 +109,7 @@ fn convolve_row(padded: &[f32], half: &[f32], out: &mut [f32]) {
             let a: &[f32; BLOCK] = padded[at - k..at - k + BLOCK].try_into().expect("a block");
             let b: &[f32; BLOCK] = padded[at + k..at + k + BLOCK].try_into().expect("a block");
             for i in 0..BLOCK {
-                acc[i] += half[k] * (a[i] + b[i]);
+                acc[i] = half[k].mul_add(a[i] + b[i], acc[i]);
             }
         }
         out[start..start + BLOCK].copy_from_slice(&acc);
@@ -119,7 +119,7 @@ fn convolve_row(padded: &[f32], half: &[f32], out: &mut [f32]) {
         let at = u + radius;
         let mut acc = half[0] * padded[at];
         for k in 1..=radius {
-            acc += half[k] * (padded[at - k] + padded[at + k]);
+            acc = half[k].mul_add(padded[at - k] + padded[at + k], acc);
         }
         *out = acc;
     }
