@@ -13,7 +13,7 @@ use burstscope::{Monitor, detect};
 use std::io::BufRead;
 
 fn params(method: &str, peak_threshold: f32) -> Option<DetectorParams> {
-    let base = DetectorParams { octaves: 16, peak_threshold, ..DetectorParams::default() };
+    let base = DetectorParams { octaves: 16, levels: 3, peak_threshold, ..DetectorParams::default() };
     Some(match method {
         "1d" => base,
         "1d-doubled" => DetectorParams { first_octave: -1, ..base },

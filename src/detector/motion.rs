@@ -10,6 +10,7 @@ use super::params::Interpolation;
 use super::slope_grid::Slope;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
+use crate::plane::blocks::{BlockSize, LARGE, SMALL, for_blocks};
 use multiversion::multiversion;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -86,29 +87,32 @@ fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f3
     (1.0 - offset.part_v) * upper + offset.part_v * lower
 }
 
-/// Pixels whose sums are held in registers at once.
-const BLOCK: usize = 64;
+/// `B` values of the weighted sum, from `start` on, held in registers.
+#[inline(always)]
+fn weighted_block<const B: usize>(taps: &[(&[f32], f32)], scale: f32, start: usize, out: &mut [f32]) {
+    let mut acc = [0.0f32; B];
+    for &(row, weight) in taps {
+        let row: &[f32; B] = row[start..start + B].try_into().expect("a block");
+        for i in 0..B {
+            acc[i] = weight.mul_add(row[i], acc[i]);
+        }
+    }
+    acc.iter_mut().for_each(|x| *x *= scale);
+    out[start..start + B].copy_from_slice(&acc);
+}
 
 /// `out = scale·Σ weight·row`, over `(row, weight)`; each row is at least as long as `out`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
-    let n = out.len();
-    let mut start = 0;
-    while start + BLOCK <= n {
-        let mut acc = [0.0f32; BLOCK];
-        for &(row, weight) in taps {
-            let row: &[f32; BLOCK] = row[start..start + BLOCK].try_into().expect("a block");
-            for i in 0..BLOCK {
-                acc[i] = weight.mul_add(row[i], acc[i]);
-            }
-        }
-        acc.iter_mut().for_each(|x| *x *= scale);
-        out[start..start + BLOCK].copy_from_slice(&acc);
-        start += BLOCK;
-    }
-    for (i, out) in out.iter_mut().enumerate().skip(start) {
-        *out = scale * taps.iter().fold(0.0, |sum, &(row, weight)| weight.mul_add(row[i], sum));
-    }
+    for_blocks(
+        out.len(),
+        #[inline(always)]
+        |start, size| match size {
+            BlockSize::Large => weighted_block::<LARGE>(taps, scale, start, out),
+            BlockSize::Small => weighted_block::<SMALL>(taps, scale, start, out),
+            BlockSize::One => weighted_block::<1>(taps, scale, start, out),
+        },
+    );
 }
 
 /// Row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one size and their [`frame_offsets`].

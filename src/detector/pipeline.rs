@@ -29,7 +29,7 @@ use std::time::Instant;
 /// Bytes of DoG strips that one thread's window of slopes may hold (at least eight rows are held, whatever that takes).
 pub const WINDOW_BYTES: usize = 32 << 20;
 /// Rows of a strip where memory does not ask for fewer: enough that the rows its blurs need around it do not matter.
-const MAX_STRIP_ROWS: usize = 256;
+const MAX_STRIP_ROWS: usize = 128;
 
 /// Why there is no detection.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -6,6 +6,7 @@
 //! computed by itself in a fixed order, with fused multiply-adds in full blocks and in the rest alike, so strips and threads cannot change a bit.
 
 use super::Plane;
+use super::blocks::{BlockSize, LARGE, SMALL, for_blocks};
 use super::rows::{RowSource, Rows};
 use crate::monitor::{Cancelled, Monitor};
 use multiversion::multiversion;
@@ -46,83 +47,79 @@ impl GaussianKernel {
     }
 }
 
-/// Pixels that one step of the inner loops makes: small enough for registers, long enough to hide latencies.
-const BLOCK: usize = 64;
-
 /// Rows that share one vertical pass: the rows they read overlap, so a block of columns of them stays in the nearest cache.
 const GROUP: usize = 8;
 /// Kernels reach at most this many pixels to each side: ⌈8σ⌉ at the coarsest step of one level an octave.
 const MAX_RADIUS: usize = 128;
 
+/// `B` columns of the vertical pass, from `start` on, for all its output rows.
+#[inline(always)]
+fn combine_block<const B: usize>(rows: &[&[f32]], half: &[f32], start: usize, out: &mut [f32], stride: usize) {
+    let radius = half.len() - 1;
+    for i in 0..rows.len() - 2 * radius {
+        let centre = i + radius;
+        let mut acc = [0.0f32; B];
+        let c: &[f32; B] = rows[centre][start..start + B].try_into().expect("a block");
+        for u in 0..B {
+            acc[u] = half[0] * c[u];
+        }
+        for (k, &tap) in half.iter().enumerate().skip(1) {
+            let a: &[f32; B] = rows[centre - k][start..start + B].try_into().expect("a block");
+            let b: &[f32; B] = rows[centre + k][start..start + B].try_into().expect("a block");
+            for u in 0..B {
+                acc[u] = tap.mul_add(a[u] + b[u], acc[u]);
+            }
+        }
+        out[i * stride + start..i * stride + start + B].copy_from_slice(&acc);
+    }
+}
+
 /// The vertical pass for `rows.len() − 2·radius` output rows: `out = half[0]·centre + Σ half[k]·(above + below)`. `rows` are the input rows from the first one
 /// that is read to the last; output row `i` starts at `out[i·stride]` and has `width` values.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn combine_rows(rows: &[&[f32]], half: &[f32], width: usize, out: &mut [f32], stride: usize) {
-    let radius = half.len() - 1;
-    let count = rows.len() - 2 * radius;
-    let mut start = 0;
-    while start + BLOCK <= width {
-        for i in 0..count {
-            let centre = i + radius;
-            let mut acc = [0.0f32; BLOCK];
-            let c: &[f32; BLOCK] = rows[centre][start..start + BLOCK].try_into().expect("a block");
-            for u in 0..BLOCK {
-                acc[u] = half[0] * c[u];
-            }
-            for (k, &tap) in half.iter().enumerate().skip(1) {
-                let a: &[f32; BLOCK] = rows[centre - k][start..start + BLOCK].try_into().expect("a block");
-                let b: &[f32; BLOCK] = rows[centre + k][start..start + BLOCK].try_into().expect("a block");
-                for u in 0..BLOCK {
-                    acc[u] = tap.mul_add(a[u] + b[u], acc[u]);
-                }
-            }
-            out[i * stride + start..i * stride + start + BLOCK].copy_from_slice(&acc);
-        }
-        start += BLOCK;
+    for_blocks(
+        width,
+        #[inline(always)]
+        |start, size| match size {
+            BlockSize::Large => combine_block::<LARGE>(rows, half, start, out, stride),
+            BlockSize::Small => combine_block::<SMALL>(rows, half, start, out, stride),
+            BlockSize::One => combine_block::<1>(rows, half, start, out, stride),
+        },
+    );
+}
+
+/// `B` values of the horizontal pass, from `start` on.
+#[inline(always)]
+fn convolve_block<const B: usize>(padded: &[f32], half: &[f32], start: usize, out: &mut [f32]) {
+    let at = start + half.len() - 1;
+    let mut acc = [0.0f32; B];
+    let c: &[f32; B] = padded[at..at + B].try_into().expect("a block");
+    for i in 0..B {
+        acc[i] = half[0] * c[i];
     }
-    for i in 0..count {
-        let centre = i + radius;
-        for u in start..width {
-            let mut acc = half[0] * rows[centre][u];
-            for (k, &tap) in half.iter().enumerate().skip(1) {
-                acc = tap.mul_add(rows[centre - k][u] + rows[centre + k][u], acc);
-            }
-            out[i * stride + u] = acc;
+    for (k, &tap) in half.iter().enumerate().skip(1) {
+        let a: &[f32; B] = padded[at - k..at - k + B].try_into().expect("a block");
+        let b: &[f32; B] = padded[at + k..at + k + B].try_into().expect("a block");
+        for i in 0..B {
+            acc[i] = tap.mul_add(a[i] + b[i], acc[i]);
         }
     }
+    out[start..start + B].copy_from_slice(&acc);
 }
 
 /// The horizontal pass over `padded`, which has `radius` repeated pixels at each end of `out.len()` real ones.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn convolve_row(padded: &[f32], half: &[f32], out: &mut [f32]) {
-    let width = out.len();
-    let radius = half.len() - 1;
-    let mut start = 0;
-    while start + BLOCK <= width {
-        let mut acc = [0.0f32; BLOCK];
-        let at = start + radius;
-        let c: &[f32; BLOCK] = padded[at..at + BLOCK].try_into().expect("a block");
-        for i in 0..BLOCK {
-            acc[i] = half[0] * c[i];
-        }
-        for k in 1..=radius {
-            let a: &[f32; BLOCK] = padded[at - k..at - k + BLOCK].try_into().expect("a block");
-            let b: &[f32; BLOCK] = padded[at + k..at + k + BLOCK].try_into().expect("a block");
-            for i in 0..BLOCK {
-                acc[i] = half[k].mul_add(a[i] + b[i], acc[i]);
-            }
-        }
-        out[start..start + BLOCK].copy_from_slice(&acc);
-        start += BLOCK;
-    }
-    for (u, out) in out.iter_mut().enumerate().skip(start) {
-        let at = u + radius;
-        let mut acc = half[0] * padded[at];
-        for k in 1..=radius {
-            acc = half[k].mul_add(padded[at - k] + padded[at + k], acc);
-        }
-        *out = acc;
-    }
+    for_blocks(
+        out.len(),
+        #[inline(always)]
+        |start, size| match size {
+            BlockSize::Large => convolve_block::<LARGE>(padded, half, start, out),
+            BlockSize::Small => convolve_block::<SMALL>(padded, half, start, out),
+            BlockSize::One => convolve_block::<1>(padded, half, start, out),
+        },
+    );
 }
 
 /// `out = high − low`, value by value.
