@@ -151,7 +151,7 @@ doc!(
     "Localisation",
     "",
     "How the place and slope between the samples are found: continuous or quadratic.",
-    "Continuous follows D itself to its extremum and is about twice as exact; quadratic reproduces VLFeat and LiFF."
+    "Continuous follows D itself to its extremum and is more exact, most of all at large scales; quadratic reproduces VLFeat and LiFF."
 );
 doc!(
     MAX_FEATURES,

@@ -1,0 +1,21 @@
+//! What the tests of agreement share: opening the published input and reading numbers.
+
+use crate::shared::shared;
+use burstscope::{Burst, Monitor};
+use std::path::PathBuf;
+
+/// The burst of `paths`.
+pub fn open(paths: &[PathBuf]) -> Burst {
+    Burst::open_with(paths, &Default::default(), &Monitor::default()).expect("the published input opens")
+}
+
+/// The 1D demo in the order in which its motion is uniform.
+pub fn demo_1d() -> Option<Burst> {
+    let folder = shared("data/buff-demo-1d")?;
+    Some(open(&["5.png", "1.png", "2.png", "4.png", "3.png"].map(|name| folder.join(name))))
+}
+
+/// The numbers of a line.
+pub fn numbers(line: &str, separator: impl Fn(char) -> bool) -> Vec<f32> {
+    line.split(separator).filter(|s| !s.is_empty()).map(|s| s.parse().expect("a number")).collect()
+}
