@@ -12,5 +12,7 @@ mod making;
 mod measuring;
 #[path = "commands/real.rs"]
 mod real;
+#[path = "commands/reconstructing.rs"]
+mod reconstructing;
 #[path = "commands/support.rs"]
 mod support;

@@ -50,7 +50,7 @@ pub enum Command {
     Stack(StackArgs),
     /// Make a burst with exactly known truth: 16-bit PNG frames and truth.json.
     Synth(SynthArgs),
-    /// Measure the detector on synthetic bursts whose truth is known exactly.
+    /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
     Evaluate(EvaluateArgs),
     /// Draw the window into a PNG file, without a display.
     Render(RenderArgs),
@@ -79,10 +79,22 @@ pub struct BiasArg {
     pub bias: Option<PathBuf>,
 }
 
+/// How long sequences of frames are cut into bursts.
+#[derive(Debug, Clone, Copy, Default, Args)]
+#[command(next_help_heading = "Sequence")]
+pub struct SequenceArgs {
+    /// Take each input for a long sequence and cut it into bursts of N frames, each named after its middle frame.
+    #[arg(long, value_name = "N")]
+    pub burst_length: Option<usize>,
+    /// Frames from the start of a burst to the start of the next [default: as many as a burst has].
+    #[arg(long, value_name = "K", requires = "burst_length")]
+    pub burst_step: Option<usize>,
+}
+
 /// Find the features of one or many bursts.
 ///
 /// A folder whose subfolders hold frames is a dataset: each subfolder is a burst. Image files given together are the frames of one
-/// burst, in the order given. A burst that fails is reported; the others go on.
+/// burst, in the order given. A long sequence is cut into bursts by --burst-length. A burst that fails is reported; the others go on.
 #[derive(Debug, Args)]
 #[command(after_long_help = DETECT_HELP)]
 pub struct DetectArgs {
@@ -95,6 +107,9 @@ pub struct DetectArgs {
     /// Formats, separated by commas: csv, colmap, npz.
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv")]
     pub format: Vec<ExportFormat>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,

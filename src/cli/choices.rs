@@ -25,6 +25,8 @@ pub(super) const SLOPE_NEIGHBOURS: &[&str] = &["adjacent", "all"];
 pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest"];
 /// The words of [`crate::detector::Localisation`].
 pub(super) const LOCALISATIONS: &[&str] = &["continuous", "quadratic"];
+/// The words of [`crate::evaluate::poses::Association`].
+pub(super) const ASSOCIATIONS: &[&str] = &["name", "time", "order"];
 /// The words of [`crate::app::state::scrub::ViewKind`].
 pub(super) const VIEW_KINDS: &[&str] = &["frame", "stack", "dog"];
 
@@ -33,6 +35,7 @@ mod tests {
     use super::*;
     use crate::app::state::scrub::ViewKind;
     use crate::detector::{Interpolation, Localisation, Method, SlopeNeighbours};
+    use crate::evaluate::poses::Association;
 
     #[test]
     fn every_word_is_known_to_its_type() {
@@ -42,6 +45,7 @@ mod tests {
         assert!(SLOPE_NEIGHBOURS.iter().all(|w| read_word::<SlopeNeighbours>(w).is_ok()));
         assert!(INTERPOLATIONS.iter().all(|w| read_word::<Interpolation>(w).is_ok()));
         assert!(LOCALISATIONS.iter().all(|w| read_word::<Localisation>(w).is_ok()));
+        assert!(ASSOCIATIONS.iter().all(|w| read_word::<Association>(w).is_ok()));
         let kinds: Vec<ViewKind> = VIEW_KINDS.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(kinds, ViewKind::ALL);
     }

@@ -3,7 +3,7 @@
 use super::args::DetectArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{Input, open_options, resolve};
+use super::inputs::{Input, open_options, resolve_bursts};
 use super::report::{BurstReport, DetectReport, FailureReport, summary};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, detect};
@@ -24,7 +24,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     formats.sort_unstable();
     formats.dedup();
     let console = Console::new(&args.output)?;
-    let inputs = resolve(&args.inputs);
+    let inputs = resolve_bursts(&args.inputs, args.sequence)?;
     let options = open_options(&inputs, args.bias.bias.as_ref())?;
     let count = inputs.len();
     let mut report = DetectReport::new(&params);

@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
+use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_table, chart_table, noise_table};
 use super::failure::Failure;
 use super::search_options::SearchArgs;
@@ -19,12 +20,13 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
         EvaluateStudy::Chart(args) => chart(args),
         EvaluateStudy::Accuracy(args) => accuracy(args),
         EvaluateStudy::Noise(args) => noise(args),
+        EvaluateStudy::Poses(args) => evaluate_poses::run(args),
     }
 }
 
 /// A report as a JSON document that says what it is.
 #[derive(Serialize)]
-struct Document<'a, R> {
+pub(super) struct Document<'a, R> {
     version: &'static str,
     command: &'static str,
     #[serde(flatten)]
@@ -32,7 +34,7 @@ struct Document<'a, R> {
 }
 
 impl<'a, R> Document<'a, R> {
-    fn new(command: &'static str, report: &'a R) -> Self {
+    pub fn new(command: &'static str, report: &'a R) -> Self {
         Self { version: env!("CARGO_PKG_VERSION"), command, report }
     }
 }

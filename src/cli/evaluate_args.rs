@@ -1,6 +1,7 @@
 //! The arguments of `evaluate` as they are written.
 
 use super::args::{OutputArgs, motions};
+use super::evaluate_poses::PosesArgs;
 use super::search_options::SearchArgs;
 use crate::evaluate::{ChartMethod, Ranking};
 use crate::synth::{ChartParams, Motion};
@@ -8,7 +9,7 @@ use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Measure the detector on synthetic bursts whose truth is known exactly.
+/// Measure the detector on synthetic bursts whose truth is known exactly, and what others made of its features.
 #[derive(Debug, Args)]
 pub struct EvaluateArgs {
     /// What to measure.
@@ -25,6 +26,8 @@ pub enum EvaluateStudy {
     Accuracy(AccuracyArgs),
     /// Count what is found on noise alone, where there is nothing.
     Noise(NoiseArgs),
+    /// Compare camera poses that were estimated with the true ones.
+    Poses(PosesArgs),
 }
 
 fn chart() -> ChartParams {

@@ -3,6 +3,7 @@
 use crate::burst::OpenError;
 use crate::detector::{DetectError, ParamError};
 use crate::evaluate::EvaluateError;
+use crate::evaluate::poses::PoseError;
 use crate::monitor::Cancelled;
 use crate::synth::{SynthError, WriteBurstError};
 use std::process::ExitCode;
@@ -95,6 +96,15 @@ impl From<EvaluateError> for Failure {
             EvaluateError::Synth(error) => error.into(),
             EvaluateError::Detector(error) => error.into(),
             EvaluateError::Param { .. } => Self::usage(format!("--{error}")),
+        }
+    }
+}
+
+impl From<PoseError> for Failure {
+    fn from(error: PoseError) -> Self {
+        match error {
+            PoseError::Param { .. } => Self::usage(format!("--{error}")),
+            other => Self::Failed(other.into()),
         }
     }
 }

@@ -3,8 +3,9 @@
 //! Each folder is looked at on its own, so that one that cannot be read does not stop the others. Files belong together: several pictures are
 //! the frames of one burst.
 
+use super::args::SequenceArgs;
 use super::failure::Failure;
-use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, find_bursts};
+use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use crate::export::safe_file_name;
 use crate::monitor::Monitor;
 use crate::synth::demo_burst;
@@ -74,6 +75,39 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
     }
     make_names_unique(&mut inputs);
     inputs
+}
+
+/// The bursts that `arguments` name, or those into which the sequences that they name are cut if `sequence` says so.
+///
+/// # Errors
+/// A cut that makes no sense. A sequence that cannot be cut is an input that cannot be opened.
+pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Vec<Input>, Failure> {
+    let inputs = resolve(arguments);
+    let Some(length) = sequence.burst_length else {
+        return Ok(inputs);
+    };
+    let cut =
+        SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
+    if inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+        return Err(Failure::usage("--burst-length: the demo is a single burst and is not cut; leave the option out"));
+    }
+    let several = inputs.len() > 1;
+    let mut bursts = Vec::new();
+    for input in inputs {
+        let Place::Paths(paths) = input.place else {
+            bursts.push(input);
+            continue;
+        };
+        match cut_sequence(&BurstSource { name: input.name.clone(), paths }, cut) {
+            Err(error) => bursts.push(Input { name: input.name, place: Place::Broken(error) }),
+            Ok(sources) => bursts.extend(sources.into_iter().map(found).map(|burst| {
+                let name = if several { format!("{}_{}", input.name, burst.name) } else { burst.name };
+                Input { name, ..burst }
+            })),
+        }
+    }
+    make_names_unique(&mut bursts);
+    Ok(bursts)
 }
 
 /// Files and paths that do not exist. A missing file spoils the burst whose frame it may be, but not stacks, which are bursts of their own.
@@ -180,6 +214,27 @@ mod tests {
         let inputs = resolve(&[file(2), file(0), file(1)]);
         assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
         assert!(resolve_one(&[DEMO.into(), folder], "stack").is_err());
+    }
+
+    #[test]
+    fn sequences_are_cut_and_their_bursts_named_apart() {
+        let home = tempfile::tempdir().expect("a folder");
+        for (film, frames) in [("day", 5), ("night", 4), ("dusk", 1)] {
+            std::fs::create_dir(home.path().join(film)).expect("made");
+            (0..frames).for_each(|t| picture(&home.path().join(film).join(format!("f{t}.png"))));
+        }
+        let film = |name: &str| home.path().join(name);
+        let args = |length, burst_step| SequenceArgs { burst_length: Some(length), burst_step };
+        let names = |inputs: &[Input]| inputs.iter().map(|i| i.name.clone()).collect::<Vec<_>>();
+        let bursts = resolve_bursts(&[film("day")], args(3, Some(1))).expect("cut");
+        assert_eq!(names(&bursts), ["f1", "f2", "f3"]);
+        assert_eq!(bursts[2].paths(), [2, 3, 4].map(|t| film("day").join(format!("f{t}.png"))));
+        let bursts = resolve_bursts(&[film("day"), film("dusk"), film("night")], args(2, None)).expect("cut");
+        assert_eq!(names(&bursts), ["day_f1", "day_f3", "dusk", "night_f1", "night_f3"]);
+        assert!(matches!(bursts[2].place, Place::Broken(OpenError::TooShort { frames: 1, length: 2, .. })));
+        assert!(resolve_bursts(&[film("day")], args(0, None)).is_err());
+        assert!(resolve_bursts(&[DEMO.into()], args(2, None)).is_err());
+        assert_eq!(resolve_bursts(&[film("day")], SequenceArgs::default()).expect("whole").len(), 1);
     }
 
     #[test]

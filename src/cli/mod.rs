@@ -11,6 +11,7 @@ mod console;
 mod detect;
 mod evaluate;
 pub mod evaluate_args;
+pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
 mod inputs;

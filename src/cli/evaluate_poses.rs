@@ -1,0 +1,137 @@
+//! `evaluate poses`: a trajectory that was estimated beside the true one.
+
+use super::args::OutputArgs;
+use super::choices::{ASSOCIATIONS, words};
+use super::console::Console;
+use super::evaluate::Document;
+use super::failure::Failure;
+use crate::evaluate::poses::{
+    Association, ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory,
+};
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+fn study() -> PoseStudy {
+    PoseStudy::default()
+}
+
+/// Compare camera poses that were estimated with the true ones.
+///
+/// Poses are paired, the estimate is laid on the truth by the best similarity of the camera centres (scale, rotation, translation; Umeyama 1991), and what is left
+/// over is told: the absolute trajectory error of each pose, and the relative pose error of the motion from one pose to the next, in translation
+/// (the truth's unit of length) and rotation. Cameras on a straight line leave the rotation about that line open; there the
+/// directions in which they look decide.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = POSES_HELP)]
+pub struct PosesArgs {
+    /// COLMAP's sparse model (its folder, or the one above: then its largest part is taken), or a trajectory file.
+    #[arg(long, value_name = "SPARSE_DIR")]
+    pub estimate: PathBuf,
+    /// The true poses: a trajectory file 'timestamp tx ty tz qx qy qz qw' (an image's name may stand for the time), or a sparse model.
+    #[arg(long, value_name = "POSES")]
+    pub truth: PathBuf,
+    /// What makes two poses belong together: name, time or order [default: names if both sides have them, else times if all fit, else order].
+    #[arg(long, value_name = "RULE", value_parser = words::<Association>(ASSOCIATIONS))]
+    pub associate: Option<Association>,
+    /// Times that differ by more do not belong together; in the files' unit.
+    #[arg(long, value_name = "TIME", default_value_t = study().max_time_difference)]
+    pub max_time_difference: f64,
+    /// Poses from the start to the end of a motion whose error is relative.
+    #[arg(long, value_name = "POSES", default_value_t = study().step)]
+    pub step: usize,
+    /// Number of images that the reconstruction began with [default: the number of true poses].
+    #[arg(long, value_name = "N")]
+    pub images: Option<usize>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const POSES_HELP: &str = "\
+Pairing: names are compared whole, or without folders and endings if no two agree. Times of a sparse model are the last numbers in its images'
+names (23 for image.0023.png). The order is the image's id, or the line.
+
+JSON (--json):
+  {\"version\", \"command\": \"evaluate poses\", \"estimate\", \"truth\", \"images\", \"registered\", \"images_pass_percent\", \"associated\", \"scale\", \"straight\",
+   \"absolute\": {\"count\", \"translation\": {\"rmse\", \"mean\", \"median\", \"max\"}, \"rotation_deg\": {…}}, \"step\", \"relative\": {as absolute},
+   \"model\": null or {\"registered_images\", \"points\", \"points_per_image\", \"mean_track_length\", \"mean_reprojection_error_px\"},
+   \"pairs\": [{\"label\", \"true_centre\": [x, y, z], \"aligned_centre\", \"translation_error\", \"rotation_error_deg\"}]}";
+
+#[derive(Serialize)]
+struct Answer<'a> {
+    estimate: &'a Path,
+    truth: &'a Path,
+    images_pass_percent: f64,
+    #[serde(flatten)]
+    report: &'a PoseReport,
+}
+
+pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
+    let PosesArgs { associate, max_time_difference, step, images, .. } = *args;
+    let console = Console::new(&args.output)?;
+    let estimate = read_trajectory(&args.estimate)?;
+    let truth = read_trajectory(&args.truth)?;
+    let report = evaluate_poses(&estimate, &truth, &PoseStudy { associate, max_time_difference, step, images })?;
+    if let Some(model) = estimate.model.as_ref().filter(|m| m.other_models > 0) {
+        console.say(&format!("took {}, the largest of {} parts\n", model.folder.display(), model.other_models + 1))?;
+    }
+    console.say(&table(&report))?;
+    let answer = Answer {
+        estimate: &args.estimate,
+        truth: &args.truth,
+        images_pass_percent: report.images_pass_percent(),
+        report: &report,
+    };
+    console.say_json(&Document::new("evaluate poses", &answer))
+}
+
+fn table(report: &PoseReport) -> String {
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = write_table(&mut text, report);
+    text
+}
+
+fn write_table(out: &mut String, report: &PoseReport) -> std::fmt::Result {
+    writeln!(
+        out,
+        "{} of {} images registered ({:.0} %)",
+        report.registered,
+        report.images,
+        report.images_pass_percent()
+    )?;
+    if let Some(ModelSummary { points, points_per_image, mean_track_length, mean_reprojection_error_px, .. }) =
+        report.model
+    {
+        writeln!(
+            out,
+            "{points} 3D points, {points_per_image:.1} an image, seen in {mean_track_length:.2} images each, mean reprojection error {mean_reprojection_error_px:.3} px"
+        )?;
+    }
+    writeln!(
+        out,
+        "{} poses paired {}, aligned with scale {:.6}{}\n",
+        report.absolute.count,
+        report.associated.phrase(),
+        report.scale,
+        if report.straight {
+            "; they lie on a line, so the cameras' directions fixed the rotation about it"
+        } else {
+            ""
+        }
+    )?;
+    writeln!(out, "{:44}{:>12}{:>12}{:>12}{:>12}", "", "RMSE", "mean", "median", "max")?;
+    let mut row = |words: &str, e: &ErrorSummary| {
+        writeln!(out, "{words:44}{:>12.6}{:>12.6}{:>12.6}{:>12.6}", e.rmse, e.mean, e.median, e.max)
+    };
+    row("absolute trajectory error, truth's unit", &report.absolute.translation)?;
+    row("absolute trajectory error, deg", &report.absolute.rotation_deg)?;
+    if report.relative.count == 0 {
+        return writeln!(out, "no motion over {} poses: fewer are paired", report.step);
+    }
+    let over = if report.step == 1 { String::new() } else { format!(" over {} poses", report.step) };
+    row(&format!("relative pose error{over}, truth's unit"), &report.relative.translation)?;
+    row(&format!("relative pose error{over}, deg"), &report.relative.rotation_deg)
+}

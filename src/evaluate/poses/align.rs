@@ -1,0 +1,226 @@
+//! The similarity that lays one trajectory on another.
+//!
+//! Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI 13(4), 376–380, 1991: of all scales, rotations
+//! and translations the one with the least sum of squared distances between the camera centres.
+//!
+//! A camera on a straight rail leaves the rotation about the rail open: any is as good for the centres. Such trajectories are common (motion in 1D), so the
+//! directions in which the cameras look close the gap: of all rotations about the rail the one that turns them best (greatest sum of traces) is taken.
+
+use super::PoseError;
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+/// A trajectory counts as straight when the spread of its centres across its direction is less than this part of that along it. Below, noise decides
+/// more about the rotation than the shape does.
+const STRAIGHT: f64 = 0.01;
+
+/// A scale, a rotation and a translation: `x` becomes `scale · rotation · x + translation`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Similarity {
+    /// Greater than 0.
+    pub scale: f64,
+    /// The rotation.
+    pub rotation: UnitQuaternion<f64>,
+    /// Applied last.
+    pub translation: Vector3<f64>,
+}
+
+impl Similarity {
+    /// A pose in the other world: its centre is moved, its directions turned.
+    pub fn apply(&self, pose: &Isometry3<f64>) -> Isometry3<f64> {
+        let centre = self.rotation * pose.translation.vector * self.scale + self.translation;
+        Isometry3::from_parts(Translation3::from(centre), self.rotation * pose.rotation)
+    }
+}
+
+/// How an estimate was laid on the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alignment {
+    /// From the estimate's world to the truth's.
+    pub truth_from_estimate: Similarity,
+    /// Whether the trajectories are straight, so that the cameras' directions had to say how they are turned about their line.
+    pub straight: bool,
+}
+
+/// The best similarity from the poses `estimate` to the poses `truth`, which belong together one by one.
+///
+/// # Errors
+/// [`PoseError::Degenerate`] for fewer than two pairs, for cameras that all stand in one place, and for trajectories without anything in common.
+///
+/// # Panics
+/// When there are not as many poses on both sides: a mistake of the caller.
+pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Alignment, PoseError> {
+    assert_eq!(estimate.len(), truth.len(), "poses belong together one by one");
+    let degenerate = |problem: String| Err(PoseError::Degenerate(problem));
+    if estimate.len() < 2 {
+        return degenerate(format!("there is {} pair of poses, and a scale needs two or more", estimate.len()));
+    }
+    let (from, to) = (Spread::of(estimate), Spread::of(truth));
+    for (spread, whose) in [(&from, "estimated"), (&to, "true")] {
+        if !spread.is_spread_out() {
+            return degenerate(format!("the {whose} cameras all stand in one place, which tells nothing about scale"));
+        }
+    }
+    let n = estimate.len() as f64;
+    let pairs = || estimate.iter().zip(truth);
+    let covariance: Matrix3<f64> = pairs()
+        .map(|(e, t)| (t.translation.vector - to.mean) * (e.translation.vector - from.mean).transpose())
+        .sum::<Matrix3<f64>>()
+        / n;
+    // Scaled to about 1, so that tolerances of the decomposition mean the same in every unit.
+    let unit = (from.variance * to.variance).sqrt();
+    let svd = (covariance / unit).svd(true, true);
+    let (Some(u), Some(vt)) = (svd.u, svd.v_t) else {
+        return degenerate("the camera centres are not finite numbers".to_owned());
+    };
+    let mirrored = if u.determinant() * vt.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let signs = Vector3::new(1.0, 1.0, mirrored);
+    let values = svd.singular_values;
+    let rotation = u * Matrix3::from_diagonal(&signs) * vt;
+    let mut rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
+    let scale = unit * values.dot(&signs) / from.variance;
+    if !(scale.is_finite() && values[0] > 1e-9) {
+        return degenerate("the estimated and the true cameras move independently of each other".to_owned());
+    }
+    let straight = values[1] < STRAIGHT * STRAIGHT * values[0];
+    if straight {
+        let axis: Vector3<f64> = u.column(0).into();
+        let turned = |(e, t): (&Isometry3<f64>, &Isometry3<f64>)| {
+            (rotation * e.rotation * t.rotation.inverse()).to_rotation_matrix().into_inner()
+        };
+        rotation = rotation_about(axis, &pairs().map(turned).sum()) * rotation;
+    }
+    let translation = to.mean - rotation * from.mean * scale;
+    Ok(Alignment { truth_from_estimate: Similarity { scale, rotation, translation }, straight })
+}
+
+/// The rotation R about the unit vector `axis` for which the trace of R·`sum` is greatest. By Rodrigues' formula that trace is
+/// `a + b·cos θ + c·sin θ`.
+fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    let along = (axis.transpose() * sum * axis)[0];
+    let cos = sum.trace() - along;
+    let sin = (axis.cross_matrix() * sum).trace();
+    UnitQuaternion::new(axis * sin.atan2(cos))
+}
+
+/// Where camera centres are.
+struct Spread {
+    mean: Vector3<f64>,
+    /// Mean squared distance from the mean.
+    variance: f64,
+    /// The largest coordinate.
+    magnitude: f64,
+}
+
+impl Spread {
+    fn of(poses: &[Isometry3<f64>]) -> Self {
+        let n = poses.len() as f64;
+        let centres = || poses.iter().map(|p| p.translation.vector);
+        let mean = centres().sum::<Vector3<f64>>() / n;
+        let variance = centres().map(|c| (c - mean).norm_squared()).sum::<f64>() / n;
+        Self { mean, variance, magnitude: centres().map(|c| c.amax()).fold(0.0, f64::max) }
+    }
+
+    /// Whether the centres differ by more than rounding.
+    fn is_spread_out(&self) -> bool {
+        self.variance.is_finite() && self.variance.sqrt() > 1e-12 * self.magnitude
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    fn pose(centre: [f64; 3], axis_angle: [f64; 3]) -> Isometry3<f64> {
+        Isometry3::new(Vector3::from(centre), Vector3::from(axis_angle))
+    }
+
+    #[test]
+    fn a_square_turned_and_doubled_is_found_by_hand() {
+        // A quarter turn about z, twice as large, moved by (10, 0, 0): (1, 0, 0) becomes (10, 2, 0).
+        let corner = |x, y, at| (pose([x, y, 0.0], [0.0; 3]), pose(at, [0.0, 0.0, FRAC_PI_2]));
+        let (estimate, truth): (Vec<_>, Vec<_>) = [
+            corner(0.0, 0.0, [10.0, 0.0, 0.0]),
+            corner(1.0, 0.0, [10.0, 2.0, 0.0]),
+            corner(1.0, 1.0, [8.0, 2.0, 0.0]),
+            corner(0.0, 1.0, [8.0, 0.0, 0.0]),
+        ]
+        .into_iter()
+        .unzip();
+        let alignment = align(&estimate, &truth).expect("aligned");
+        let Similarity { scale, rotation, translation } = alignment.truth_from_estimate;
+        assert!(!alignment.straight && (scale - 2.0).abs() < 1e-12);
+        assert!((rotation.scaled_axis() - Vector3::new(0.0, 0.0, FRAC_PI_2)).norm() < 1e-12);
+        assert!((translation - Vector3::new(10.0, 0.0, 0.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_best_scale_of_noisy_centres_is_umeyamas() {
+        // On one line: truth −1, 0, 1; estimate −1, 0.5, 2, whose mean is 0.5. The least squares slope is Σxy/Σx² = 3/4.5.
+        let line = |xs: [f64; 3]| xs.map(|x| pose([x, 0.0, 0.0], [0.0; 3]));
+        let alignment = align(&line([-1.0, 0.5, 2.0]), &line([-1.0, 0.0, 1.0])).expect("aligned");
+        assert!((alignment.truth_from_estimate.scale - 2.0 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_mirrored_estimate_is_not_laid_on_by_a_mirror() {
+        let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
+        let truth = centres.map(|c| pose(c, [0.0; 3]));
+        let mirror = centres.map(|[x, y, z]| pose([-x, y, z], [0.0; 3]));
+        let Similarity { rotation, .. } = align(&mirror, &truth).expect("aligned").truth_from_estimate;
+        assert!((rotation.to_rotation_matrix().matrix().determinant() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn cameras_on_a_rail_are_turned_about_it_by_where_they_look() {
+        // The cameras look along the world's y; the estimate's world is turned by 1.1 about the rail.
+        let roll = UnitQuaternion::new(Vector3::x() * 1.1);
+        let looks = UnitQuaternion::new(Vector3::new(-FRAC_PI_2, 0.0, 0.0));
+        let truth = [0.0, 1.0, 2.5].map(|x| Isometry3::from_parts(Translation3::new(x, 0.0, 0.0), looks));
+        let estimate = truth.map(|t| Isometry3::from_parts(t.translation, roll * t.rotation));
+        let alignment = align(&estimate, &truth).expect("aligned");
+        assert!(alignment.straight);
+        for (e, t) in estimate.iter().zip(&truth) {
+            let laid = alignment.truth_from_estimate.apply(e);
+            assert!((laid.translation.vector - t.translation.vector).norm() < 1e-12);
+            assert!(laid.rotation.angle_to(&t.rotation) < 1e-7);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_aligned_says_why() {
+        let here = pose([1.0, 2.0, 3.0], [0.0; 3]);
+        let there = pose([4.0, 2.0, 3.0], [0.0; 3]);
+        let words = |estimate: &[_], truth: &[_]| align(estimate, truth).expect_err("degenerate").to_string();
+        assert!(words(&[here], &[here]).contains("two or more"));
+        assert!(words(&[here, here], &[here, there]).contains("estimated cameras all stand in one place"));
+        assert!(words(&[here, there], &[here, here]).contains("true cameras all stand in one place"));
+        // One goes back and forth twice while the other goes once.
+        let line = |xs: [f64; 4]| xs.map(|x| pose([x, 0.0, 0.0], [0.0; 3]));
+        assert!(words(&line([-1.0, 1.0, -1.0, 1.0]), &line([-1.0, -1.0, 1.0, 1.0])).contains("independently"));
+    }
+
+    proptest! {
+        #[test]
+        fn any_similarity_is_found_again(
+            centres in prop::collection::vec(prop::array::uniform3(-10.0f64..10.0), 3..12),
+            turns in prop::array::uniform3(-3.0f64..3.0),
+            move_by in prop::array::uniform3(-100.0f64..100.0),
+            scale in 0.01f64..100.0,
+        ) {
+            let truth: Vec<_> = centres.iter().map(|&c| pose(c, [c[1] * 0.1, c[0] * 0.2, c[2] * 0.1])).collect();
+            let rotation = UnitQuaternion::new(Vector3::from(turns) * 0.6);
+            let there = Similarity { scale, rotation, translation: Vector3::from(move_by) };
+            let estimate: Vec<_> = truth.iter().map(|t| there.apply(t)).collect();
+            let spread = Spread::of(&truth);
+            prop_assume!(spread.variance > 1e-3);
+            let alignment = align(&estimate, &truth).expect("aligned");
+            for (e, t) in estimate.iter().zip(&truth) {
+                let laid = alignment.truth_from_estimate.apply(e);
+                prop_assert!((laid.translation.vector - t.translation.vector).norm() < 1e-6, "{alignment:?}");
+                prop_assert!(laid.rotation.angle_to(&t.rotation) < 1e-4, "{alignment:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The study: an estimate beside a truth, in numbers.
+
+use super::errors::{absolute, magnitudes, relative};
+use super::{Association, ModelSummary, PoseError, PoseErrors, Similarity, Trajectory, align, associate};
+use nalgebra::Isometry3;
+use serde::Serialize;
+
+/// How an estimate is compared with the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseStudy {
+    /// The rule by which poses are paired; `None` takes the one that fits, see [`associate()`].
+    pub associate: Option<Association>,
+    /// Times that differ by more do not belong together; in the files' unit. 0 or more.
+    pub max_time_difference: f64,
+    /// Poses from the start to the end of a motion whose error is relative; 1 or more. Poses are those that were paired, in the truth's order.
+    pub step: usize,
+    /// Images that were to be registered; `None` takes the number of true poses.
+    pub images: Option<usize>,
+}
+
+impl Default for PoseStudy {
+    fn default() -> Self {
+        Self { associate: None, max_time_difference: 0.02, step: 1, images: None }
+    }
+}
+
+/// A pair of poses.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairReport {
+    /// What the estimate calls it: the image's name or the time.
+    pub label: String,
+    /// Centre of the true camera, in the truth's unit.
+    pub true_centre: [f64; 3],
+    /// Centre of the estimated camera once it is aligned.
+    pub aligned_centre: [f64; 3],
+    /// Distance of the two, in the truth's unit.
+    pub translation_error: f64,
+    /// Angle between the two cameras' directions, degrees.
+    pub rotation_error_deg: f64,
+}
+
+/// What came out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PoseReport {
+    /// Images that were to be registered.
+    pub images: usize,
+    /// Poses of the estimate.
+    pub registered: usize,
+    /// The rule by which poses were paired.
+    pub associated: Association,
+    /// The scale from the estimate's world to the truth's.
+    pub scale: f64,
+    /// Whether the cameras stand on a straight line, see [`super::align()`].
+    pub straight: bool,
+    /// Absolute trajectory error, over all pairs.
+    pub absolute: PoseErrors,
+    /// Poses from start to end of a motion.
+    pub step: usize,
+    /// Relative pose error, over all motions.
+    pub relative: PoseErrors,
+    /// The sparse model; absent if the estimate is none.
+    pub model: Option<ModelSummary>,
+    /// Each pair, in the truth's order.
+    pub pairs: Vec<PairReport>,
+}
+
+impl PoseReport {
+    /// The share of images that were registered, percent.
+    pub fn images_pass_percent(&self) -> f64 {
+        100.0 * self.registered as f64 / self.images as f64
+    }
+}
+
+/// Compares `estimate` with `truth`.
+///
+/// # Errors
+/// [`PoseError`] when the study makes no sense, or poses cannot be paired or aligned.
+pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStudy) -> Result<PoseReport, PoseError> {
+    let param = |parameter, problem: String, remedy| Err(PoseError::Param { parameter, problem, remedy });
+    if study.step == 0 {
+        return param("step", "0 poses".to_owned(), "give 1 or more");
+    }
+    if !(study.max_time_difference >= 0.0 && study.max_time_difference.is_finite()) {
+        return param("max-time-difference", study.max_time_difference.to_string(), "give 0 or more");
+    }
+    if let Some(images) = study.images.filter(|&images| images < estimate.poses.len()) {
+        let problem = format!("{images}, but {} images have a pose", estimate.poses.len());
+        return param("images", problem, "give the number of images that the reconstruction began with");
+    }
+    let pairing = associate(&estimate.poses, &truth.poses, study.associate, study.max_time_difference)?;
+    let (estimated, truths): (Vec<Isometry3<f64>>, Vec<Isometry3<f64>>) = pairing
+        .pairs
+        .iter()
+        .map(|&(e, t)| (estimate.poses[e].world_from_camera, truth.poses[t].world_from_camera))
+        .unzip();
+    let alignment = align(&estimated, &truths)?;
+    let Similarity { scale, .. } = alignment.truth_from_estimate;
+    let aligned: Vec<Isometry3<f64>> = estimated.iter().map(|e| alignment.truth_from_estimate.apply(e)).collect();
+    let left_over = absolute(&aligned, &truths);
+    let pair = |k: usize| {
+        let (translation_error, rotation_error_deg) = magnitudes(&left_over[k]);
+        PairReport {
+            label: estimate.poses[pairing.pairs[k].0].label.clone(),
+            true_centre: truths[k].translation.vector.into(),
+            aligned_centre: aligned[k].translation.vector.into(),
+            translation_error,
+            rotation_error_deg,
+        }
+    };
+    Ok(PoseReport {
+        images: study.images.unwrap_or(truth.poses.len()),
+        registered: estimate.poses.len(),
+        associated: pairing.by,
+        scale,
+        straight: alignment.straight,
+        absolute: PoseErrors::of(&left_over),
+        step: study.step,
+        relative: PoseErrors::of(&relative(&aligned, &truths, study.step)),
+        model: estimate.model.as_ref().map(|m| m.summary()),
+        pairs: (0..pairing.pairs.len()).map(pair).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Pose;
+    use super::*;
+    use nalgebra::Vector3;
+
+    fn trajectory(centres: &[[f64; 3]]) -> Trajectory {
+        let pose = |(k, &centre): (usize, &[f64; 3])| Pose {
+            label: format!("{k}.png"),
+            order: k as u32,
+            time: None,
+            world_from_camera: Isometry3::new(Vector3::from(centre), Vector3::zeros()),
+        };
+        Trajectory { poses: centres.iter().enumerate().map(pose).collect(), model: None }
+    }
+
+    #[test]
+    fn a_square_with_one_corner_off_by_hand() {
+        // The estimate is twice as large. One of five cameras, the one in the middle, is too high: by symmetry nothing is turned, and the least squares lie a
+        // fifth of the height too high.
+        let truth =
+            trajectory(&[[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 0.0]]);
+        let estimate =
+            trajectory(&[[2.0, 2.0, 0.0], [-2.0, 2.0, 0.0], [-2.0, -2.0, 0.0], [2.0, -2.0, 0.0], [0.0, 0.0, 1.0]]);
+        let report = evaluate_poses(&estimate, &truth, &PoseStudy { images: Some(10), ..PoseStudy::default() })
+            .expect("a report");
+        // Σ|x|² of the estimate about its mean: 4·(8 + 0.04) + 0.64 = 32.8; Σxy = 16. Scale 16/32.8.
+        let scale = 16.0 / 32.8;
+        assert!((report.scale - scale).abs() < 1e-12, "{}", report.scale);
+        let corner = (2.0 * (1.0 - 2.0 * scale).powi(2) + (0.2 * scale).powi(2)).sqrt();
+        let middle = 0.8 * scale;
+        assert!(
+            (report.absolute.translation.rmse - ((4.0 * corner * corner + middle * middle) / 5.0).sqrt()).abs() < 1e-12
+        );
+        assert!((report.absolute.translation.median - corner).abs() < 1e-12);
+        assert!((report.absolute.translation.max - middle).abs() < 1e-12);
+        assert!(report.absolute.rotation_deg.max < 1e-6);
+        assert_eq!((report.absolute.count, report.relative.count, report.images_pass_percent()), (5, 4, 50.0));
+        // Three sides are (1 − 2·scale)·2 too short, the last motion also goes up.
+        let side = 2.0 * (1.0 - 2.0 * scale);
+        assert!((report.relative.translation.median - side).abs() < 1e-12);
+        assert_eq!(report.pairs[4].label, "4.png");
+        assert!((report.pairs[4].translation_error - middle).abs() < 1e-12);
+    }
+
+    #[test]
+    fn studies_that_make_no_sense_are_refused() {
+        let truth = trajectory(&[[0.0; 3], [1.0, 0.0, 0.0]]);
+        let error = |study| evaluate_poses(&truth, &truth, &study).expect_err("refused").to_string();
+        assert!(error(PoseStudy { step: 0, ..PoseStudy::default() }).starts_with("step: "));
+        assert!(error(PoseStudy { images: Some(1), ..PoseStudy::default() }).contains("2 images have a pose"));
+        let never = PoseStudy { max_time_difference: f64::NAN, ..PoseStudy::default() };
+        assert!(error(never).starts_with("max-time-difference: "));
+    }
+}

@@ -1,0 +1,162 @@
+//! Models in binary: little-endian numbers without padding, counts before lists.
+//!
+//! Every count is checked against the bytes that are left before it is believed, so that a damaged file takes neither memory nor time.
+
+use super::{SparseImage, SparsePoint, world_from_camera};
+use crate::evaluate::poses::PoseError;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+/// The number that stands for "no point" beside a keypoint.
+const NO_POINT: u64 = u64::MAX;
+/// Bytes of a keypoint in `images.bin`: x, y, id of its point.
+const KEYPOINT_BYTES: u64 = 24;
+/// Bytes of an image without name and keypoints: id, pose, camera, the name's end, number of keypoints.
+const IMAGE_BYTES: u64 = 4 + 7 * 8 + 4 + 1 + 8;
+/// Bytes of a point without its track: id, place, colour, error, length of the track.
+const POINT_BYTES: u64 = 8 + 3 * 8 + 3 + 8 + 8;
+/// Bytes of one element of a track: image, index of the keypoint.
+const TRACK_BYTES: u64 = 8;
+/// The longest name that an image may have, bytes.
+const LONGEST_NAME: usize = 4096;
+
+/// Reads `images.bin`.
+pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, PoseError> {
+    let (file, bytes) = open(path)?;
+    images(file, bytes, path)
+}
+
+/// Reads `points3D.bin`.
+pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
+    let (file, bytes) = open(path)?;
+    points(file, bytes, path)
+}
+
+fn open(path: &Path) -> Result<(BufReader<File>, u64), PoseError> {
+    let file = File::open(path).map_err(|e| PoseError::read(path, &e))?;
+    let bytes = file.metadata().map_err(|e| PoseError::read(path, &e))?.len();
+    Ok((BufReader::with_capacity(1 << 16, file), bytes))
+}
+
+/// The images of a stream of `bytes` bytes.
+pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparseImage>, PoseError> {
+    let mut fields = Fields { stream, left: bytes, path, place: "the number of images".to_owned() };
+    let count = fields.count(IMAGE_BYTES)?;
+    let mut images = Vec::new();
+    for index in 0..count {
+        fields.place = format!("image {} of {count}", index + 1);
+        let id = fields.u32()?;
+        let quaternion = fields.floats::<4>()?;
+        let translation = fields.floats::<3>()?;
+        let _camera_id = fields.u32()?;
+        let name = fields.name()?;
+        let keypoints = fields.count(KEYPOINT_BYTES)?;
+        let mut points = 0;
+        for _ in 0..keypoints {
+            fields.floats::<2>()?;
+            points += usize::from(fields.u64()? != NO_POINT);
+        }
+        let world_from_camera = world_from_camera(quaternion, translation).map_err(|problem| fields.fail(problem))?;
+        images.push(SparseImage { id, name, keypoints: keypoints as usize, points, world_from_camera });
+    }
+    Ok(images)
+}
+
+/// The points of a stream of `bytes` bytes.
+pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
+    let mut fields = Fields { stream, left: bytes, path, place: "the number of points".to_owned() };
+    let count = fields.count(POINT_BYTES)?;
+    let mut points = Vec::new();
+    for index in 0..count {
+        // Only said when something is wrong, for there may be millions of points.
+        fields.place = String::new();
+        let point = point(&mut fields);
+        points.push(point.map_err(|error| match error {
+            PoseError::Corrupt { path, problem, .. } => {
+                PoseError::Corrupt { path, place: format!("point {} of {count}", index + 1), problem }
+            }
+            other => other,
+        })?);
+    }
+    Ok(points)
+}
+
+fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint, PoseError> {
+    let _id = fields.u64()?;
+    fields.floats::<3>()?;
+    fields.bytes::<3>()?;
+    let [reprojection_error_px] = fields.floats()?;
+    let track_length = fields.count(TRACK_BYTES)?;
+    for _ in 0..track_length {
+        fields.u64()?;
+    }
+    Ok(SparsePoint { reprojection_error_px, track_length: track_length as usize })
+}
+
+/// The fields of a binary file, one after the other.
+struct Fields<'a, R> {
+    stream: R,
+    /// Bytes not read yet.
+    left: u64,
+    path: &'a Path,
+    /// What is being read, for messages.
+    place: String,
+}
+
+impl<R: Read> Fields<'_, R> {
+    fn fail(&self, problem: impl Into<String>) -> PoseError {
+        PoseError::corrupt(self.path, self.place.clone(), problem)
+    }
+
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], PoseError> {
+        let mut bytes = [0; N];
+        if self.left < N as u64 {
+            return Err(self.fail("the file ends too early; copy it again"));
+        }
+        self.stream.read_exact(&mut bytes).map_err(|e| PoseError::read(self.path, &e))?;
+        self.left -= N as u64;
+        Ok(bytes)
+    }
+
+    fn u32(&mut self) -> Result<u32, PoseError> {
+        Ok(u32::from_le_bytes(self.bytes()?))
+    }
+
+    fn u64(&mut self) -> Result<u64, PoseError> {
+        Ok(u64::from_le_bytes(self.bytes()?))
+    }
+
+    fn floats<const N: usize>(&mut self) -> Result<[f64; N], PoseError> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            *value = f64::from_le_bytes(self.bytes()?);
+        }
+        Ok(values)
+    }
+
+    /// A number of entries of at least `entry_bytes` bytes each, which must all fit into what is left.
+    fn count(&mut self, entry_bytes: u64) -> Result<u64, PoseError> {
+        let count = self.u64()?;
+        if count > self.left / entry_bytes {
+            return Err(
+                self.fail(format!("it announces {count} entries, for which the file is too short; copy it again"))
+            );
+        }
+        Ok(count)
+    }
+
+    /// Text that ends with a zero.
+    fn name(&mut self) -> Result<String, PoseError> {
+        let mut name = Vec::new();
+        loop {
+            match self.bytes::<1>()? {
+                [0] => return Ok(String::from_utf8_lossy(&name).into_owned()),
+                _ if name.len() == LONGEST_NAME => {
+                    return Err(self.fail(format!("its name is longer than {LONGEST_NAME} bytes, so this is no name")));
+                }
+                [byte] => name.push(byte),
+            }
+        }
+    }
+}
