@@ -187,6 +187,34 @@ pub enum OpenError {
         /// Their names, in natural order.
         names: Vec<String>,
     },
+    /// A sequence cannot be cut into bursts of no frames, nor of no distance.
+    #[error(
+        "a sequence is cut into bursts of 1 or more frames that begin 1 or more frames apart, not {length} frames that begin {step} apart"
+    )]
+    Cut {
+        /// Frames asked for in a burst.
+        length: usize,
+        /// Frames asked for from the start of a burst to that of the next.
+        step: usize,
+    },
+    /// A sequence of fewer frames than one burst shall have.
+    #[error("this has {frames} frames, too few for a burst of {length}; cut it into shorter bursts: {}", path.display())]
+    TooShort {
+        /// The folder, or the first frame.
+        path: PathBuf,
+        /// How many frames there are.
+        frames: usize,
+        /// How many frames a burst shall have.
+        length: usize,
+    },
+    /// A stack that was to be cut.
+    #[error("a sequence is cut into bursts between its files, but this one file holds {frames} frames; save each frame as a file of its own: {}", path.display())]
+    CutStack {
+        /// The stack.
+        path: PathBuf,
+        /// How many frames it holds.
+        frames: usize,
+    },
     /// The value that shall become 1.0 is not a positive number.
     #[error("the full scale is the file's value that becomes 1.0; it must be a positive number, not {value}")]
     FullScale {

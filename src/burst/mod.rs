@@ -1,7 +1,7 @@
 //! A burst: frames of one size, in time order, as `f32` in [0, 1] of the file's full scale.
 //!
 //! Everything that knows file formats is in this room; the detector sees only the frames. [`find_bursts`] says which bursts an input names,
-//! [`Burst::open_with`] opens one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
+//! [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
 
 mod decode;
 mod error;
@@ -9,12 +9,14 @@ mod limits;
 mod luma;
 mod open;
 mod progress;
+mod sequence;
 mod source;
 
 pub use error::OpenError;
 pub use limits::Limits;
 pub use luma::LUMA_WEIGHTS;
 pub use open::OpenOptions;
+pub use sequence::{SequenceCut, cut_sequence};
 pub use source::{BurstSource, find_bursts, supported_extensions};
 
 use crate::plane::Plane;

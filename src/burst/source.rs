@@ -107,7 +107,7 @@ fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstSource>, OpenError> {
 }
 
 /// Whether the file holds more than one frame. A file that cannot be read is none: opening it says what is wrong.
-fn is_stack(path: &Path) -> bool {
+pub(super) fn is_stack(path: &Path) -> bool {
     decode::frame_count(path).is_ok_and(|frames| frames > 1)
 }
 
@@ -115,7 +115,7 @@ fn stack_source(path: PathBuf) -> BurstSource {
     BurstSource { name: stem(&path), paths: vec![path] }
 }
 
-fn stem(path: &Path) -> String {
+pub(super) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "burst".into(), |s| s.to_string_lossy().into_owned())
 }
 
@@ -161,7 +161,7 @@ pub(super) fn natural_order(a: &Path, b: &Path) -> Ordering {
 }
 
 /// Numbers the second and later bursts of one name, so that their exports do not overwrite each other (letter case does not tell files apart everywhere).
-fn make_names_unique(sources: &mut [BurstSource]) {
+pub(super) fn make_names_unique(sources: &mut [BurstSource]) {
     let mut taken = HashSet::new();
     for source in sources {
         let mut name = source.name.clone();

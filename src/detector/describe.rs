@@ -8,7 +8,8 @@
 //! Only a patch around each feature is made: stacked (or cut from the octave's stored first level), blurred to the level, differentiated.
 
 use super::feature::Descriptor;
-use super::octave::{RawPatch, widened};
+use super::octave::widened;
+use super::patch::RawPatch;
 use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use multiversion::multiversion;

@@ -11,7 +11,7 @@
 //! per-pixel SNR of 5 in 10 frames the median error was 0.059, 0.054, 0.052, 0.051 px on discs that stand apart and 0.098, 0.095, 0.107, 0.141 px on crowded
 //! charts, for factors of 1, 1.05, 1.1 and 1.2.
 
-use super::octave::RawPatch;
+use super::patch::RawPatch;
 use super::refine::{peak_offset, peak_offset_2d};
 use std::ops::Range;
 

@@ -6,12 +6,14 @@
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
 pub mod describe;
+mod describing;
 pub mod feature;
 pub mod locate;
 pub mod motion;
 pub mod noise;
 pub mod octave;
 pub mod params;
+pub mod patch;
 pub mod pipeline;
 pub mod refine;
 pub mod scale_space;

@@ -4,23 +4,21 @@
 //! strip visits all slopes in order, holding only those that its undecided candidates still need. The strip's height is chosen so that
 //! what it holds stays within [`WINDOW_BYTES`] per thread. Strips return their keypoints in order, so threads cannot change the result.
 
-use super::describe::{GradientPatch, gradient_radius, span};
+use super::describing::{Describing, Keypoint};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
-use super::locate::{FARTHEST_MOVE_PX, filter_reach, filter_scales, locate};
 use super::motion::{FrameOffset, coverage, frame_offsets};
 use super::noise::{dog_noise_variance, frame_noise, gate_factor};
-use super::octave::{Base, RawPatch, StripScratch, widened};
-use super::params::{DetectorParams, Localisation, ParamError};
+use super::octave::{Base, StripScratch, widened};
+use super::params::{DetectorParams, ParamError};
 use super::refine::{Limits, MAX_MOVES, refine};
 use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
 use super::search::{Thresholds, own_slope_extrema};
-use super::slope_grid::{Slope, SlopeGrid};
+use super::slope_grid::SlopeGrid;
 use super::slope_window::{SlopeWindow, capacity};
 use super::view::searched_octaves;
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
-use crate::plane::blur::GaussianKernel;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -54,20 +52,6 @@ struct Search<'a> {
     frame_noise: f32,
     gate_factor: f32,
     monitor: &'a Monitor,
-}
-
-/// A feature before orientation and descriptor.
-#[derive(Debug, Clone, Copy)]
-struct Keypoint {
-    /// Place and scale in octave pixels.
-    x: f32,
-    y: f32,
-    sigma_octave: f32,
-    level: i32,
-    slope_index: usize,
-    slope: Slope,
-    value: f32,
-    snr: f32,
 }
 
 /// Finds the features of a burst.
@@ -108,10 +92,19 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
         let searching = Instant::now();
         let (keypoints, next_bases) = search.octave(octave, &bases, octave + 1 < octaves.end, &mut tally, &progress)?;
         times.search_secs += searching.elapsed().as_secs_f32();
-        let describing = Instant::now();
+        let started = Instant::now();
         monitor.report(Stage::Describe, done + share * 0.95);
-        found.extend(search.describe(octave, &bases, &keypoints)?);
-        times.describe_secs += describing.elapsed().as_secs_f32();
+        let describing = Describing {
+            base: &|slope_index| search.base(octave, &bases, slope_index),
+            octave,
+            size: octave_size(burst.size(), octave),
+            grid,
+            space: &search.space,
+            params,
+            monitor,
+        };
+        found.extend(describing.describe(&keypoints)?);
+        times.describe_secs += started.elapsed().as_secs_f32();
         bases = next_bases;
         done += share;
     }
@@ -304,88 +297,6 @@ impl Search<'_> {
         let at = (to_image(x, self.size_image.0), to_image(y, self.size_image.1));
         let covering = coverage(&self.offsets[slope_index], at.0, at.1, self.size_image);
         (self.frames.len() as f32 / covering.max(1) as f32).sqrt()
-    }
-
-    /// The keypoint at its place and slope on the continuous D, where the parameters ask for that and it has one. `raw` holds the pixels around it.
-    fn located(
-        &self,
-        octave: i32,
-        bases: &[Plane],
-        keypoint: &Keypoint,
-        raw: &RawPatch,
-        scales: (f64, f64),
-    ) -> Keypoint {
-        if self.params.localisation == Localisation::Quadratic {
-            return *keypoint;
-        }
-        let (i, j) = self.grid.coordinates(keypoint.slope_index);
-        let reach = filter_reach(scales);
-        let (columns, rows) = (span(keypoint.x, reach, raw.size.0), span(keypoint.y, reach, raw.size.1));
-        let neighbour = |di: i32, dj: i32| {
-            let i = i.checked_add_signed(di as isize).filter(|&i| i < self.grid.u.count)?;
-            let j = j.checked_add_signed(dj as isize).filter(|&j| j < self.grid.v.count)?;
-            let base = self.base(octave, bases, j * self.grid.u.count + i);
-            Some(base.patch(raw.size, columns.clone(), rows.clone()))
-        };
-        let at = (f64::from(keypoint.x), f64::from(keypoint.y));
-        let Some(found) = locate(raw, neighbour, at, scales) else {
-            return *keypoint;
-        };
-        Keypoint {
-            x: found.x as f32,
-            y: found.y as f32,
-            slope: self.grid.at(i as f32 + found.slope_step_i, j as f32 + found.slope_step_j),
-            ..*keypoint
-        }
-    }
-
-    /// Orientations and descriptors of an octave's keypoints.
-    fn describe(
-        &self,
-        octave: i32,
-        bases: &[Plane],
-        keypoints: &[Keypoint],
-    ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
-        let size = octave_size(self.size_image, octave);
-        let pixel = octave_pixel(octave);
-        let described: Vec<Vec<(Feature, Descriptor)>> = keypoints
-            .par_iter()
-            .map(|keypoint| {
-                self.monitor.check()?;
-                let base = self.base(octave, bases, keypoint.slope_index);
-                let from = base.sigma_octave();
-                let scales = filter_scales(f64::from(keypoint.sigma_octave), self.space.levels, from);
-                let sigma_level = self.space.sigma_octave(f64::from(keypoint.level));
-                let blur = (sigma_level * sigma_level - from * from).max(0.0).sqrt();
-                let kernel = GaussianKernel::with_cut(blur, self.space.kernel_cut);
-                let reach = filter_reach(scales)
-                    .max(gradient_radius(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX);
-                let raw = base.patch(size, span(keypoint.x, reach, size.0), span(keypoint.y, reach, size.1));
-                let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
-                    self.located(octave, bases, keypoint, &raw, scales);
-                let patch = GradientPatch::around(&raw, (x, y), sigma, &kernel);
-                let (i, j) = self.grid.coordinates(slope_index);
-                let feature = |angle: f32| Feature {
-                    u: x * pixel,
-                    v: y * pixel,
-                    sigma: sigma * pixel,
-                    orientation: if angle > std::f32::consts::PI { angle - std::f32::consts::TAU } else { angle },
-                    slope,
-                    response: keypoint.value,
-                    snr: keypoint.snr,
-                    octave,
-                    level,
-                    slope_index,
-                    at_slope_limit: self.grid.on_rim(i, j),
-                };
-                let orientations = patch.orientations(x, y, sigma, self.params.max_orientations);
-                Ok(orientations
-                    .into_iter()
-                    .map(|angle| (feature(angle), patch.descriptor(x, y, sigma, angle)))
-                    .collect())
-            })
-            .collect::<Result<_, Cancelled>>()?;
-        Ok(described.into_iter().flatten().collect())
     }
 }
 

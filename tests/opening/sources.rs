@@ -1,7 +1,7 @@
 //! What an input names, in what order, and under what names.
 
 use crate::support::{folder, grey8, open, save, tiff_pages};
-use burstscope::burst::{Burst, OpenError, find_bursts, supported_extensions};
+use burstscope::burst::{Burst, BurstSource, OpenError, SequenceCut, cut_sequence, find_bursts, supported_extensions};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tiff::encoder::colortype;
@@ -69,6 +69,30 @@ fn a_dataset_is_a_folder_of_burst_folders() {
     }
     let error = open(&dataset).expect_err("three bursts");
     assert_eq!(error.to_string(), "there are 3 bursts here, open one of them: burst1, burst2, burst10");
+}
+
+#[test]
+fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
+    let folder = folder();
+    for t in 0..12 {
+        save(&folder.path().join(format!("f{t}.png")), &grey8(3, 2, t));
+    }
+    let sequence = &find_bursts(&[folder.path().to_path_buf()]).expect("one sequence")[0];
+    let cut = SequenceCut::new(5, None).expect("a cut");
+    let bursts = cut_sequence(sequence, cut).expect("two bursts");
+    assert_eq!(bursts.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["f2", "f7"]);
+    assert_eq!(first_values(&open(&bursts[1].paths).expect("opens")), [5, 6, 7, 8, 9]);
+    // Bursts of single frames are for SIFT on each of them.
+    let frames = cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut")).expect("twelve");
+    assert_eq!(first_values(&open(&frames[10].paths).expect("opens")), [10]);
+    // What is in one file is not cut.
+    let path = folder.path().join("film.tif");
+    stack(&path);
+    let film = BurstSource { name: "film".into(), paths: vec![path.clone()] };
+    let error = cut_sequence(&film, cut).expect_err("a stack");
+    assert!(matches!(error, OpenError::CutStack { path: ref at, frames: 2 } if *at == path), "{error}");
+    let error = cut_sequence(sequence, cut).expect_err("a stack among frames");
+    assert!(matches!(error, OpenError::CutStack { .. }), "{error}");
 }
 
 #[test]
