@@ -12,7 +12,8 @@
 //! ```text
 //! app, cli            the window; the commands
 //! engine              background workers: latest request wins, cancel, progress
-//! evaluate, baseline  how good the detector is, measured against known truth; what it is compared with
+//! evaluate            how good the detector is, measured against known truth
+//! baseline, matching  what it is compared with; descriptors to matches
 //! export              one file a format
 //! detector, synth     the method; bursts with known truth
 //! burst               opening, decoding and calibrating frames
@@ -33,6 +34,7 @@ pub mod detector;
 pub mod engine;
 pub mod evaluate;
 pub mod export;
+pub mod matching;
 pub mod monitor;
 pub mod plane;
 pub mod synth;

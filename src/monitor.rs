@@ -35,6 +35,8 @@ pub enum Stage {
     },
     /// Orientations and descriptors.
     Describe,
+    /// Comparing descriptors, and verifying their matches geometrically.
+    Match,
     /// Making a synthetic burst.
     Synth,
     /// Running detectors over many synthetic bursts and scoring what they find.
@@ -50,6 +52,7 @@ impl std::fmt::Display for Stage {
             Self::Noise => f.write_str("Estimating noise"),
             Self::Search { octave } => write!(f, "Searching octave {octave}"),
             Self::Describe => f.write_str("Describing features"),
+            Self::Match => f.write_str("Matching features"),
             Self::Synth => f.write_str("Making the burst"),
             Self::Evaluate => f.write_str("Evaluating"),
             Self::Write => f.write_str("Writing files"),

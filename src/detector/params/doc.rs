@@ -26,14 +26,17 @@ impl ParamDoc {
     }
 }
 
-macro_rules! doc {
+/// Describes one parameter: its constant's name, then the fields of [`ParamDoc`] (which must be in scope) in order.
+macro_rules! param_doc {
     ($id:ident, $name:literal, $label:literal, $unit:literal, $meaning:literal, $effect:literal) => {
         #[doc = concat!($meaning, " ", $effect)]
         pub const $id: ParamDoc =
             ParamDoc { name: $name, label: $label, unit: $unit, meaning: $meaning, effect: $effect };
     };
 }
-doc!(
+pub(crate) use param_doc;
+
+param_doc!(
     METHOD,
     "method",
     "Method",
@@ -41,7 +44,7 @@ doc!(
     "The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame.",
     "Sift is the baseline that the burst has to beat."
 );
-doc!(
+param_doc!(
     SLOPES_U,
     "slopes-u",
     "Slopes u",
@@ -49,7 +52,7 @@ doc!(
     "The slopes searched along the first axis, to the right unless the direction turns it, as MIN:MAX:COUNT.",
     "A wider range finds faster motion; a step much above 2σ/(N−1) misses features between slopes, a finer one only costs time."
 );
-doc!(
+param_doc!(
     SLOPES_V,
     "slopes-v",
     "Slopes v",
@@ -57,7 +60,7 @@ doc!(
     "The slopes searched along the second axis, down unless the direction turns it, as MIN:MAX:COUNT.",
     "More than one makes the search two-dimensional (BuFF 2D) and multiplies its time."
 );
-doc!(
+param_doc!(
     SLOPE_DIRECTION,
     "slope-direction",
     "Direction",
@@ -65,7 +68,7 @@ doc!(
     "Turns the slope grid from +u towards +v (clockwise on screen), so that a line of slopes can point anywhere.",
     "Set it to the direction in which the camera moves; 90 searches vertical motion."
 );
-doc!(
+param_doc!(
     FRAMES,
     "frames",
     "Frames used",
@@ -73,7 +76,7 @@ doc!(
     "The frames A … B−1 that are searched; all of them if absent.",
     "More frames lower the noise, as long as the motion stays straight; features are reported at the middle of those used."
 );
-doc!(
+param_doc!(
     OCTAVES,
     "octaves",
     "Octaves",
@@ -81,7 +84,7 @@ doc!(
     "How many octaves of scale are searched, each twice as coarse as the one before; fewer where the image gets too small.",
     "More octaves find larger blobs, at little cost."
 );
-doc!(
+param_doc!(
     LEVELS,
     "levels",
     "Levels",
@@ -89,7 +92,7 @@ doc!(
     "Scales per octave.",
     "More levels sample scale more finely and cost time in proportion."
 );
-doc!(
+param_doc!(
     FIRST_OCTAVE,
     "first-octave",
     "First octave",
@@ -97,7 +100,7 @@ doc!(
     "The finest octave: 0 starts at the image's own resolution, −1 at the doubled image.",
     "−1 finds smaller features, of which noise has many, for about four times the time; 1 and above skip fine scales."
 );
-doc!(
+param_doc!(
     PEAK_THRESHOLD,
     "peak-threshold",
     "Peak threshold",
@@ -105,7 +108,7 @@ doc!(
     "The least |DoG| of a feature, after interpolation, as a fraction of full scale.",
     "Raise it to keep only features of higher contrast; it knows nothing of the noise."
 );
-doc!(
+param_doc!(
     NOISE_GATE,
     "noise-gate",
     "Noise gate",
@@ -113,7 +116,7 @@ doc!(
     "The least |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; auto derives it from the size of the search, 0 switches it off.",
     "Raise it to eliminate more noise; lower it to see fainter features among more false ones."
 );
-doc!(
+param_doc!(
     EDGE_THRESHOLD,
     "edge-threshold",
     "Edge threshold",
@@ -121,7 +124,7 @@ doc!(
     "The largest ratio of the principal curvatures of D.",
     "Raise it to keep more features on edges, which are poorly localised along the edge."
 );
-doc!(
+param_doc!(
     SLOPE_NEIGHBOURS,
     "slope-neighbours",
     "Slope neighbours",
@@ -129,7 +132,7 @@ doc!(
     "The slopes that a feature must beat: adjacent ones of the grid, or all.",
     "All keeps at most one slope per place and scale and needs more memory; adjacent lets two motions share a place."
 );
-doc!(
+param_doc!(
     INTERPOLATION,
     "interpolation",
     "Interpolation",
@@ -137,7 +140,7 @@ doc!(
     "How frames are sampled between pixels when they are shifted: linear or nearest.",
     "Nearest reproduces the published implementations; linear is more accurate."
 );
-doc!(
+param_doc!(
     KERNEL_CUT,
     "kernel-cut",
     "Kernel cut",
@@ -145,7 +148,7 @@ doc!(
     "Where the Gaussian kernels end, in standard deviations.",
     "4 is exact to a thousandth; 2 reproduces the authors' code, which misses some sizes of blobs by it."
 );
-doc!(
+param_doc!(
     LOCALISATION,
     "localisation",
     "Localisation",
@@ -153,7 +156,7 @@ doc!(
     "How the place and slope between the samples are found: continuous or quadratic.",
     "Continuous follows D itself to its extremum and is more exact, most of all at large scales; quadratic reproduces VLFeat and LiFF."
 );
-doc!(
+param_doc!(
     MAX_FEATURES,
     "max-features",
     "Max features",
@@ -161,7 +164,7 @@ doc!(
     "Keep only this many features, the strongest by response times the square root of the signal-to-noise ratio; 0 keeps all.",
     "Lower it to keep only the most reliable."
 );
-doc!(
+param_doc!(
     MAX_ORIENTATIONS,
     "max-orientations",
     "Max orientations",

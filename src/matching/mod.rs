@@ -1,0 +1,59 @@
+//! From two sets of features to matches, and from matches to inliers.
+//!
+//! A *putative match* pairs a feature of image A with the feature of image B whose descriptor is nearest to its own, if that is clearly nearer than the
+//! second nearest (the ratio test of Lowe, "Distinctive Image Features from Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest.
+//!
+//! The way of the data: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check) → [`counts`] (the
+//! numbers of the paper). [`match_detections`] is the composition, [`params`] holds everything that decides its result.
+
+pub mod counts;
+pub mod nearest;
+pub mod params;
+pub mod putative;
+
+pub use counts::MatchCounts;
+pub use params::MatchParams;
+pub use putative::{Match, match_descriptors};
+
+use crate::detector::{Detection, ParamError};
+use crate::monitor::{Cancelled, Monitor};
+
+/// Why there are no matches.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MatchError {
+    /// A parameter makes no sense.
+    #[error(transparent)]
+    Param(#[from] ParamError),
+    /// It was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The matches of two images, A and B.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MatchResult {
+    /// The putative matches, in the order of A's features. No feature of A is in two of them, and with the mutual check none of B either.
+    pub matches: Vec<Match>,
+    /// How many there are.
+    pub counts: MatchCounts,
+}
+
+/// Matches the features of two detections.
+///
+/// # Errors
+/// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
+pub fn match_detections(
+    a: &Detection,
+    b: &Detection,
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<MatchResult, MatchError> {
+    let matches = match_descriptors(&a.descriptors, &b.descriptors, params, monitor)?;
+    let counts = MatchCounts {
+        keypoints_a: a.features.len(),
+        keypoints_b: b.features.len(),
+        putative: matches.len(),
+        inliers: None,
+    };
+    Ok(MatchResult { matches, counts })
+}
