@@ -98,8 +98,7 @@ impl NoisyParams {
     pub fn exposure(&self, levels: &FrameLevels) -> Result<NoisyExposure, SynthError> {
         check_camera(self.read_noise, self.bits)?;
         let (mean, contrast) = (levels.mean(), levels.standard_deviation());
-        // Also false when something is not a number.
-        if !(contrast > 1e-6) {
+        if contrast.is_nan() || contrast <= 1e-6 {
             let problem = "all pixels of the frames are alike, and a ratio to their contrast means nothing";
             return Err(SynthError::param("snr", problem, "give frames that show something"));
         }
