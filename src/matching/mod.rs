@@ -3,19 +3,26 @@
 //! A *putative match* pairs a feature of image A with the feature of image B whose descriptor is nearest to its own, if that is clearly nearer than the
 //! second nearest (the ratio test of Lowe, "Distinctive Image Features from Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest.
 //!
-//! The way of the data: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check) → [`counts`] (the
-//! numbers of the paper). [`match_detections`] is the composition, [`params`] holds everything that decides its result.
+//! An *inlier* is a putative match that agrees with a geometry of the two views on which most others agree too.
+//!
+//! The way of the data: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check) → [`geometry`] (robust estimation,
+//! inliers) → [`counts`] (the numbers of the paper). [`match_detections`] is the composition, [`params`] holds everything that decides its result,
+//! [`camera`] the intrinsics where they are known.
 
+pub mod camera;
 pub mod counts;
+pub mod geometry;
 pub mod nearest;
 pub mod params;
 pub mod putative;
 
+pub use camera::{Camera, CameraModel};
 pub use counts::MatchCounts;
-pub use params::MatchParams;
+pub use geometry::{PointPair, TwoViewModel, Verification, verify};
+pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
-use crate::detector::{Detection, ParamError};
+use crate::detector::{Detection, Feature, ParamError};
 use crate::monitor::{Cancelled, Monitor};
 
 /// Why there are no matches.
@@ -34,11 +41,13 @@ pub enum MatchError {
 pub struct MatchResult {
     /// The putative matches, in the order of A's features. No feature of A is in two of them, and with the mutual check none of B either.
     pub matches: Vec<Match>,
-    /// How many there are.
+    /// What they agree on; `None` where no geometry was asked for.
+    pub verification: Option<Verification>,
+    /// How many there are of what.
     pub counts: MatchCounts,
 }
 
-/// Matches the features of two detections.
+/// Matches the features of two detections and verifies the matches.
 ///
 /// # Errors
 /// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
@@ -49,11 +58,17 @@ pub fn match_detections(
     monitor: &Monitor,
 ) -> Result<MatchResult, MatchError> {
     let matches = match_descriptors(&a.descriptors, &b.descriptors, params, monitor)?;
+    let place = |feature: &Feature| [f64::from(feature.u), f64::from(feature.v)];
+    let pairs: Vec<PointPair> = matches
+        .iter()
+        .map(|m| PointPair { a: place(&a.features[m.a]), b: place(&b.features[m.b]), rank: m.ratio })
+        .collect();
+    let verification = verify(&pairs, params, monitor)?;
     let counts = MatchCounts {
         keypoints_a: a.features.len(),
         keypoints_b: b.features.len(),
         putative: matches.len(),
-        inliers: None,
+        inliers: verification.as_ref().map(Verification::inlier_count),
     };
-    Ok(MatchResult { matches, counts })
+    Ok(MatchResult { matches, verification, counts })
 }

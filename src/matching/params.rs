@@ -2,10 +2,41 @@
 //!
 //! As with the detector's, the command line, the window and files use these names, and their help texts come from [`doc`].
 
-use crate::detector::ParamError;
+use super::camera::Camera;
+use crate::detector::{ParamDoc, ParamError};
 use serde::{Deserialize, Serialize};
 
-/// Everything that decides which features match. The same features and the same parameters give the same bits.
+/// What a geometry of the two views the matches are verified against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Geometry {
+    /// Matches are not verified.
+    None,
+    /// The fundamental matrix: any rigid scene, unknown cameras.
+    #[default]
+    Fundamental,
+    /// The essential matrix: any rigid scene, known intrinsics.
+    Essential,
+    /// A homography: a plane, or a camera that only turns.
+    Homography,
+}
+
+impl Geometry {
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Self; 4] = [Self::None, Self::Fundamental, Self::Essential, Self::Homography];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Fundamental => "fundamental",
+            Self::Essential => "essential",
+            Self::Homography => "homography",
+        }
+    }
+}
+
+/// Everything that decides which features match, and which matches are inliers. The same features and the same parameters give the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MatchParams {
@@ -13,13 +44,41 @@ pub struct MatchParams {
     pub ratio: f32,
     /// See [`doc::MUTUAL`].
     pub mutual: bool,
+    /// See [`doc::GEOMETRY`].
+    pub geometry: Geometry,
+    /// See [`doc::MAX_ERROR_PX`].
+    pub max_error_px: f32,
+    /// See [`doc::MIN_INLIERS`].
+    pub min_inliers: usize,
+    /// See [`doc::CONFIDENCE`].
+    pub confidence: f32,
+    /// See [`doc::MAX_ITERATIONS`].
+    pub max_iterations: usize,
+    /// See [`doc::SEED`].
+    pub seed: u64,
+    /// See [`doc::CAMERA`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Camera>,
 }
 
 impl Default for MatchParams {
     fn default() -> Self {
-        Self { ratio: 0.8, mutual: true }
+        Self {
+            ratio: 0.8,
+            mutual: true,
+            geometry: Geometry::Fundamental,
+            max_error_px: 4.0,
+            min_inliers: 15,
+            confidence: 0.999,
+            max_iterations: 20_000,
+            seed: 0,
+            camera: None,
+        }
     }
 }
+
+/// Most samples that may be asked for.
+const MAX_ITERATIONS: usize = 10_000_000;
 
 impl MatchParams {
     /// Checks the parameters.
@@ -27,14 +86,35 @@ impl MatchParams {
     /// # Errors
     /// The first parameter that makes no sense.
     pub fn validate(&self) -> Result<(), ParamError> {
+        let fail = |parameter: ParamDoc, problem: String, remedy: &str| {
+            Err(ParamError { parameter: parameter.name, problem, remedy: remedy.to_owned() })
+        };
         if !(self.ratio > 0.0 && self.ratio <= 1.0) {
-            return Err(ParamError {
-                parameter: doc::RATIO.name,
-                problem: self.ratio.to_string(),
-                remedy: "give more than 0 and at most 1 (0.8 is usual, 1 switches the test off)".to_owned(),
-            });
+            let remedy = "give more than 0 and at most 1 (0.8 is usual, 1 switches the test off)";
+            return fail(doc::RATIO, self.ratio.to_string(), remedy);
         }
-        Ok(())
+        if !(self.max_error_px > 0.0 && self.max_error_px.is_finite()) {
+            return fail(doc::MAX_ERROR_PX, self.max_error_px.to_string(), "give more than 0 pixels (4 is usual)");
+        }
+        if !(self.confidence > 0.0 && self.confidence < 1.0) {
+            return fail(
+                doc::CONFIDENCE,
+                self.confidence.to_string(),
+                "give a probability between 0 and 1, such as 0.999",
+            );
+        }
+        if !(1..=MAX_ITERATIONS).contains(&self.max_iterations) {
+            return fail(doc::MAX_ITERATIONS, self.max_iterations.to_string(), "give 1 to 10000000 samples");
+        }
+        match &self.camera {
+            Some(camera) => camera.validate(doc::CAMERA.name),
+            None if self.geometry == Geometry::Essential => fail(
+                doc::CAMERA,
+                "the essential matrix needs the camera's intrinsics".into(),
+                "give them, such as PINHOLE,640,480,500,500,320,240, or ask for the fundamental matrix",
+            ),
+            None => Ok(()),
+        }
     }
 }
 
@@ -56,12 +136,69 @@ pub mod doc {
         "mutual",
         "Mutual check",
         "",
-        "Whether two features must be nearest to each other, and pass the ratio test both ways.",
+        "Whether two features must be nearest to each other, and pass the ratio test both ways: true or false.",
         "Switch it off to let several features of A match one of B."
+    );
+    param_doc!(
+        GEOMETRY,
+        "geometry",
+        "Geometry",
+        "",
+        "What the matches are verified against: none, fundamental (any scene), essential (any scene, known camera) or homography (a plane, or a camera that only turns).",
+        "The more a geometry demands, the fewer wrong matches fit it by chance; a homography rejects what is not on one plane."
+    );
+    param_doc!(
+        MAX_ERROR_PX,
+        "max-error-px",
+        "Max error",
+        "px",
+        "The largest error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
+        "Raise it to keep less exact matches, and more wrong ones that fit by chance."
+    );
+    param_doc!(
+        MIN_INLIERS,
+        "min-inliers",
+        "Min inliers",
+        "matches",
+        "The least number of inliers of a geometry; with fewer there is none, and no match is an inlier.",
+        "Raise it to trust only pairs with much in common: seven wrong matches always agree on some fundamental matrix, and others fit by chance."
+    );
+    param_doc!(
+        CONFIDENCE,
+        "confidence",
+        "Confidence",
+        "",
+        "The probability that no better geometry was missed, at which the search for it stops.",
+        "Raise it towards 1 to search longer."
+    );
+    param_doc!(
+        MAX_ITERATIONS,
+        "max-iterations",
+        "Max iterations",
+        "samples",
+        "The most samples of matches that are tried.",
+        "Raise it where most matches are wrong, for more time."
+    );
+    param_doc!(
+        SEED,
+        "seed",
+        "Seed",
+        "",
+        "Seed of the samples of matches.",
+        "The same seed gives the same inliers; another one shows how much they depend on luck."
+    );
+    param_doc!(
+        CAMERA,
+        "camera",
+        "Camera",
+        "",
+        "Intrinsics of the camera of both images: a model of COLMAP's with width, height and parameters, such as PINHOLE,640,480,500,500,320,240. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV.",
+        "Needed for the essential matrix; the centre of the first pixel is at (0.5, 0.5) in it, as in COLMAP."
     );
 
     /// All of them, in the order in which surfaces show them.
-    pub const ALL: [ParamDoc; 2] = [RATIO, MUTUAL];
+    pub const ALL: [ParamDoc; 9] =
+        [RATIO, MUTUAL, GEOMETRY, MAX_ERROR_PX, MIN_INLIERS, CONFIDENCE, MAX_ITERATIONS, SEED, CAMERA];
 }
 
 #[cfg(test)]
@@ -69,20 +206,48 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_defaults_are_valid_and_nonsense_is_named() {
-        assert_eq!(MatchParams::default().validate(), Ok(()));
-        for ratio in [0.0, -0.5, 1.01, f32::NAN] {
-            let error = MatchParams { ratio, ..MatchParams::default() }.validate().expect_err("nonsense");
-            assert_eq!(error.parameter, "ratio");
+    fn the_defaults_are_valid_and_survive_a_file() {
+        let params = MatchParams::default();
+        assert_eq!(params.validate(), Ok(()));
+        let text = toml::to_string(&params).expect("plain values");
+        assert_eq!(toml::from_str(&text), Ok(params));
+        assert!(toml::from_str::<MatchParams>("ration = 0.7").is_err());
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        let good = MatchParams::default;
+        let flat = Camera { width: 0, ..Camera::centred(8, 6, 5.0) };
+        let cases = [
+            (MatchParams { ratio: 0.0, ..good() }, "ratio"),
+            (MatchParams { ratio: 1.01, ..good() }, "ratio"),
+            (MatchParams { ratio: f32::NAN, ..good() }, "ratio"),
+            (MatchParams { max_error_px: 0.0, ..good() }, "max-error-px"),
+            (MatchParams { max_error_px: f32::INFINITY, ..good() }, "max-error-px"),
+            (MatchParams { confidence: 1.0, ..good() }, "confidence"),
+            (MatchParams { max_iterations: 0, ..good() }, "max-iterations"),
+            (MatchParams { geometry: Geometry::Essential, ..good() }, "camera"),
+            (MatchParams { camera: Some(flat), ..good() }, "camera"),
+        ];
+        for (params, name) in cases {
+            assert_eq!(params.validate().expect_err(name).parameter, name);
         }
     }
 
     #[test]
     fn every_field_has_a_description() {
-        let text = toml::to_string(&MatchParams::default()).expect("plain values");
-        let table: toml::Table = text.parse().expect("valid");
+        let params = MatchParams { camera: Some(Camera::centred(8, 6, 5.0)), ..MatchParams::default() };
+        let table = toml::Table::try_from(params).expect("plain values");
+        assert_eq!(table.len(), doc::ALL.len());
         for field in table.keys() {
             assert!(doc::ALL.iter().any(|d| d.name.replace('-', "_") == *field), "{field} has no description");
+        }
+    }
+
+    #[test]
+    fn geometries_are_named_as_in_files() {
+        for geometry in Geometry::ALL {
+            assert_eq!(serde_json::to_value(geometry).ok(), Some(serde_json::Value::from(geometry.name())));
         }
     }
 }

@@ -79,7 +79,7 @@ mod tests {
         let pairs = |params: &MatchParams| matches(&a, &b, params).iter().map(|m| (m.a, m.b)).collect::<Vec<_>>();
         let one_way = MatchParams { mutual: false, ..MatchParams::default() };
         assert_eq!(pairs(&one_way), [(0, 0), (2, 0)]);
-        assert_eq!(pairs(&MatchParams { ratio: 0.9, ..one_way }), [(0, 0), (1, 1), (2, 0)]);
+        assert_eq!(pairs(&MatchParams { ratio: 0.9, ..one_way.clone() }), [(0, 0), (1, 1), (2, 0)]);
         assert_eq!(pairs(&MatchParams::default()), [(0, 0)]);
         assert_eq!(pairs(&MatchParams { ratio: 1.0, ..MatchParams::default() }), [(0, 0), (1, 1)]);
         let found = matches(&a, &b, &one_way)[1];

@@ -1,0 +1,331 @@
+//! A camera's intrinsics: how a direction in space becomes a pixel, and back.
+//!
+//! Models, names and the order of the parameters are COLMAP's, and so is the place of the principal point: **the centre of the first pixel is (0.5, 0.5)**
+//! there, so that parameters can be taken from COLMAP's files as they are. [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels
+//! in Burstscope's convention, where it is (0, 0), and add the half pixel themselves.
+
+use crate::detector::ParamError;
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// Half a pixel: the centre of the first pixel in COLMAP's convention.
+const FIRST_PIXEL: f64 = 0.5;
+
+/// How directions become pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum CameraModel {
+    /// f, cx, cy.
+    SimplePinhole,
+    /// fx, fy, cx, cy.
+    Pinhole,
+    /// f, cx, cy, k: radial distortion by 1 + k·r².
+    SimpleRadial,
+    /// fx, fy, cx, cy, k1, k2, p1, p2: radial distortion by 1 + k1·r² + k2·r⁴, and tangential distortion, as in OpenCV.
+    #[serde(rename = "OPENCV")]
+    OpenCv,
+}
+
+impl CameraModel {
+    /// All models.
+    pub const ALL: [Self; 4] = [Self::SimplePinhole, Self::Pinhole, Self::SimpleRadial, Self::OpenCv];
+
+    /// The name in COLMAP.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SimplePinhole => "SIMPLE_PINHOLE",
+            Self::Pinhole => "PINHOLE",
+            Self::SimpleRadial => "SIMPLE_RADIAL",
+            Self::OpenCv => "OPENCV",
+        }
+    }
+
+    /// The parameters' names, in order.
+    pub fn param_names(self) -> &'static [&'static str] {
+        match self {
+            Self::SimplePinhole => &["f", "cx", "cy"],
+            Self::Pinhole => &["fx", "fy", "cx", "cy"],
+            Self::SimpleRadial => &["f", "cx", "cy", "k"],
+            Self::OpenCv => &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"],
+        }
+    }
+}
+
+/// A camera's intrinsics.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// The model.
+    pub model: CameraModel,
+    /// Columns of its images.
+    pub width: usize,
+    /// Rows of its images.
+    pub height: usize,
+    /// The model's parameters in COLMAP's order, see [`CameraModel::param_names`]; focal lengths and principal point in pixels.
+    pub params: Vec<f64>,
+}
+
+/// Focal lengths and principal point (in COLMAP's convention), pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pinhole {
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+}
+
+/// Coefficients of OpenCV's distortion; all 0 for none.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Distortion {
+    k1: f64,
+    k2: f64,
+    p1: f64,
+    p2: f64,
+}
+
+impl Distortion {
+    /// The distorted place of the direction (x, y, 1).
+    fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let r2 = x * x + y * y;
+        let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
+        [
+            x * radial + 2.0 * self.p1 * x * y + self.p2 * (r2 + 2.0 * x * x),
+            y * radial + self.p1 * (r2 + 2.0 * y * y) + 2.0 * self.p2 * x * y,
+        ]
+    }
+
+    /// The derivatives of [`Self::apply`] after x and y, by rows.
+    fn jacobian(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+        let r2 = x * x + y * y;
+        let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
+        // Twice the derivative of `radial` after r².
+        let slope = 2.0 * (self.k1 + 2.0 * r2 * self.k2);
+        let mixed = x * y * slope + 2.0 * self.p1 * x + 2.0 * self.p2 * y;
+        [
+            [radial + x * x * slope + 2.0 * self.p1 * y + 6.0 * self.p2 * x, mixed],
+            [mixed, radial + y * y * slope + 6.0 * self.p1 * y + 2.0 * self.p2 * x],
+        ]
+    }
+
+    /// The (x, y) that [`Self::apply`] takes to `distorted`, by Newton's method. Where strong distortion has no inverse it is the closest that
+    /// was reached.
+    fn remove(&self, distorted: [f64; 2]) -> [f64; 2] {
+        if *self == Self::default() {
+            return distorted;
+        }
+        let miss = |at: [f64; 2]| {
+            let [x, y] = self.apply(at);
+            [x - distorted[0], y - distorted[1]]
+        };
+        let length = |[x, y]: [f64; 2]| x.hypot(y);
+        let mut at = distorted;
+        let mut off = miss(at);
+        for _ in 0..50 {
+            let [[a, b], [c, d]] = self.jacobian(at);
+            let determinant = a * d - b * c;
+            let step = [(d * off[0] - b * off[1]) / determinant, (a * off[1] - c * off[0]) / determinant];
+            let next = [at[0] - step[0], at[1] - step[1]];
+            let next_off = miss(next);
+            // Also false when something is not a number.
+            let is_closer = length(next_off) < length(off);
+            if !is_closer {
+                break;
+            }
+            (at, off) = (next, next_off);
+        }
+        at
+    }
+}
+
+impl Camera {
+    /// A pinhole camera whose principal point is the image's centre. `focal_px` is in pixels.
+    pub fn centred(width: usize, height: usize, focal_px: f64) -> Self {
+        let params = vec![focal_px, width as f64 / 2.0, height as f64 / 2.0];
+        Self { model: CameraModel::SimplePinhole, width, height, params }
+    }
+
+    /// Checks size and parameters. `parameter` is the name of the option that they came from.
+    ///
+    /// # Errors
+    /// What makes no sense.
+    pub fn validate(&self, parameter: &'static str) -> Result<(), ParamError> {
+        let fail = |problem: String, remedy: String| Err(ParamError { parameter, problem, remedy });
+        let names = self.model.param_names();
+        let wanted = || format!("{} takes {}", self.model.name(), names.join(", "));
+        if self.params.len() != names.len() {
+            return fail(format!("{} parameters for {}", self.params.len(), self.model.name()), wanted());
+        }
+        if self.width == 0 || self.height == 0 {
+            return fail(format!("{}×{} pixels", self.width, self.height), "give the size of its images".into());
+        }
+        for (name, &value) in names.iter().zip(&self.params) {
+            if !value.is_finite() || (name.starts_with('f') && value <= 0.0) {
+                let right = if name.starts_with('f') { "a focal length is above 0 pixels" } else { "give a number" };
+                return fail(format!("{name} is {value}"), right.into());
+            }
+        }
+        Ok(())
+    }
+
+    fn pinhole(&self) -> Pinhole {
+        let p = &self.params;
+        match self.model {
+            CameraModel::SimplePinhole | CameraModel::SimpleRadial => {
+                Pinhole { fx: p[0], fy: p[0], cx: p[1], cy: p[2] }
+            }
+            CameraModel::Pinhole | CameraModel::OpenCv => Pinhole { fx: p[0], fy: p[1], cx: p[2], cy: p[3] },
+        }
+    }
+
+    fn distortion(&self) -> Distortion {
+        let p = &self.params;
+        match self.model {
+            CameraModel::SimplePinhole | CameraModel::Pinhole => Distortion::default(),
+            CameraModel::SimpleRadial => Distortion { k1: p[3], ..Distortion::default() },
+            CameraModel::OpenCv => Distortion { k1: p[4], k2: p[5], p1: p[6], p2: p[7] },
+        }
+    }
+
+    /// Focal lengths (fx, fy), pixels.
+    pub fn focal_px(&self) -> [f64; 2] {
+        let Pinhole { fx, fy, .. } = self.pinhole();
+        [fx, fy]
+    }
+
+    /// K, which takes directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, if there were no distortion.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        Matrix3::new(fx, 0.0, cx - FIRST_PIXEL, 0.0, fy, cy - FIRST_PIXEL, 0.0, 0.0, 1.0)
+    }
+
+    /// Whether straight lines in space are straight in its images.
+    pub fn is_straight(&self) -> bool {
+        self.distortion() == Distortion::default()
+    }
+
+    /// The direction (x, y, 1) that is seen at the pixel (u, v), with the distortion removed.
+    ///
+    /// # Panics
+    /// For a camera that [`Self::validate`] refuses.
+    pub fn direction_of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        self.distortion().remove([(u + FIRST_PIXEL - cx) / fx, (v + FIRST_PIXEL - cy) / fy])
+    }
+
+    /// The pixel (u, v) at which the direction (x, y, 1) is seen.
+    ///
+    /// # Panics
+    /// For a camera that [`Self::validate`] refuses.
+    pub fn pixel_of(&self, direction: [f64; 2]) -> [f64; 2] {
+        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        let [x, y] = self.distortion().apply(direction);
+        [fx * x + cx - FIRST_PIXEL, fy * y + cy - FIRST_PIXEL]
+    }
+}
+
+impl fmt::Display for Camera {
+    /// As in COLMAP's `cameras.txt`, without the number in front: `PINHOLE 640 480 500 500 320 240`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.model.name(), self.width, self.height)?;
+        self.params.iter().try_for_each(|p| write!(f, " {p}"))
+    }
+}
+
+impl FromStr for Camera {
+    type Err = String;
+
+    /// Reads a model, its width and height and its parameters, separated by spaces or commas, as in a line of COLMAP's `cameras.txt` without the number in front.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut words = text.split([' ', ',', '\t']).filter(|word| !word.is_empty());
+        let names = || CameraModel::ALL.map(CameraModel::name).join(", ");
+        let name = words.next().ok_or_else(|| format!("no camera is given; begin with a model: {}", names()))?;
+        let model = CameraModel::ALL.into_iter().find(|m| m.name().eq_ignore_ascii_case(name));
+        let model = model.ok_or_else(|| format!("'{name}' is no camera model; there are {}", names()))?;
+        let form = || format!("write {} WIDTH HEIGHT {}", model.name(), model.param_names().join(" "));
+        let mut side = || words.next().and_then(|word| word.parse().ok()).ok_or_else(form);
+        let (width, height) = (side()?, side()?);
+        let number = |word: &str| word.parse().map_err(|_| format!("'{word}' is not a number; {}", form()));
+        let params = words.map(number).collect::<Result<_, String>>()?;
+        let camera = Self { model, width, height, params };
+        camera.validate("camera").map_err(|e| format!("{}; {}", e.problem, e.remedy))?;
+        Ok(camera)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn opencv() -> Camera {
+        "OPENCV 640 480 500 510 321 239 -0.28 0.07 0.0002 -0.0004".parse().expect("a camera")
+    }
+
+    #[test]
+    fn the_first_pixels_centre_is_half_a_pixel_in() {
+        let camera: Camera = "PINHOLE,640,480,500,400,320.5,240.5".parse().expect("a camera");
+        assert_eq!(camera.direction_of([320.0, 240.0]), [0.0, 0.0]);
+        assert_eq!(camera.pixel_of([1.0, -0.5]), [820.0, 40.0]);
+        assert_eq!(Camera::centred(640, 480, 500.0).direction_of([319.5, 239.5]), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn distortion_is_that_of_opencv() {
+        // By hand at (x, y) = (0.3, −0.2): r² = 0.13, radial 1 − 0.28·0.13 + 0.07·0.0169.
+        let radial = 1.0 - 0.28 * 0.13 + 0.07 * 0.0169;
+        let x = 0.3 * radial + 2.0 * 0.0002 * -0.06 - 0.0004 * (0.13 + 0.18);
+        let y = -0.2 * radial + 0.0002 * (0.13 + 0.08) + 2.0 * -0.0004 * -0.06;
+        let [u, v] = opencv().pixel_of([0.3, -0.2]);
+        assert!((u - (500.0 * x + 320.5)).abs() < 1e-9 && (v - (510.0 * y + 238.5)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn text_is_read_back_and_nonsense_says_what_is_right() {
+        for text in ["SIMPLE_PINHOLE 8 6 5 4 3", "SIMPLE_RADIAL 8 6 5 4 3 -0.1", &opencv().to_string()] {
+            assert_eq!(text.parse::<Camera>().expect("a camera").to_string(), text);
+        }
+        for (text, words) in [
+            ("", "begin with a model"),
+            ("FISHEYE 8 6 1", "OPENCV"),
+            ("PINHOLE 8", "PINHOLE WIDTH HEIGHT fx fy cx cy"),
+            ("PINHOLE 8 6 1 2 3", "PINHOLE takes fx, fy, cx, cy"),
+            ("PINHOLE 8 6 1 2 3 x", "'x' is not a number"),
+            ("PINHOLE 8 6 0 2 3 4", "focal length is above 0"),
+            ("PINHOLE 0 6 1 2 3 4", "size of its images"),
+            ("SIMPLE_RADIAL 8 6 5 4 3 nan", "k is NaN"),
+        ] {
+            let error = text.parse::<Camera>().expect_err(words);
+            assert!(error.contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn files_hold_it_by_colmaps_names() {
+        let text = toml::to_string(&opencv()).expect("plain values");
+        assert!(text.contains("model = \"OPENCV\""), "{text}");
+        assert_eq!(toml::from_str::<Camera>(&text), Ok(opencv()));
+        for model in CameraModel::ALL {
+            assert_eq!(serde_json::to_value(model).ok(), Some(serde_json::Value::from(model.name())));
+        }
+    }
+
+    #[test]
+    fn hopeless_distortion_ends_without_nan() {
+        let camera: Camera = "SIMPLE_RADIAL 640 480 100 320 240 -3".parse().expect("a camera");
+        for pixel in [[0.0, 0.0], [1e6, -1e6], [320.0, 0.0]] {
+            assert!(camera.direction_of(pixel).iter().all(|x| x.is_finite()));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn directions_and_pixels_are_inverse(u in -0.5f64..639.5, v in -0.5f64..479.5) {
+            for camera in [opencv(), Camera::centred(640, 480, 700.0), "SIMPLE_RADIAL 640 480 500 320 240 0.1".parse().expect("a camera")] {
+                let [back_u, back_v] = camera.pixel_of(camera.direction_of([u, v]));
+                prop_assert!((back_u - u).abs() < 1e-8 && (back_v - v).abs() < 1e-8, "{} {}", back_u, back_v);
+            }
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! The essential matrix E: the geometry of two views whose intrinsics are known, which is their relative pose but for the length of the translation.
+//!
+//! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = [t]×·R. Five matches leave four dimensions of matrices, E = x·X + y·Y + z·Z + W, on which det E = 0 and
+//! 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations in the 20 monomials of x, y, z. Elimination leaves a polynomial of the tenth degree in z (Nistér, "An Efficient
+//! Solution to the Five-Point Relative Pose Problem", PAMI 2004), whose real roots are up to ten solutions. More matches are fitted by Levenberg and Marquardt's method over rotation and
+//! direction of translation, so that planes, which leave linear fits undetermined, are no trouble.
+//!
+//! Errors are Sampson distances in pixels: the gradient is taken after the pixels' coordinates, by way of the focal lengths.
+
+use super::consensus::Problem;
+use super::fundamental::epipolar_row;
+use super::linear::{Vector9, cross_matrix, matrix_of, null_space};
+use super::points::Pair;
+use super::polynomial::real_roots;
+use super::pose::{RelativePose, poses_of};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+
+/// Estimates E from matched directions.
+pub(super) struct EssentialProblem<'a> {
+    /// Directions (x, y, 1).
+    pub pairs: &'a [Pair],
+    /// Focal lengths of A's camera, pixels.
+    pub focal_a: [f64; 2],
+    /// Focal lengths of B's camera, pixels.
+    pub focal_b: [f64; 2],
+}
+
+impl Problem for EssentialProblem<'_> {
+    type Model = Matrix3<f64>;
+    const SAMPLE_SIZE: usize = 5;
+
+    fn count(&self) -> usize {
+        self.pairs.len()
+    }
+
+    fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
+        let pairs: [&Pair; 5] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        models.extend(from_five(&pairs));
+    }
+
+    fn squared_error(&self, model: &Matrix3<f64>, index: usize) -> f64 {
+        let (value, squared_gradient) = self.equation(model, &self.pairs[index]);
+        if squared_gradient > 0.0 { value * value / squared_gradient } else { f64::INFINITY }
+    }
+
+    const IS_DAMPED: bool = true;
+
+    fn refit(&self, model: &Matrix3<f64>, weights: &[f64], damping: f64) -> Option<Matrix3<f64>> {
+        // Any of the four poses of E has the same E, and they all move alike.
+        let pose = poses_of(model)?[0];
+        let [along_1, along_2] = tangents(&pose.translation);
+        let e = pose.essential();
+        // How E changes when it is turned about each axis, and when the translation moves.
+        let turns = [Vector3::x(), Vector3::y(), Vector3::z()]
+            .map(|axis| cross_matrix(&pose.translation) * cross_matrix(&axis) * pose.rotation);
+        let moves = [along_1, along_2].map(|along| cross_matrix(&along) * pose.rotation);
+        let changes = [turns[0], turns[1], turns[2], moves[0], moves[1]];
+        let mut normal = SMatrix::<f64, 5, 5>::zeros();
+        let mut right = SVector::<f64, 5>::zeros();
+        let mut used = 0;
+        for (pair, &weight) in self.pairs.iter().zip(weights) {
+            let (value, squared_gradient) = self.equation(&e, pair);
+            if weight > 0.0 && squared_gradient > 0.0 {
+                let (a, b) = (pair.a_homogeneous(), pair.b_homogeneous());
+                let slopes = SVector::<f64, 5>::from(changes.map(|change| b.dot(&(change * a))));
+                let weight = weight / squared_gradient;
+                normal += slopes * slopes.transpose() * weight;
+                right += slopes * (weight * value);
+                used += 1;
+            }
+        }
+        if used < 5 {
+            return None;
+        }
+        // Levenberg's and Marquardt's damping: what the matches hardly determine moves least.
+        let damped = normal + SMatrix::<f64, 5, 5>::identity() * (damping * normal.trace() / 5.0);
+        let step = damped.cholesky()?.solve(&-right);
+        let turn = nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(
+            1.0,
+            0.5 * step[0],
+            0.5 * step[1],
+            0.5 * step[2],
+        ));
+        let rotation = turn.to_rotation_matrix().into_inner() * pose.rotation;
+        let translation = (pose.translation + along_1 * step[3] + along_2 * step[4]).try_normalize(0.0)?;
+        let e = RelativePose { rotation, translation }.essential();
+        e.iter().all(|x| x.is_finite()).then_some(e)
+    }
+}
+
+impl EssentialProblem<'_> {
+    /// d_bᵀ·E·d_a, and the squared length of its gradient after the pixels' four coordinates.
+    fn equation(&self, e: &Matrix3<f64>, pair: &Pair) -> (f64, f64) {
+        let ([x, y], [u, v]) = (pair.a, pair.b);
+        let in_b = [e.m11 * x + e.m12 * y + e.m13, e.m21 * x + e.m22 * y + e.m23];
+        let in_a = [e.m11 * u + e.m21 * v + e.m31, e.m12 * u + e.m22 * v + e.m32];
+        let value = u * in_b[0] + v * in_b[1] + e.m31 * x + e.m32 * y + e.m33;
+        let gradient = [
+            in_b[0] / self.focal_b[0],
+            in_b[1] / self.focal_b[1],
+            in_a[0] / self.focal_a[0],
+            in_a[1] / self.focal_a[1],
+        ];
+        (value, gradient.iter().map(|g| g * g).sum())
+    }
+}
+
+/// Two unit vectors perpendicular to `v` and to each other.
+fn tangents(v: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let axis = if v.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
+    let first = v.cross(&axis).normalize();
+    [first, v.cross(&first)]
+}
+
+/// The exponents of x, y and z in the 20 monomials, in the order in which they are eliminated: the first ten leave, the others stay.
+const MONOMIALS: [[usize; 3]; 20] = [
+    [3, 0, 0],
+    [0, 3, 0],
+    [2, 1, 0],
+    [1, 2, 0],
+    [2, 0, 1],
+    [2, 0, 0],
+    [0, 2, 1],
+    [0, 2, 0],
+    [1, 1, 1],
+    [1, 1, 0],
+    [1, 0, 2],
+    [1, 0, 1],
+    [1, 0, 0],
+    [0, 1, 2],
+    [0, 1, 1],
+    [0, 1, 0],
+    [0, 0, 3],
+    [0, 0, 2],
+    [0, 0, 1],
+    [0, 0, 0],
+];
+
+/// A polynomial in x, y, z up to the third degree, by [`MONOMIALS`].
+type Cubic = [f64; 20];
+
+/// The place in [`MONOMIALS`] of the product of two monomials given by their places in it; 20 for one beyond the third degree.
+static PRODUCT: [[usize; 20]; 20] = products();
+
+const fn products() -> [[usize; 20]; 20] {
+    let mut table = [[20; 20]; 20];
+    let (mut i, mut j, mut k) = (0, 0, 0);
+    while i < 20 {
+        while j < 20 {
+            while k < 20 {
+                let (a, b, c) = (MONOMIALS[i], MONOMIALS[j], MONOMIALS[k]);
+                if a[0] + b[0] == c[0] && a[1] + b[1] == c[1] && a[2] + b[2] == c[2] {
+                    table[i][j] = k;
+                }
+                k += 1;
+            }
+            k = 0;
+            j += 1;
+        }
+        j = 0;
+        i += 1;
+    }
+    table
+}
+
+/// The places of x, y, z and 1.
+const LINEAR: [usize; 4] = [12, 15, 18, 19];
+/// The places of the monomials up to the second degree.
+const QUADRATIC: [usize; 10] = [5, 7, 9, 11, 12, 14, 15, 17, 18, 19];
+
+/// Adds `factor` times the product of `p` (whose monomials are at `p_places`) and the linear `q` to `sum`.
+fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &Cubic) {
+    for &i in p_places {
+        for j in LINEAR {
+            sum[PRODUCT[i][j]] += factor * p[i] * q[j];
+        }
+    }
+}
+
+/// Up to ten essential matrices that five matches satisfy exactly.
+fn from_five(pairs: &[&Pair; 5]) -> Vec<Matrix3<f64>> {
+    let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else {
+        return Vec::new();
+    };
+    let Some(reduced) = eliminated(&basis) else {
+        return Vec::new();
+    };
+    let rows = polynomial_rows(&reduced);
+    real_roots(&determinant(&rows)).into_iter().filter_map(|z| solution(&rows, &basis, z)).collect()
+}
+
+/// The ten equations in reduced row echelon form: what remains of each, in the last ten monomials.
+fn eliminated(basis: &[Vector9; 4]) -> Option<[[f64; 10]; 10]> {
+    // E's elements as linear polynomials.
+    let mut e = [[[0.0; 20]; 3]; 3];
+    for (place, vector) in LINEAR.iter().zip(basis) {
+        for (index, value) in vector.iter().enumerate() {
+            e[index / 3][index % 3][*place] = *value;
+        }
+    }
+    // E·Eᵀ, symmetric, quadratic.
+    let mut squares = [[[0.0; 20]; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            for (p, q) in e[i].iter().zip(&e[j]) {
+                add_product(&mut squares[i][j], 1.0, p, &LINEAR, q);
+            }
+        }
+    }
+    // E·Eᵀ − ½·trace, so that the equations are its product with E.
+    let half_trace: Cubic = std::array::from_fn(|m| 0.5 * (squares[0][0][m] + squares[1][1][m] + squares[2][2][m]));
+    for (i, row) in squares.iter_mut().enumerate() {
+        row[i].iter_mut().zip(&half_trace).for_each(|(x, t)| *x -= t);
+    }
+    let mut equations = [[0.0; 20]; 10];
+    for i in 0..3 {
+        for j in 0..3 {
+            for (square, row) in squares[i].iter().zip(&e) {
+                add_product(&mut equations[3 * i + j], 1.0, square, &QUADRATIC, &row[j]);
+            }
+        }
+    }
+    for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        let mut minor = [0.0; 20];
+        add_product(&mut minor, 1.0, &e[1][j], &LINEAR, &e[2][k]);
+        add_product(&mut minor, -1.0, &e[1][k], &LINEAR, &e[2][j]);
+        add_product(&mut equations[9], 1.0, &minor, &QUADRATIC, &e[0][i]);
+    }
+    for step in 0..10 {
+        let pivot = (step..10).max_by(|&i, &j| equations[i][step].abs().total_cmp(&equations[j][step].abs()))?;
+        equations.swap(step, pivot);
+        let lead = equations[step][step];
+        if lead.abs() <= 1e-14 || lead.is_nan() {
+            return None;
+        }
+        equations[step].iter_mut().for_each(|x| *x /= lead);
+        let row = equations[step];
+        for (other, values) in equations.iter_mut().enumerate() {
+            let factor = values[step];
+            if other != step && factor != 0.0 {
+                values.iter_mut().zip(&row).for_each(|(x, r)| *x -= factor * r);
+            }
+        }
+    }
+    Some(equations.map(|row| std::array::from_fn(|m| row[10 + m])))
+}
+
+/// A polynomial in z, the constant first; of at most the tenth degree.
+type InZ = [f64; 11];
+
+/// Three equations b₀(z)·x + b₁(z)·y + b₂(z) = 0. Each comes from two reduced rows, those led by m·z and by m for m = x², y², xy: the first minus z
+/// times the second has no leading monomial left.
+fn polynomial_rows(reduced: &[[f64; 10]; 10]) -> [[InZ; 3]; 3] {
+    [(4, 5), (6, 7), (8, 9)].map(|(with_z, without)| {
+        let (p, q) = (&reduced[with_z], &reduced[without]);
+        // The columns are x·(z², z, 1), y·(z², z, 1), (z³, z², z, 1).
+        [(0, 3), (3, 3), (6, 4)].map(|(start, terms)| {
+            let mut polynomial = [0.0; 11];
+            for power in 0..terms {
+                let column = start + terms - 1 - power;
+                polynomial[power] += p[column];
+                polynomial[power + 1] -= q[column];
+            }
+            polynomial
+        })
+    })
+}
+
+/// `p`·`q`, of which the terms beyond the tenth degree are 0.
+fn product(p: &InZ, q: &InZ) -> InZ {
+    let mut out = [0.0; 11];
+    for (i, x) in p.iter().enumerate() {
+        for (j, y) in q.iter().enumerate().take(11 - i) {
+            out[i + j] += x * y;
+        }
+    }
+    out
+}
+
+/// The determinant of the three equations, a polynomial of the tenth degree.
+fn determinant(rows: &[[InZ; 3]; 3]) -> InZ {
+    let mut sum = [0.0; 11];
+    for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        let (first, second) = (product(&rows[1][j], &rows[2][k]), product(&rows[1][k], &rows[2][j]));
+        let minor: InZ = std::array::from_fn(|m| first[m] - second[m]);
+        let term = product(&rows[0][i], &minor);
+        sum.iter_mut().zip(&term).for_each(|(s, t)| *s += t);
+    }
+    sum
+}
+
+/// The essential matrix that belongs to a root: x and y come from the null vector of the equations at z.
+fn solution(rows: &[[InZ; 3]; 3], basis: &[Vector9; 4], z: f64) -> Option<Matrix3<f64>> {
+    let at_z = |p: &InZ| p.iter().rev().fold(0.0, |sum, c| sum * z + c);
+    let vectors = rows.each_ref().map(|row| Vector3::from(row.each_ref().map(at_z)));
+    // The null vector is perpendicular to all rows; the longest cross product of two is the most exact.
+    let crosses = [vectors[0].cross(&vectors[1]), vectors[1].cross(&vectors[2]), vectors[2].cross(&vectors[0])];
+    let null = crosses.into_iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))?;
+    let (x, y) = (null.x / null.z, null.y / null.z);
+    let e = basis[0] * x + basis[1] * y + basis[2] * z + basis[3];
+    let norm = e.norm();
+    (norm.is_finite() && norm > 0.0).then(|| matrix_of(&(e / norm)))
+}

@@ -1,0 +1,184 @@
+//! The fundamental matrix F: where a point of image B can be, given the point of image A, for cameras of which nothing is known.
+//!
+//! Corresponding points satisfy x_bᵀ·F·x_a = 0. Seven of them leave a line of matrices, on which det F = 0 has up to three solutions (Hartley and Zisserman, "Multiple
+//! View Geometry", 2nd ed., 11.1.2). More are fitted by the eight-point algorithm (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997) with each match
+//! divided by the gradient of its equation, which makes the algebraic error that is minimised the Sampson distance; the estimator repeats this until it settles.
+//!
+//! Two ways in which seven points mislead are looked for. Points of a sample that lie on different sides of the epipoles would be behind one of the cameras
+//! (Chum, Werner and Matas, "Epipolar Geometry Estimation via Oriented Epipolar Constraints", ICPR 2004). And if most of what a matrix explains lies on one plane, it
+//! is one of many that fit that plane and nothing else. Then the plane's homography and two points off it may give a better one: plane and parallax, as in
+//! "Two-View Geometry Estimation Unaffected by a Dominant Plane" (CVPR 2005, by the same authors), with the plane looked for among all inliers instead of a sample's seven points.
+
+use super::consensus::Problem;
+use super::homography;
+use super::linear::{Vector9, cross_matrix, least_eigenvector, matrix_of, null_space, null_vector};
+use super::loss::Loss;
+use super::points::Pair;
+use super::polynomial::real_roots;
+use super::sampling::Sampler;
+use nalgebra::{Matrix3, SMatrix};
+
+/// Estimates F from matches in normalised coordinates.
+pub(super) struct FundamentalProblem<'a> {
+    pub pairs: &'a [Pair],
+}
+
+/// Samples of four inliers among which a dominant plane is looked for: if it holds half of them, it is missed once in 600 times.
+const PLANE_ITERATIONS: usize = 100;
+/// Most pairs of points off the plane that are tried.
+const PARALLAX_ITERATIONS: usize = 300;
+
+impl Problem for FundamentalProblem<'_> {
+    type Model = Matrix3<f64>;
+    const SAMPLE_SIZE: usize = 7;
+
+    fn count(&self) -> usize {
+        self.pairs.len()
+    }
+
+    fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
+        let pairs: [&Pair; 7] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        models.extend(from_seven(&pairs).into_iter().filter(|f| is_oriented(f, &pairs)));
+    }
+
+    fn squared_error(&self, model: &Matrix3<f64>, index: usize) -> f64 {
+        sampson_squared(model, &self.pairs[index])
+    }
+
+    fn refit(&self, model: &Matrix3<f64>, weights: &[f64], _: f64) -> Option<Matrix3<f64>> {
+        let mut normal = SMatrix::<f64, 9, 9>::zeros();
+        let mut used = 0;
+        for (pair, &weight) in self.pairs.iter().zip(weights) {
+            let gradient = squared_gradient(model, pair);
+            if weight > 0.0 && gradient > 0.0 {
+                let row = Vector9::from(epipolar_row(pair));
+                normal.syger(weight / gradient, &row, &row, 1.0);
+                used += 1;
+            }
+        }
+        if used < 8 {
+            return None;
+        }
+        normal.fill_upper_triangle_with_lower_triangle();
+        of_rank_two(&matrix_of(&least_eigenvector(&normal)?))
+    }
+
+    fn repair(&self, model: &Matrix3<f64>, loss: &Loss, sampler: &mut Sampler) -> Option<Matrix3<f64>> {
+        let plane = self.dominant_plane(model, loss, sampler)?;
+        let is_off_plane = |pair: &&Pair| !loss.is_inlier(homography::squared_error(&plane, pair));
+        let off_plane: Vec<&Pair> = self.pairs.iter().filter(is_off_plane).collect();
+        if off_plane.len() < 2 {
+            return None;
+        }
+        let mut best: Option<(Matrix3<f64>, f64)> = None;
+        for _ in 0..PARALLAX_ITERATIONS {
+            let [first, second] = [0, 1].map(|_| off_plane[sampler.below(off_plane.len())]);
+            let Some(f) = from_plane_and_parallax(&plane.forward, first, second) else { continue };
+            let limit = best.as_ref().map_or(f64::INFINITY, |(_, cost)| *cost);
+            // What lies on the plane fits each of these matrices.
+            let cost: f64 = off_plane.iter().map(|pair| loss.cost(sampson_squared(&f, pair))).sum();
+            if cost < limit {
+                best = Some((f, cost));
+            }
+        }
+        best.map(|(f, _)| f)
+    }
+}
+
+impl FundamentalProblem<'_> {
+    /// The homography of a plane that holds at least half of what the model explains; `None` if no such plane was found.
+    fn dominant_plane(
+        &self,
+        model: &Matrix3<f64>,
+        loss: &Loss,
+        sampler: &mut Sampler,
+    ) -> Option<homography::Homography> {
+        let inliers: Vec<Pair> =
+            self.pairs.iter().filter(|pair| loss.is_inlier(sampson_squared(model, pair))).copied().collect();
+        if inliers.len() < 4 {
+            return None;
+        }
+        let problem = homography::HomographyProblem { pairs: &inliers };
+        let cost = |h: &homography::Homography| -> f64 {
+            inliers.iter().map(|pair| loss.cost(homography::squared_error(h, pair))).sum()
+        };
+        let mut models = Vec::new();
+        for _ in 0..PLANE_ITERATIONS {
+            problem.solve(&[0; 4].map(|_| sampler.below(inliers.len())), &mut models);
+        }
+        let mut plane = models.into_iter().map(|h| (cost(&h), h)).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
+        for _ in 0..3 {
+            let weights: Vec<f64> =
+                inliers.iter().map(|pair| loss.weight(homography::squared_error(&plane, pair))).collect();
+            plane = problem.refit(&plane, &weights, 0.0)?;
+        }
+        let on_plane = inliers.iter().filter(|pair| loss.is_inlier(homography::squared_error(&plane, pair))).count();
+        (2 * on_plane >= inliers.len()).then_some(plane)
+    }
+}
+
+/// The coefficients of F's elements, row by row, in x_bᵀ·F·x_a.
+pub(super) fn epipolar_row(pair: &Pair) -> [f64; 9] {
+    let ([x, y], [u, v]) = (pair.a, pair.b);
+    [u * x, u * y, u, v * x, v * y, v, x, y, 1.0]
+}
+
+/// The squared length of the gradient of x_bᵀ·F·x_a after the four coordinates.
+fn squared_gradient(f: &Matrix3<f64>, pair: &Pair) -> f64 {
+    let ([x, y], [u, v]) = (pair.a, pair.b);
+    let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
+    let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
+    in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1]
+}
+
+/// The squared Sampson distance: to first order, by how much both points together must move to satisfy F exactly. Infinite at the epipoles.
+pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &Pair) -> f64 {
+    let ([x, y], [u, v]) = (pair.a, pair.b);
+    let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
+    let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
+    let value = u * in_b[0] + v * in_b[1] + f.m31 * x + f.m32 * y + f.m33;
+    let gradient = in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1];
+    if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
+}
+
+/// Up to three matrices of rank 2 that seven matches satisfy exactly.
+fn from_seven(pairs: &[&Pair; 7]) -> Vec<Matrix3<f64>> {
+    let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else {
+        return Vec::new();
+    };
+    let (first, second) = (matrix_of(&first), matrix_of(&second));
+    // det(first + z·second), a cubic in z, from its values at four places.
+    let determinant = |z: f64| (first + second * z).determinant();
+    let (d0, d1, d2) = (determinant(0.0), determinant(1.0), determinant(-1.0));
+    let d3 = second.determinant();
+    let square = 0.5 * (d1 + d2) - d0;
+    let linear = 0.5 * (d1 - d2) - d3;
+    real_roots(&[d0, linear, square, d3]).into_iter().map(|z| (first + second * z).normalize()).collect()
+}
+
+/// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then point the same way for all of them, or opposite ways for all of them.
+fn is_oriented(f: &Matrix3<f64>, pairs: &[&Pair]) -> bool {
+    let Some(epipole) = null_vector(&f.transpose()) else {
+        return false;
+    };
+    let side = |pair: &&Pair| epipole.cross(&pair.b_homogeneous()).dot(&(f * pair.a_homogeneous()));
+    let first = side(&pairs[0]);
+    pairs.iter().all(|pair| side(pair) * first > 0.0)
+}
+
+/// The nearest matrix of rank 2, with elements whose squares sum to 1.
+pub(super) fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let v = null_vector(matrix)?;
+    let f = matrix - matrix * v * v.transpose();
+    let norm = f.norm();
+    (norm > 0.0).then(|| f / norm)
+}
+
+/// The fundamental matrix of a plane's homography `h` and two matches off that plane, whose lines from the plane's point to the true one meet in the epipole.
+fn from_plane_and_parallax(h: &Matrix3<f64>, first: &Pair, second: &Pair) -> Option<Matrix3<f64>> {
+    let line = |pair: &Pair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
+    let epipole = line(first).cross(&line(second));
+    let f = cross_matrix(&epipole) * h;
+    let norm = f.norm();
+    (norm.is_finite() && norm > 0.0).then(|| f / norm)
+}

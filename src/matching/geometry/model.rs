@@ -1,0 +1,212 @@
+//! The geometry of two views, in pixels: what it says of a point, and how far a match is from it.
+
+use super::fundamental::sampson_squared;
+use super::homography::{Homography, mapped, squared_error};
+use super::points::Pair;
+use super::pose::{RelativePose, pose_in_front};
+use crate::matching::camera::Camera;
+use nalgebra::{Matrix3, Vector3};
+
+/// What relates the points of image A with those of image B. Pixels are in Burstscope's convention: the centre of the first one is (0, 0).
+#[derive(Debug, Clone, PartialEq)]
+pub enum TwoViewModel {
+    /// Any scene, cameras of which nothing is known: x_bᵀ·F·x_a = 0 for pixels x = (u, v, 1).
+    Fundamental {
+        /// F, of rank 2, with elements whose squares sum to 1.
+        fundamental: Matrix3<f64>,
+    },
+    /// Any scene, both images from a camera that is known: d_bᵀ·E·d_a = 0 for its directions d = (x, y, 1).
+    Essential {
+        /// E = [t]×·R with |t| = 1.
+        essential: Matrix3<f64>,
+        /// The camera.
+        camera: Camera,
+    },
+    /// A plane, or a camera that only turned: x_b ~ H·x_a for pixels x = (u, v, 1).
+    Homography {
+        /// H, from A to B.
+        forward: Matrix3<f64>,
+        /// Its inverse, from B to A.
+        backward: Matrix3<f64>,
+    },
+}
+
+/// Points of a line that is bent by the lens.
+const CURVE_POINTS: usize = 65;
+
+impl TwoViewModel {
+    /// A homography of pixels, positive in front of the cameras; `None` for a matrix without an inverse.
+    pub(super) fn homography(h: &Matrix3<f64>) -> Option<Self> {
+        Some(Self::Homography { forward: *h, backward: h.try_inverse()? })
+    }
+
+    /// How far the match of `a` in image A with `b` in image B is from the model, in pixels. For epipolar geometry the Sampson distance (to first order, the
+    /// distance by which both points together must move to satisfy it), with the lens's distortion removed; for a homography the root mean square of the transfers'
+    /// distances in A and in B. Infinite where there is none: at the epipoles, or behind the camera.
+    pub fn error_px(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let squared = match self {
+            Self::Fundamental { fundamental } => sampson_squared(fundamental, &Pair { a, b }),
+            Self::Essential { essential, camera } => {
+                let pair = Pair { a: straightened(camera, a), b: straightened(camera, b) };
+                sampson_squared(&straight_fundamental(essential, camera), &pair)
+            }
+            Self::Homography { forward, backward } => {
+                squared_error(&Homography { forward: *forward, backward: *backward }, &Pair { a, b })
+            }
+        };
+        if squared.is_nan() { f64::INFINITY } else { squared.sqrt() }
+    }
+
+    /// Where in image B, of `size` (columns, rows), the point `a` of image A can be, as a line through (u, v) points: a straight piece of the epipolar line, a curve
+    /// where the lens bends it, the single point of a homography. Empty where that is outside the image.
+    pub fn locus_in_b(&self, a: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
+        self.locus(a, size, false)
+    }
+
+    /// The same for a point `b` of image B in image A.
+    pub fn locus_in_a(&self, b: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
+        self.locus(b, size, true)
+    }
+
+    fn locus(&self, point: [f64; 2], size: (usize, usize), into_a: bool) -> Vec<[f64; 2]> {
+        let turned = |m: &Matrix3<f64>| if into_a { m.transpose() } else { *m };
+        match self {
+            Self::Fundamental { fundamental } => {
+                let line = turned(fundamental) * Vector3::new(point[0], point[1], 1.0);
+                clipped(&line, Bounds::of_image(size)).map_or_else(Vec::new, Vec::from)
+            }
+            Self::Essential { essential, camera } => {
+                let [u, v] = straightened(camera, point);
+                let line = turned(&straight_fundamental(essential, camera)) * Vector3::new(u, v, 1.0);
+                if camera.is_straight() {
+                    clipped(&line, Bounds::of_image(size)).map_or_else(Vec::new, Vec::from)
+                } else {
+                    bent(&line, camera, size)
+                }
+            }
+            Self::Homography { forward, backward } => {
+                let there = mapped(if into_a { backward } else { forward }, point);
+                there.into_iter().filter(|p| Bounds::of_image(size).contains(*p)).collect()
+            }
+        }
+    }
+
+    /// The relative pose of the cameras, for which most of `pairs` (of matched pixels, as a rule the inliers) lie in front of both, and how many do. `None` but for an essential matrix.
+    pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
+        let Self::Essential { essential, camera } = self else {
+            return None;
+        };
+        let directions: Vec<Pair> =
+            pairs.iter().map(|(a, b)| Pair { a: camera.direction_of(*a), b: camera.direction_of(*b) }).collect();
+        pose_in_front(essential, directions.iter())
+    }
+}
+
+/// The pixel at which a camera without distortion would see what this one sees at `pixel`.
+fn straightened(camera: &Camera, pixel: [f64; 2]) -> [f64; 2] {
+    let [x, y] = camera.direction_of(pixel);
+    let seen = camera.matrix() * Vector3::new(x, y, 1.0);
+    [seen.x, seen.y]
+}
+
+/// The fundamental matrix of straightened pixels.
+fn straight_fundamental(essential: &Matrix3<f64>, camera: &Camera) -> Matrix3<f64> {
+    let k = camera.matrix();
+    let (fx, fy, cx, cy) = (k.m11, k.m22, k.m13, k.m23);
+    let direction_of = Matrix3::new(1.0 / fx, 0.0, -cx / fx, 0.0, 1.0 / fy, -cy / fy, 0.0, 0.0, 1.0);
+    direction_of.transpose() * essential * direction_of
+}
+
+/// A rectangle of pixels.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Bounds {
+    /// An image, to the outer edges of its pixels.
+    fn of_image(size: (usize, usize)) -> Self {
+        Self { low: [-0.5; 2], high: [size.0 as f64 - 0.5, size.1 as f64 - 0.5] }
+    }
+
+    fn contains(&self, p: [f64; 2]) -> bool {
+        (0..2).all(|i| (self.low[i]..=self.high[i]).contains(&p[i]))
+    }
+}
+
+/// The piece of the line a·u + b·v + c = 0 within `bounds`.
+fn clipped(line: &Vector3<f64>, bounds: Bounds) -> Option<[[f64; 2]; 2]> {
+    let normal = [line.x, line.y];
+    let squared = normal[0] * normal[0] + normal[1] * normal[1];
+    if squared <= 0.0 || squared.is_nan() {
+        return None;
+    }
+    let from = normal.map(|n| -n * line.z / squared);
+    let along = [-normal[1], normal[0]];
+    let (mut start, mut end) = (f64::NEG_INFINITY, f64::INFINITY);
+    for i in 0..2 {
+        if along[i] == 0.0 {
+            if !(bounds.low[i]..=bounds.high[i]).contains(&from[i]) {
+                return None;
+            }
+            continue;
+        }
+        let (s, t) = ((bounds.low[i] - from[i]) / along[i], (bounds.high[i] - from[i]) / along[i]);
+        (start, end) = (start.max(s.min(t)), end.min(s.max(t)));
+    }
+    let at = |s: f64| [from[0] + s * along[0], from[1] + s * along[1]];
+    (start < end).then(|| [at(start), at(end)])
+}
+
+/// What a line of straightened pixels looks like through the lens, within an image of `size`.
+fn bent(line: &Vector3<f64>, camera: &Camera, size: (usize, usize)) -> Vec<[f64; 2]> {
+    let image = Bounds::of_image(size);
+    // Where the image reaches without the distortion: along its border, because a lens may bend the corners in or out.
+    let mut reach = Bounds { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+    for step in 0..=8 {
+        let part = f64::from(step) / 8.0;
+        let across = [0, 1].map(|i| image.low[i] + part * (image.high[i] - image.low[i]));
+        for p in [
+            [across[0], image.low[1]],
+            [across[0], image.high[1]],
+            [image.low[0], across[1]],
+            [image.high[0], across[1]],
+        ] {
+            let p = straightened(camera, p);
+            reach =
+                Bounds { low: [0, 1].map(|i| reach.low[i].min(p[i])), high: [0, 1].map(|i| reach.high[i].max(p[i])) };
+        }
+    }
+    let Some([start, end]) = clipped(line, reach) else {
+        return Vec::new();
+    };
+    let k = camera.matrix();
+    let seen = |part: f64| {
+        let straight = [0, 1].map(|i| start[i] + part * (end[i] - start[i]));
+        let pixel = camera.pixel_of([(straight[0] - k.m13) / k.m11, (straight[1] - k.m23) / k.m22]);
+        // Far outside, strong distortion folds the plane back into the image; such points are not really seen there.
+        let back = straightened(camera, pixel);
+        let is_seen = image.contains(pixel) && (0..2).all(|i| (back[i] - straight[i]).abs() < 0.01);
+        is_seen.then_some(pixel)
+    };
+    let mut curve = Vec::new();
+    let mut last = (0.0, seen(0.0));
+    curve.extend(last.1);
+    for step in 1..CURVE_POINTS {
+        let part = step as f64 / (CURVE_POINTS - 1) as f64;
+        let next = (part, seen(part));
+        if last.1.is_some() != next.1.is_some() {
+            // It crosses the border in between.
+            let (mut inside, mut outside) = if last.1.is_some() { (last.0, part) } else { (part, last.0) };
+            for _ in 0..20 {
+                let middle = 0.5 * (inside + outside);
+                *(if seen(middle).is_some() { &mut inside } else { &mut outside }) = middle;
+            }
+            curve.extend(seen(inside));
+        }
+        curve.extend(next.1);
+        last = next;
+    }
+    curve
+}
