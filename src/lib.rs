@@ -13,6 +13,7 @@
 //! app, cli            the window; the commands
 //! engine              background workers: latest request wins, cancel, progress
 //! evaluate            how good the detector is, measured against known truth
+//! dataset             many bursts along a way, and on to COLMAP
 //! baseline, matching  what it is compared with; descriptors to matches
 //! export              one file a format
 //! detector, synth     the method; bursts with known truth
@@ -30,6 +31,7 @@ pub mod app;
 pub mod baseline;
 pub mod burst;
 pub mod cli;
+pub mod dataset;
 pub mod detector;
 pub mod engine;
 pub mod evaluate;

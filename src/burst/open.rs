@@ -5,7 +5,7 @@ use super::decode::{self, Expected, FileScale, RawFrame};
 use super::error::OpenError;
 use super::limits::Limits;
 use super::progress::{Ticker, in_order};
-use super::source::{find_bursts, pictures_of_folder};
+use super::source::find_bursts;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -99,10 +99,7 @@ fn read<'a>(inputs: &[PathBuf], limits: &Limits, ticker: &dyn Fn(usize) -> Ticke
         return Err(OpenError::SeveralBursts { names: sources.into_iter().map(|s| s.name).collect() });
     }
     let source = sources.pop().ok_or(OpenError::NothingGiven)?;
-    let files = match &source.paths[..] {
-        [folder] if folder.is_dir() => pictures_of_folder(folder)?,
-        _ => source.paths,
-    };
+    let files = source.files()?;
     let Some(first) = files.first() else {
         return Err(OpenError::NothingGiven);
     };

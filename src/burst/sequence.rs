@@ -4,7 +4,7 @@
 
 use super::decode;
 use super::error::OpenError;
-use super::source::{BurstSource, is_stack, make_names_unique, pictures_of_folder, stem};
+use super::source::{BurstSource, is_stack, make_names_unique, stem};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -54,10 +54,7 @@ impl SequenceCut {
 /// # Errors
 /// A folder that cannot be read; a sequence that is shorter than one burst; a stack, whose frames are in one file.
 pub fn cut_sequence(sequence: &BurstSource, cut: SequenceCut) -> Result<Vec<BurstSource>, OpenError> {
-    let frames = match &sequence.paths[..] {
-        [folder] if folder.is_dir() => pictures_of_folder(folder)?,
-        paths => paths.to_vec(),
-    };
+    let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f)) {
         return Err(OpenError::CutStack { path: path.clone(), frames: decode::frame_count(path).unwrap_or(2) });
     }

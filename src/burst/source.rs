@@ -22,6 +22,19 @@ pub struct BurstSource {
     pub paths: Vec<PathBuf>,
 }
 
+impl BurstSource {
+    /// The files that hold its frames: those of its folder in natural order, or its paths.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    pub fn files(&self) -> Result<Vec<PathBuf>, OpenError> {
+        match &self.paths[..] {
+            [folder] if folder.is_dir() => pictures_of_folder(folder),
+            paths => Ok(paths.to_vec()),
+        }
+    }
+}
+
 /// The endings (lower case, without a dot) of files that are taken for pictures in a folder.
 pub fn supported_extensions() -> &'static [&'static str] {
     &["png", "tif", "tiff", "npy", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"]
@@ -66,7 +79,7 @@ pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
 }
 
 /// The pictures of a folder, in natural order. Hidden files and files of other kinds are left out.
-pub(super) fn pictures_of_folder(folder: &Path) -> Result<Vec<PathBuf>, OpenError> {
+fn pictures_of_folder(folder: &Path) -> Result<Vec<PathBuf>, OpenError> {
     Ok(list(folder)?.0)
 }
 

@@ -1,6 +1,7 @@
 //! The arguments as they are written: names, kinds and help texts. What they mean together is checked elsewhere.
 
 use super::choices::{VIEW_KINDS, words};
+use super::colmap_args::ColmapArgs;
 use super::evaluate_args::EvaluateArgs;
 use super::search_options::{ParamsFileArg, SearchArgs};
 use super::synth_args::SynthArgs;
@@ -51,6 +52,8 @@ pub enum Command {
     Synth(SynthArgs),
     /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
     Evaluate(EvaluateArgs),
+    /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
+    Colmap(ColmapArgs),
     /// Draw the window into a PNG file, without a display.
     Render(RenderArgs),
 }

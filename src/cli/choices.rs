@@ -25,6 +25,10 @@ pub(super) const SLOPE_NEIGHBOURS: &[&str] = &["adjacent", "all"];
 pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest"];
 /// The words of [`crate::detector::Localisation`].
 pub(super) const LOCALISATIONS: &[&str] = &["continuous", "quadratic"];
+/// The words of [`crate::dataset::ImageKind`].
+pub(super) const IMAGE_KINDS: &[&str] = &["middle"];
+/// The words of [`crate::matching::CameraModel`].
+pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "OPENCV"];
 /// The words of [`crate::evaluate::poses::Association`].
 pub(super) const ASSOCIATIONS: &[&str] = &["name", "time", "order"];
 /// The words of [`crate::app::state::scrub::ViewKind`].
@@ -34,8 +38,10 @@ pub(super) const VIEW_KINDS: &[&str] = &["frame", "stack", "dog"];
 mod tests {
     use super::*;
     use crate::app::state::scrub::ViewKind;
+    use crate::dataset::ImageKind;
     use crate::detector::{Interpolation, Localisation, Method, SlopeNeighbours};
     use crate::evaluate::poses::Association;
+    use crate::matching::CameraModel;
 
     #[test]
     fn every_word_is_known_to_its_type() {
@@ -45,6 +51,9 @@ mod tests {
         assert!(SLOPE_NEIGHBOURS.iter().all(|w| read_word::<SlopeNeighbours>(w).is_ok()));
         assert!(INTERPOLATIONS.iter().all(|w| read_word::<Interpolation>(w).is_ok()));
         assert!(LOCALISATIONS.iter().all(|w| read_word::<Localisation>(w).is_ok()));
+        assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
+        let models: Vec<CameraModel> = CAMERA_MODELS.iter().map(|w| read_word(w).expect(w)).collect();
+        assert_eq!(models, CameraModel::ALL);
         assert!(ASSOCIATIONS.iter().all(|w| read_word::<Association>(w).is_ok()));
         let kinds: Vec<ViewKind> = VIEW_KINDS.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(kinds, ViewKind::ALL);

@@ -1,6 +1,7 @@
 //! How a command can end other than well, and the exit code of each way.
 
 use crate::burst::OpenError;
+use crate::dataset::DatasetError;
 use crate::detector::{DetectError, ParamError};
 use crate::evaluate::EvaluateError;
 use crate::evaluate::poses::PoseError;
@@ -96,6 +97,16 @@ impl From<EvaluateError> for Failure {
             EvaluateError::Synth(error) => error.into(),
             EvaluateError::Detector(error) => error.into(),
             EvaluateError::Param { .. } => Self::usage(format!("--{error}")),
+        }
+    }
+}
+
+impl From<DatasetError> for Failure {
+    fn from(error: DatasetError) -> Self {
+        match error {
+            DatasetError::Cancelled(_) => Self::Interrupted,
+            DatasetError::Param(error) => error.into(),
+            other => Self::Failed(other.into()),
         }
     }
 }

@@ -7,6 +7,8 @@
 
 pub mod args;
 mod choices;
+mod colmap;
+pub mod colmap_args;
 mod console;
 mod detect;
 mod evaluate;
@@ -48,6 +50,7 @@ pub fn run() -> ExitCode {
         Some(Command::Stack(args)) => stack::run(args),
         Some(Command::Synth(args)) => synth::run(args),
         Some(Command::Evaluate(args)) => evaluate::run(args),
+        Some(Command::Colmap(args)) => colmap::run(args),
         Some(Command::Render(args)) => render::run(args),
     };
     match result {

@@ -22,7 +22,7 @@ pub use geometry::{PointPair, TwoViewModel, Verification, verify};
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
-use crate::detector::{Detection, Feature, ParamError};
+use crate::detector::{Descriptor, Detection, Feature, ParamError};
 use crate::monitor::{Cancelled, Monitor};
 
 /// Why there are no matches.
@@ -47,6 +47,15 @@ pub struct MatchResult {
     pub counts: MatchCounts,
 }
 
+/// Features of an image, as far as matching needs them.
+#[derive(Debug, Clone, Copy)]
+pub struct MatchSide<'a> {
+    /// (u, v) of each, pixels.
+    pub places: &'a [[f64; 2]],
+    /// A descriptor for each.
+    pub descriptors: &'a [Descriptor],
+}
+
 /// Matches the features of two detections and verifies the matches.
 ///
 /// # Errors
@@ -57,16 +66,37 @@ pub fn match_detections(
     params: &MatchParams,
     monitor: &Monitor,
 ) -> Result<MatchResult, MatchError> {
-    let matches = match_descriptors(&a.descriptors, &b.descriptors, params, monitor)?;
-    let place = |feature: &Feature| [f64::from(feature.u), f64::from(feature.v)];
-    let pairs: Vec<PointPair> = matches
-        .iter()
-        .map(|m| PointPair { a: place(&a.features[m.a]), b: place(&b.features[m.b]), rank: m.ratio })
-        .collect();
+    let places = |features: &[Feature]| -> Vec<[f64; 2]> {
+        features.iter().map(|feature| [f64::from(feature.u), f64::from(feature.v)]).collect()
+    };
+    let (of_a, of_b) = (places(&a.features), places(&b.features));
+    let a = MatchSide { places: &of_a, descriptors: &a.descriptors };
+    match_features(a, MatchSide { places: &of_b, descriptors: &b.descriptors }, params, monitor)
+}
+
+/// The same for features that were kept without everything else that a detection says.
+///
+/// # Errors
+/// As [`match_detections`].
+///
+/// # Panics
+/// When there is not one place for each descriptor: a mistake of the caller.
+pub fn match_features(
+    a: MatchSide<'_>,
+    b: MatchSide<'_>,
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<MatchResult, MatchError> {
+    for side in [&a, &b] {
+        assert_eq!(side.places.len(), side.descriptors.len(), "each feature has a place and a descriptor");
+    }
+    let matches = match_descriptors(a.descriptors, b.descriptors, params, monitor)?;
+    let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.ratio };
+    let pairs: Vec<PointPair> = matches.iter().map(pair).collect();
     let verification = verify(&pairs, params, monitor)?;
     let counts = MatchCounts {
-        keypoints_a: a.features.len(),
-        keypoints_b: b.features.len(),
+        keypoints_a: a.places.len(),
+        keypoints_b: b.places.len(),
         putative: matches.len(),
         inliers: verification.as_ref().map(Verification::inlier_count),
     };

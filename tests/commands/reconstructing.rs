@@ -1,6 +1,6 @@
 //! On to COLMAP, and back from it.
 
-use super::support::{run_badly, run_well};
+use super::support::{names, run, run_badly, run_well, stderr};
 use std::fs;
 use std::path::Path;
 
@@ -73,4 +73,79 @@ fn poses_that_cannot_be_compared_say_why() {
     fs::write(at("truth.txt"), "10 1 1 1 0 0 0 1\n20 1 1 1 0 0 0 1\n40 1 1 1 0 0 0 1\n50 1 1 1 0 0 0 1\n")
         .expect("written");
     assert!(words(&[], 1).contains("all stand in one place"));
+}
+
+#[test]
+fn a_film_becomes_what_colmaps_mapper_takes() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(
+        home.path(),
+        &[
+            "synth",
+            "scene",
+            "--out",
+            "film",
+            "--width",
+            "240",
+            "--height",
+            "180",
+            "--frames",
+            "12",
+            "--max-slope",
+            "1.5",
+            "--snr",
+            "10",
+        ],
+    );
+    let arguments = ["colmap", "film", "--burst-length", "4", "--slopes-u", "-2:2:5", "--out", "my rec"];
+    let text = run_well(home.path(), &arguments);
+    assert!(
+        text.contains("camera SIMPLE_RADIAL 240 180 288 120 90 0 (guessed: give --camera if you know it)"),
+        "{text}"
+    );
+    assert!(text.contains("3 images, 3 pairs: "), "{text}");
+    let next =
+        "colmap mapper --database_path 'my rec/database.db' --image_path 'my rec/images' --output_path 'my rec/sparse'";
+    assert!(text.contains(next), "{text}");
+    assert_eq!(names(&home.path().join("my rec")), ["database.db", "features", "images", "manifest.json"]);
+    // With a camera from a file, and as JSON; the features are there already.
+    fs::write(
+        home.path().join("lens.toml"),
+        "model = \"PINHOLE\"\nwidth = 240\nheight = 180\nparams = [250, 250, 120, 90]\n",
+    )
+    .expect("written");
+    let json = run_well(
+        home.path(),
+        &[&arguments[..], &["--camera", "lens.toml", "--pairs", "sequential:1", "--json"]].concat(),
+    );
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!((&json["known_camera"], &json["cameras"][0]["model"]), (&true.into(), &"PINHOLE".into()));
+    assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
+    assert!(json["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == true)));
+    // A burst that cannot be opened is told, and the rest is written.
+    fs::write(home.path().join("film/frame_001.png"), "broken").expect("written");
+    let output = run(home.path(), &arguments);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("2 images, 1 pairs: "));
+    assert!(stderr(&output).contains("frame_001.png"));
+}
+
+#[test]
+fn datasets_that_make_no_sense_say_what_would() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(
+        home.path(),
+        &["synth", "scene", "--out", "film", "--width", "64", "--height", "48", "--frames", "2", "--max-slope", "1"],
+    );
+    let words = |arguments: &[&str], code| {
+        run_badly(home.path(), &[&["colmap", "film", "--out", "rec"], arguments].concat(), code)
+    };
+    assert!(words(&[], 1).contains("--burst-length"));
+    assert!(words(&["--camera", "FISHEYE,1,2,3"], 2).contains("OPENCV"));
+    assert!(words(&["--camera", "gone.toml"], 2).contains("gone.toml"));
+    assert!(words(&["--camera", "PINHOLE,9,9,5,5,4,4", "--burst-length", "1"], 1).contains("64×48"));
+    assert!(words(&["--pairs", "some"], 2).contains("sequential:K"));
+    assert!(words(&["--burst-length", "0"], 2).contains("--burst-length"));
+    assert!(run_badly(home.path(), &["colmap", "demo", "--out", "rec"], 2).contains("demo"));
+    assert!(!home.path().join("rec").exists());
 }

@@ -1,0 +1,128 @@
+//! `colmap`: from a dataset of bursts to what COLMAP's mapper takes.
+
+use super::colmap_args::ColmapArgs;
+use super::console::Console;
+use super::failure::Failure;
+use super::inputs::{Place, open_options, resolve_bursts};
+use super::report::FailureReport;
+use crate::burst::BurstSource;
+use crate::dataset::{CameraChoice, ColmapJob, ColmapReport, Event, FeatureJob, export_colmap};
+use crate::detector::DetectorParams;
+use crate::matching::{Geometry, MatchParams};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+
+/// The JSON document.
+#[derive(Serialize)]
+struct Answer<'a> {
+    version: &'static str,
+    command: &'static str,
+    params: &'a DetectorParams,
+    matching: &'a MatchParams,
+    #[serde(flatten)]
+    report: &'a ColmapReport,
+    failures: &'a [FailureReport],
+    next: [String; 2],
+}
+
+pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
+    let detector = args.search.params()?;
+    let camera = args.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
+    let geometry = if camera.is_known() { Geometry::Essential } else { Geometry::Fundamental };
+    let inputs = resolve_bursts(&args.inputs, args.sequence)?;
+    if inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+        return Err(Failure::usage(
+            "colmap: a reconstruction needs bursts from several places, and the demo is one burst",
+        ));
+    }
+    let open = open_options(&inputs, args.bias.bias.as_ref())?;
+    let job = ColmapJob {
+        features: FeatureJob { detector, open, images: args.images },
+        matching: MatchParams { geometry, ..MatchParams::default() },
+        pairs: args.pairs,
+        camera,
+    };
+    let console = Console::new(&args.output)?;
+    let mut failures: Vec<FailureReport> = Vec::new();
+    let mut fail = |name: &str, error: String| {
+        console.complain(&format!("{name}: {error}"));
+        failures.push(FailureReport { name: name.to_owned(), error });
+    };
+    let mut bursts: Vec<BurstSource> = Vec::new();
+    for input in inputs {
+        match input.place {
+            Place::Paths(paths) => bursts.push(BurstSource { name: input.name, paths }),
+            Place::Broken(error) => fail(&input.name, error.to_string()),
+            Place::Demo => {}
+        }
+    }
+    let mut said = Ok(());
+    let mut on = |event: Event<'_>| match event {
+        Event::Begin { index, count, name } => console.begin(format!("[{}/{count}] {name}: ", index + 1)),
+        Event::Done(burst) => {
+            let from = if burst.resumed { ", from an earlier run" } else { "" };
+            let line = format!("{}: {} features{from}\n", burst.name, burst.keypoints.len());
+            said = std::mem::replace(&mut said, Ok(())).and_then(|()| console.say(&line));
+        }
+        Event::Failed { name, error } => fail(name, error.to_string()),
+        Event::Matching { pairs } => console.begin(format!("{pairs} pairs: ")),
+    };
+    let report = export_colmap(&bursts, &args.out, &job, &mut on, &console.monitor)?;
+    said?;
+    let next = next_commands(&args.out);
+    console.say(&summary(&report, &next))?;
+    console.say_json(&Answer {
+        version: env!("CARGO_PKG_VERSION"),
+        command: "colmap",
+        params: &job.features.detector,
+        matching: &job.matching,
+        report: &report,
+        failures: &failures,
+        next,
+    })?;
+    if failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
+}
+
+/// What to do next, as it is typed.
+fn next_commands(out: &Path) -> [String; 2] {
+    let at = |name: &str| {
+        let path = out.join(name).display().to_string();
+        let plain = |c: char| c.is_alphanumeric() || "/\\._-:".contains(c);
+        if path.chars().all(plain) { path } else { format!("'{path}'") }
+    };
+    [
+        format!("mkdir -p {}", at("sparse")),
+        format!(
+            "colmap mapper --database_path {} --image_path {} --output_path {}",
+            at("database.db"),
+            at("images"),
+            at("sparse")
+        ),
+    ]
+}
+
+fn summary(report: &ColmapReport, next: &[String]) -> String {
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = write_summary(&mut text, report, next);
+    text
+}
+
+fn write_summary(out: &mut String, report: &ColmapReport, next: &[String]) -> std::fmt::Result {
+    for camera in &report.cameras {
+        let guessed = if report.known_camera { "" } else { " (guessed: give --camera if you know it)" };
+        writeln!(out, "camera {camera}{guessed}")?;
+    }
+    let putative: usize = report.pairs.iter().map(|p| p.counts.putative).sum();
+    let inliers: usize = report.pairs.iter().filter_map(|p| p.counts.inliers).sum();
+    let verified = report.pairs.iter().filter(|p| p.counts.inliers.is_some_and(|n| n > 0)).count();
+    writeln!(
+        out,
+        "{} images, {} pairs: {putative} matches, {inliers} inliers in {verified} verified pairs",
+        report.images.len(),
+        report.pairs.len()
+    )?;
+    writeln!(out, "wrote {}\n\nNext:", report.database.display())?;
+    next.iter().try_for_each(|command| writeln!(out, "  {command}"))
+}

@@ -1,0 +1,225 @@
+//! On to COLMAP: a folder from which its mapper can begin at once.
+//!
+//! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features as COLMAP's importer takes them, and `database.db` cameras, images, features,
+//! matches and verified geometries. Bursts that are finished are not done again, see [`super::features`]; matches are, for they take
+//! little time beside the features.
+
+use super::features::{BurstFeatures, FeatureJob, IMAGES_FOLDER, Store};
+use super::geometry::{database_camera, database_geometry, match_indices};
+use super::{CameraChoice, DatasetError, PairSelection};
+use crate::burst::BurstSource;
+use crate::export::write_colmap_database;
+use crate::matching::{Camera, Geometry, MatchCounts, MatchParams, MatchResult, MatchSide, match_features};
+use crate::monitor::{Monitor, Stage};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What is made of a dataset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColmapJob {
+    /// How features are found.
+    pub features: FeatureJob,
+    /// How they are matched. Where the camera is known it is used for verification; [`MatchParams::camera`] is set from it.
+    pub matching: MatchParams,
+    /// Which bursts are matched with which.
+    pub pairs: PairSelection,
+    /// The camera.
+    pub camera: CameraChoice,
+}
+
+/// What happens to a dataset, as it happens.
+#[derive(Debug)]
+pub enum Event<'a> {
+    /// A burst is begun.
+    Begin {
+        /// Its place in the dataset, from 0.
+        index: usize,
+        /// Number of bursts.
+        count: usize,
+        /// Its name.
+        name: &'a str,
+    },
+    /// A burst is finished.
+    Done(&'a BurstFeatures),
+    /// A burst cannot be opened; the others go on.
+    Failed {
+        /// Its name.
+        name: &'a str,
+        /// Why.
+        error: &'a DatasetError,
+    },
+    /// All bursts are done, and this many pairs are matched.
+    Matching {
+        /// Number of pairs.
+        pairs: usize,
+    },
+}
+
+/// One image of the database.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ImageReport {
+    /// Its id in the database.
+    pub id: u32,
+    /// The burst's name.
+    pub burst: String,
+    /// Its file below the folder of images.
+    pub image: String,
+    /// Number of features.
+    pub features: usize,
+    /// Whether an earlier run had found them.
+    pub resumed: bool,
+}
+
+/// One matched pair.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PairReport {
+    /// The images' ids, the smaller one first.
+    pub ids: [u32; 2],
+    /// The numbers of the match.
+    #[serde(flatten)]
+    pub counts: MatchCounts,
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ColmapReport {
+    /// The database.
+    pub database: PathBuf,
+    /// The folder of images.
+    pub images_folder: PathBuf,
+    /// The cameras, one for each size of image.
+    pub cameras: Vec<Camera>,
+    /// Whether the focal length is known.
+    pub known_camera: bool,
+    /// The images, by rising id.
+    pub images: Vec<ImageReport>,
+    /// The pairs, in order.
+    pub pairs: Vec<PairReport>,
+}
+
+/// Pairs that are matched before their matches are written: enough for all threads, few enough for memory.
+const PAIRS_AT_ONCE: usize = 64;
+
+/// Finds the features of `bursts`, matches them, and writes what COLMAP's mapper takes into the folder `out`. `on` hears what happens. A burst that cannot be
+/// opened is left out.
+///
+/// # Errors
+/// [`DatasetError`]. Files are written whole or not at all; finished bursts stay finished.
+pub fn export_colmap(
+    bursts: &[BurstSource],
+    out: &Path,
+    job: &ColmapJob,
+    on: &mut dyn FnMut(Event<'_>),
+    monitor: &Monitor,
+) -> Result<ColmapReport, DatasetError> {
+    let matching = job.verified_matching()?;
+    job.features.detector.validate()?;
+    if bursts.len() < 2 {
+        return Err(DatasetError::TooFew { count: bursts.len() });
+    }
+    let all = features_of_all(bursts, out, job, on, monitor)?;
+    if all.len() < 2 {
+        return Err(DatasetError::TooFew { count: all.len() });
+    }
+    let pairs = job.pairs.pairs(all.len());
+    on(Event::Matching { pairs: pairs.len() });
+    let mut report = ColmapReport {
+        database: out.join("database.db"),
+        images_folder: out.join(IMAGES_FOLDER),
+        cameras: Vec::new(),
+        known_camera: job.camera.is_known(),
+        images: Vec::new(),
+        pairs: Vec::new(),
+    };
+    write_colmap_database(&report.database.clone(), |database| -> Result<(), DatasetError> {
+        for burst in &all {
+            monitor.check()?;
+            let camera = job.camera.for_images(burst.size)?;
+            let known = report.cameras.iter().position(|c| *c == camera);
+            let camera_id = match known {
+                Some(index) => index as u32 + 1,
+                None => {
+                    let id = database.add_camera(&database_camera(&camera, report.known_camera))?;
+                    report.cameras.push(camera);
+                    id
+                }
+            };
+            let id = database.add_image(&burst.image_name, camera_id, &burst.keypoints, &burst.descriptors)?;
+            report.images.push(ImageReport {
+                id,
+                burst: burst.name.clone(),
+                image: burst.image_name.clone(),
+                features: burst.keypoints.len(),
+                resumed: burst.resumed,
+            });
+        }
+        let places: Vec<Vec<[f64; 2]>> =
+            all.iter().map(|b| b.keypoints.iter().map(|k| k.pos_image()).collect()).collect();
+        let side = |k: usize| MatchSide { places: &places[k], descriptors: &all[k].descriptors };
+        for some in pairs.chunks(PAIRS_AT_ONCE) {
+            monitor.report(Stage::Match, report.pairs.len() as f32 / pairs.len().max(1) as f32);
+            let matched: Vec<MatchResult> = some
+                .par_iter()
+                .map(|&(a, b)| match_features(side(a), side(b), &matching, &monitor.silent()))
+                .collect::<Result<_, _>>()?;
+            for (&(a, b), result) in some.iter().zip(&matched) {
+                let ids = [report.images[a].id, report.images[b].id];
+                report.pairs.push(PairReport { ids, counts: result.counts });
+                // COLMAP too has no row for a pair without a match.
+                if !result.matches.is_empty() {
+                    let geometry = database_geometry(&all[a], &all[b], result);
+                    database.add_pair(ids[0], ids[1], &match_indices(result), geometry.as_ref())?;
+                }
+            }
+        }
+        Ok(monitor.check()?)
+    })?;
+    monitor.report(Stage::Match, 1.0);
+    Ok(report)
+}
+
+/// The features of every burst that can be opened.
+fn features_of_all(
+    bursts: &[BurstSource],
+    out: &Path,
+    job: &ColmapJob,
+    on: &mut dyn FnMut(Event<'_>),
+    monitor: &Monitor,
+) -> Result<Vec<BurstFeatures>, DatasetError> {
+    let mut store = Store::open(out, &job.features)?;
+    let mut all = Vec::with_capacity(bursts.len());
+    for (index, source) in bursts.iter().enumerate() {
+        on(Event::Begin { index, count: bursts.len(), name: &source.name });
+        match store.features(source, &job.camera, monitor) {
+            Ok(features) => {
+                on(Event::Done(&features));
+                all.push(features);
+            }
+            Err(error) if error.is_final() => return Err(error),
+            Err(error) => on(Event::Failed { name: &source.name, error: &error }),
+        }
+    }
+    Ok(all)
+}
+
+impl ColmapJob {
+    /// The parameters of matching with the camera where it is known.
+    fn verified_matching(&self) -> Result<MatchParams, DatasetError> {
+        let camera = match &self.camera {
+            CameraChoice::Known(camera) => Some(camera.clone()),
+            CameraChoice::Guessed(_) => None,
+        };
+        let matching = MatchParams { camera, ..self.matching.clone() };
+        matching.validate()?;
+        if matching.geometry == Geometry::None {
+            return Err(crate::detector::ParamError {
+                parameter: crate::matching::params::doc::GEOMETRY.name,
+                problem: "COLMAP's mapper takes verified matches only".to_owned(),
+                remedy: "give fundamental, essential or homography".to_owned(),
+            }
+            .into());
+        }
+        Ok(matching)
+    }
+}

@@ -1,0 +1,76 @@
+//! Why a dataset came to nothing.
+
+use crate::burst::OpenError;
+use crate::detector::{DetectError, ParamError};
+use crate::export::ExportError;
+use crate::matching::MatchError;
+use crate::monitor::Cancelled;
+use std::path::PathBuf;
+
+/// Why a burst, or the whole dataset, has no result.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DatasetError {
+    /// It was cancelled. Bursts that were finished stay finished.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A burst cannot be opened.
+    #[error(transparent)]
+    Open(OpenError),
+    /// A parameter makes no sense.
+    #[error(transparent)]
+    Param(#[from] ParamError),
+    /// A file cannot be written or read back.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// The folder holds something else.
+    #[error("this folder holds files, but no dataset that was begun by this command; name a new or an empty folder: {}", .0.display())]
+    Occupied(PathBuf),
+    /// Fewer than two bursts.
+    #[error(
+        "{count} bursts have features, and matching needs two or more; name a folder of bursts, or cut a long sequence with --burst-length"
+    )]
+    TooFew {
+        /// How many there are.
+        count: usize,
+    },
+    /// Images of a size that the camera does not have.
+    #[error("the camera is given for images of {}×{}, but this burst has {}×{}; give the camera of these images", camera.0, camera.1, images.0, images.1)]
+    CameraSize {
+        /// (columns, rows) of the camera.
+        camera: (usize, usize),
+        /// (columns, rows) of the images.
+        images: (usize, usize),
+    },
+}
+
+impl DatasetError {
+    /// Whether it concerns the whole dataset, so that the other bursts cannot go on.
+    pub(super) fn is_final(&self) -> bool {
+        !matches!(self, Self::Open(_))
+    }
+}
+
+impl From<OpenError> for DatasetError {
+    fn from(error: OpenError) -> Self {
+        if error.is_cancelled() { Self::Cancelled(Cancelled) } else { Self::Open(error) }
+    }
+}
+
+impl From<DetectError> for DatasetError {
+    fn from(error: DetectError) -> Self {
+        match error {
+            DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            DetectError::Param(param) => Self::Param(param),
+        }
+    }
+}
+
+impl From<MatchError> for DatasetError {
+    fn from(error: MatchError) -> Self {
+        match error {
+            MatchError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            MatchError::Param(param) => Self::Param(param),
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! What has been done already: a small file beside the features, so that a dataset that was interrupted goes on where it was.
+//!
+//! A burst is finished when its features were found by the same version of the program with the same parameters from the same files (of the same
+//! size and time), and the feature file is still there. Anything else is done again.
+
+use super::DatasetError;
+use crate::burst::OpenError;
+use crate::export::{ExportError, write_whole};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
+
+/// The name of the file.
+pub(super) const MANIFEST_FILE: &str = "manifest.json";
+
+/// A file as it was when it was read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct FileStamp {
+    path: PathBuf,
+    bytes: u64,
+    /// Nanoseconds since 1970; 0 where the system does not say.
+    modified_ns: u64,
+}
+
+impl FileStamp {
+    /// Of each of `files`.
+    pub(super) fn of(files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
+        files.iter().map(|path| Self::of_one(path)).collect()
+    }
+
+    fn of_one(path: &Path) -> Result<Self, DatasetError> {
+        let unread = |e: std::io::Error| OpenError::Read { path: path.into(), reason: e.to_string() };
+        let metadata = std::fs::metadata(path).map_err(unread)?;
+        let modified = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        Ok(Self {
+            path: std::path::absolute(path).unwrap_or_else(|_| path.into()),
+            bytes: metadata.len(),
+            modified_ns: modified.map_or(0, |since| since.as_nanos() as u64),
+        })
+    }
+}
+
+/// What is known of a finished burst.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Finished {
+    /// Its files.
+    pub files: Vec<FileStamp>,
+    /// (columns, rows) of its frames.
+    pub size: (usize, usize),
+    /// Number of features.
+    pub features: usize,
+    /// The kind of picture that was written.
+    pub picture: super::ImageKind,
+}
+
+/// The content of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Manifest {
+    /// The program's version.
+    version: String,
+    /// Everything that decides the features, beside the burst's own files.
+    settings: serde_json::Value,
+    /// Finished bursts by their names.
+    pub bursts: BTreeMap<String, Finished>,
+}
+
+impl Manifest {
+    /// The manifest of `folder` for `settings`: what was finished with just these, or nothing.
+    ///
+    /// # Errors
+    /// [`DatasetError::Occupied`] when the folder holds files but no manifest: it is somebody's own.
+    pub(super) fn read(folder: &Path, settings: serde_json::Value) -> Result<Self, DatasetError> {
+        let fresh = Self { version: env!("CARGO_PKG_VERSION").to_owned(), settings, bursts: BTreeMap::new() };
+        let Ok(text) = std::fs::read_to_string(folder.join(MANIFEST_FILE)) else {
+            let empty = std::fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
+            return if empty { Ok(fresh) } else { Err(DatasetError::Occupied(folder.into())) };
+        };
+        let earlier = serde_json::from_str::<Self>(&text).ok();
+        Ok(earlier.filter(|e| e.version == fresh.version && e.settings == fresh.settings).unwrap_or(fresh))
+    }
+
+    /// Writes it into `folder`.
+    pub(super) fn write(&self, folder: &Path) -> Result<(), ExportError> {
+        write_whole(&folder.join(MANIFEST_FILE), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })
+    }
+}

@@ -1,0 +1,20 @@
+//! A dataset: many bursts along a robot's way, and what is made of all of them together.
+//!
+//! Features of each burst ([`features`]: found once, kept in files, and taken from these the next time), matches of chosen pairs of bursts ([`pairs`]), and the
+//! folder from which COLMAP goes on ([`colmap`]): images, feature files and its database. [`camera`] says what is known of the lens.
+
+pub mod camera;
+pub mod colmap;
+mod error;
+pub mod features;
+mod geometry;
+mod manifest;
+pub mod pairs;
+mod picture;
+
+pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
+pub use colmap::{ColmapJob, ColmapReport, Event, ImageReport, PairReport, export_colmap};
+pub use error::DatasetError;
+pub use features::{BurstFeatures, FeatureJob};
+pub use pairs::PairSelection;
+pub use picture::ImageKind;
