@@ -99,7 +99,7 @@ fn csv_errors_name_the_file_and_the_line() {
     bytes[last_line] = 0xff;
     fs::write(&path, bytes).expect("written");
     let error = read_features_csv(&path).expect_err("not text");
-    assert!(matches!(error, ExportError::Csv { line: 3, .. }), "{error}");
+    assert!(matches!(error, ExportError::Text { line: 3, .. }), "{error}");
     assert!(error.to_string().contains("a.csv"), "{error}");
 }
 

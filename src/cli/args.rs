@@ -3,15 +3,14 @@
 use super::choices::{VIEW_KINDS, words};
 use super::evaluate_args::EvaluateArgs;
 use super::search_options::{ParamsFileArg, SearchArgs};
+use super::synth_args::SynthArgs;
 use crate::app::state::scrub::ViewKind;
 use crate::detector::Slope;
 use crate::export::ExportFormat;
-use crate::synth::{ChartParams, Motion, SceneParams};
 use clap::{Args, Parser, Subcommand};
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-const INPUT_HELP: &str =
+pub(super) const INPUT_HELP: &str =
     "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], or 'demo'";
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
@@ -48,7 +47,7 @@ pub enum Command {
     Detect(DetectArgs),
     /// Write the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
     Stack(StackArgs),
-    /// Make a burst with exactly known truth: 16-bit PNG frames and truth.json.
+    /// Make a burst with exactly known truth (16-bit PNG frames and truth.json), or noisy copies of real frames.
     Synth(SynthArgs),
     /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
     Evaluate(EvaluateArgs),
@@ -168,129 +167,6 @@ pub struct StackArgs {
     pub output: OutputArgs,
 }
 
-/// Make a burst with exactly known truth.
-#[derive(Debug, Args)]
-pub struct SynthArgs {
-    /// What to make.
-    #[command(subcommand)]
-    pub kind: SynthKind,
-}
-
-/// The kinds of synthetic bursts.
-#[derive(Debug, Subcommand)]
-pub enum SynthKind {
-    /// Discs on an even background, each with its own slope.
-    Chart(ChartArgs),
-    /// Textured layers at several depths, each with its own slope.
-    Scene(SceneArgs),
-}
-
-fn chart() -> ChartParams {
-    ChartParams::default()
-}
-
-fn scene() -> SceneParams {
-    SceneParams::default()
-}
-
-const OUT_HELP: &str =
-    "Folder to make, for frame_000.png … (16 bit) and truth.json; an earlier synthetic burst in it is replaced";
-const SNR_HELP: &str = "Signal-to-noise ratio of one pixel in one frame: the difference of the two levels over the standard deviation of the noise \
-    at their mean; 'inf' makes no noise";
-
-/// Discs on an even background, each with its own slope.
-#[derive(Debug, Clone, Args)]
-#[command(allow_negative_numbers = true)]
-pub struct ChartArgs {
-    #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
-    #[allow(missing_docs)]
-    pub out: PathBuf,
-    /// Columns.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().width)]
-    pub width: usize,
-    /// Rows.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().height)]
-    pub height: usize,
-    /// Number of discs.
-    #[arg(long, value_name = "N", default_value_t = chart().discs)]
-    pub discs: usize,
-    /// Range of the discs' radii, pixels.
-    #[arg(long, value_name = "MIN:MAX", default_value = "3.6:19", value_parser = parse_range)]
-    pub radius: RangeInclusive<f64>,
-    /// Least distance between two discs at mid-burst, pixels.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().gap)]
-    pub gap: f64,
-    /// Intensity of the discs over that of the background.
-    #[arg(long, value_name = "RATIO", default_value_t = chart().contrast)]
-    pub contrast: f64,
-    /// Number of frames.
-    #[arg(long, value_name = "N", default_value_t = chart().frames)]
-    pub frames: usize,
-    /// Directions of motion: 1d is horizontal, 2d any.
-    #[arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions())]
-    pub motion: Motion,
-    /// Largest slope on each axis, pixels per frame.
-    #[arg(long, value_name = "SLOPE", default_value_t = chart().max_slope)]
-    pub max_slope: f64,
-    #[arg(long, value_name = "RATIO", default_value_t = chart().snr, help = SNR_HELP)]
-    #[allow(missing_docs)]
-    pub snr: f64,
-    /// Standard deviation of the read noise, electrons.
-    #[arg(long, value_name = "ELECTRONS", default_value_t = chart().read_noise)]
-    pub read_noise: f64,
-    /// Bits of the camera's converter.
-    #[arg(long, value_name = "BITS", default_value_t = chart().bits)]
-    pub bits: u32,
-    /// Seed: the same seed makes the same burst on every machine.
-    #[arg(long, value_name = "N", default_value_t = chart().seed)]
-    pub seed: u64,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
-}
-
-/// Textured layers at several depths, each with its own slope.
-#[derive(Debug, Clone, Args)]
-#[command(allow_negative_numbers = true)]
-pub struct SceneArgs {
-    #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
-    #[allow(missing_docs)]
-    pub out: PathBuf,
-    /// Columns.
-    #[arg(long, value_name = "PIXELS", default_value_t = scene().width)]
-    pub width: usize,
-    /// Rows.
-    #[arg(long, value_name = "PIXELS", default_value_t = scene().height)]
-    pub height: usize,
-    /// Number of layers; the farthest fills the frame.
-    #[arg(long, value_name = "N", default_value_t = scene().layers)]
-    pub layers: usize,
-    /// Number of frames.
-    #[arg(long, value_name = "N", default_value_t = scene().frames)]
-    pub frames: usize,
-    /// Directions of motion: 1d is horizontal, 2d any.
-    #[arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions())]
-    pub motion: Motion,
-    /// Largest slope on each axis, pixels per frame.
-    #[arg(long, value_name = "SLOPE", default_value_t = scene().max_slope)]
-    pub max_slope: f64,
-    #[arg(long, value_name = "RATIO", default_value_t = scene().snr, help = SNR_HELP)]
-    #[allow(missing_docs)]
-    pub snr: f64,
-    /// Standard deviation of the read noise, electrons.
-    #[arg(long, value_name = "ELECTRONS", default_value_t = scene().read_noise)]
-    pub read_noise: f64,
-    /// Bits of the camera's converter.
-    #[arg(long, value_name = "BITS", default_value_t = scene().bits)]
-    pub bits: u32,
-    /// Seed: the same seed makes the same burst on every machine.
-    #[arg(long, value_name = "N", default_value_t = scene().seed)]
-    pub seed: u64,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
-}
-
 /// Draw the window into a PNG file, without a display.
 ///
 /// The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the
@@ -344,23 +220,11 @@ pub struct RenderArgs {
     pub output: OutputArgs,
 }
 
-pub(super) fn motions() -> impl clap::builder::TypedValueParser<Value = Motion> {
-    use clap::builder::{PossibleValuesParser, TypedValueParser};
-    PossibleValuesParser::new(["1d", "2d"]).map(|word| if word == "2d" { Motion::TwoD } else { Motion::OneD })
-}
-
 fn parse_slope(text: &str) -> Result<Slope, String> {
     let bad = || format!("'{text}' is not U,V in pixels per frame, such as -2.1,0");
     let (u, v) = text.split_once(',').ok_or_else(bad)?;
     let number = |s: &str| s.trim().parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
     Ok(Slope::new(number(u)?, number(v)?))
-}
-
-fn parse_range(text: &str) -> Result<RangeInclusive<f64>, String> {
-    let bad = || format!("'{text}' is not MIN:MAX, such as 3.6:19");
-    let (low, high) = text.split_once(':').unwrap_or((text, text));
-    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
-    Ok(number(low)?..=number(high)?)
 }
 
 fn parse_size(text: &str) -> Result<(f32, f32), String> {
@@ -390,11 +254,6 @@ mod tests {
     }
 
     #[test]
-    fn the_default_radius_is_the_charts() {
-        assert_eq!(parse_range("3.6:19"), Ok(ChartParams::default().radius));
-    }
-
-    #[test]
     fn small_parsers_refuse_nonsense() {
         assert_eq!(parse_slope("-2.1, 0"), Ok(Slope::new(-2.1, 0.0)));
         for bad in ["", "1", "1,", "a,b", "nan,0", "1,2,3"] {
@@ -404,6 +263,6 @@ mod tests {
         for bad in ["", "1280", "0x0", "-5x9", "99999x99999"] {
             assert!(parse_size(bad).is_err(), "{bad}");
         }
-        assert!(parse_range("x:2").is_err() && parse_scale("nan").is_err() && parse_scale("9").is_err());
+        assert!(parse_scale("nan").is_err() && parse_scale("9").is_err());
     }
 }

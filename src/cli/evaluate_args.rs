@@ -1,8 +1,9 @@
 //! The arguments of `evaluate` as they are written.
 
-use super::args::{OutputArgs, motions};
+use super::args::OutputArgs;
 use super::evaluate_poses::PosesArgs;
 use super::search_options::SearchArgs;
+use super::synth_args::motions;
 use crate::evaluate::{ChartMethod, Ranking};
 use crate::synth::{ChartParams, Motion};
 use clap::{Args, Subcommand};

@@ -40,11 +40,11 @@ impl Input {
     ///
     /// # Errors
     /// As [`Burst::open_with`], or why it was not found.
-    pub fn open(self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, OpenError> {
-        match self.place {
+    pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, OpenError> {
+        match &self.place {
             Place::Demo => Ok(demo_burst()),
-            Place::Paths(paths) => Burst::open_with(&paths, options, monitor),
-            Place::Broken(error) => Err(error),
+            Place::Paths(paths) => Burst::open_with(paths, options, monitor),
+            Place::Broken(error) => Err(error.clone()),
         }
     }
 

@@ -20,6 +20,7 @@ mod report;
 pub mod search_options;
 mod stack;
 mod synth;
+pub mod synth_args;
 mod table;
 mod window;
 

@@ -1,10 +1,15 @@
-//! `synth`: bursts with exactly known truth.
+//! `synth`: bursts with exactly known truth, and noisy copies of real ones.
 
-use super::args::{ChartArgs, OutputArgs, SceneArgs, SynthArgs, SynthKind};
+use super::args::OutputArgs;
 use super::console::Console;
 use super::failure::Failure;
+use super::inputs::{open_options, resolve};
+use super::synth_args::{ChartArgs, NoisyArgs, SceneArgs, SynthArgs, SynthKind};
 use crate::burst::Burst;
-use crate::synth::{ChartParams, SceneParams, Truth, synth_chart, synth_scene, write_burst};
+use crate::export::safe_file_name;
+use crate::synth::{
+    ChartParams, FrameLevels, NoisyParams, SceneParams, Truth, synth_chart, synth_scene, write_burst, write_noisy,
+};
 use serde_json::json;
 use std::path::Path;
 
@@ -20,7 +25,44 @@ pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
             let (burst, truth) = synth_scene(&scene_params(args), &console.monitor)?;
             finish(&args.out, &burst, &truth, &console)
         }
+        SynthKind::Noisy(args) => noisy(args),
     }
+}
+
+/// Noisy copies of real frames: a first pass over the bursts for their levels, a second one that writes.
+fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
+    let NoisyArgs { snr, read_noise, bits, seed, .. } = *args;
+    let params = NoisyParams { snr, read_noise, bits, seed };
+    let console = Console::new(&args.output)?;
+    let inputs = resolve(&args.inputs);
+    let options = open_options(&inputs, args.bias.bias.as_ref())?;
+    let mut levels = FrameLevels::default();
+    for input in &inputs {
+        console.begin(format!("{}: ", input.name));
+        levels.add(&input.open(&options, &console.monitor)?);
+    }
+    let exposure = params.exposure(&levels)?;
+    let names: Vec<String> = inputs.iter().map(|i| safe_file_name(&i.name)).collect();
+    let open = |k: usize| -> Result<Burst, Failure> { Ok(inputs[k].open(&options, &console.monitor.silent())?) };
+    console.begin(String::new());
+    let truth = write_noisy(&args.out, &names, names.len() > 1, &params, &exposure, open, &console.monitor)?;
+    let noise = truth.noise.map_or_else(
+        || "no noise".to_owned(),
+        |n| format!("noise {:.5} of full scale in a frame at the mean", n.sigma_background),
+    );
+    console.say(&format!(
+        "{} frames of {} bursts, values times {:.4}, {noise}\nwrote {}\n",
+        truth.frames.len(),
+        names.len(),
+        truth.gain,
+        args.out.display()
+    ))?;
+    console.say_json(&json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "command": "synth",
+        "folder": args.out,
+        "truth": truth,
+    }))
 }
 
 fn chart_params(args: &ChartArgs) -> ChartParams {

@@ -4,6 +4,7 @@ use super::error::ExportError;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// What a format writes to: buffered, and able to seek.
 pub type FileWriter<'a> = BufWriter<&'a mut File>;
@@ -15,6 +16,17 @@ pub type FileWriter<'a> = BufWriter<&'a mut File>;
 /// # Errors
 /// [`ExportError::Write`] when the system or `write` fails, [`ExportError::NotAFile`] when `path` is a folder or a device.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>) -> Result<(), ExportError> {
+    replace_whole(path, |temporary| {
+        let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+        write(&mut writer).and_then(|()| writer.flush())
+    })
+}
+
+/// The same for a format that opens its file by its path: `fill` completes the empty temporary file.
+pub(super) fn replace_whole(
+    path: &Path,
+    fill: impl FnOnce(&mut NamedTempFile) -> io::Result<()>,
+) -> Result<(), ExportError> {
     let fail = |e: io::Error| ExportError::write(path, &e);
     let existing = std::fs::metadata(path).ok();
     if existing.as_ref().is_some_and(|m| !m.is_file()) || path.file_name().is_none() {
@@ -27,9 +39,7 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::R
     };
     std::fs::create_dir_all(&folder).map_err(fail)?;
     let mut temporary = temporary_in(&folder).map_err(fail)?;
-    let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
-    write(&mut writer).and_then(|()| writer.flush()).map_err(fail)?;
-    drop(writer);
+    fill(&mut temporary).map_err(fail)?;
     if let Some(existing) = existing {
         temporary.as_file().set_permissions(existing.permissions()).map_err(fail)?;
     }
@@ -39,7 +49,7 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::R
 }
 
 /// A temporary file that has the permissions of any other new file (left to itself, the library would make it private).
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".burstscope-").suffix(".tmp");
     #[cfg(unix)]

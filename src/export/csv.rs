@@ -42,14 +42,14 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
 /// Reads a table that [`write_csv`] wrote. Strict: the header must be exact and every line complete.
 ///
 /// # Errors
-/// [`ExportError::Read`], or [`ExportError::Csv`] with the line and what is wrong with it.
+/// [`ExportError::Read`], or [`ExportError::Text`] with the line and what is wrong with it.
 pub fn read_features_csv(path: &Path) -> Result<Vec<FeatureRow>, ExportError> {
     let bytes = std::fs::read(path).map_err(|e| ExportError::Read { path: path.into(), reason: e.to_string() })?;
     let text = std::str::from_utf8(&bytes).map_err(|e| {
         let line = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
-        ExportError::Csv { path: path.into(), line, problem: "this is not text; save it as UTF-8".into() }
+        ExportError::Text { path: path.into(), line, problem: "this is not text; save it as UTF-8".into() }
     })?;
-    parse(text).map_err(|(line, problem)| ExportError::Csv { path: path.into(), line, problem })
+    parse(text).map_err(|(line, problem)| ExportError::Text { path: path.into(), line, problem })
 }
 
 /// The rows, or the line that is wrong and why.

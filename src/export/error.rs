@@ -40,9 +40,9 @@ pub enum ExportError {
         /// What the system says.
         reason: String,
     },
-    /// A line of a CSV file that is not as it should be.
+    /// A line of a text file that is not as it should be.
     #[error("line {line}: {problem}: {}", path.display())]
-    Csv {
+    Text {
         /// The file.
         path: PathBuf,
         /// The line, from 1.

@@ -1,6 +1,6 @@
 //! What leaves the program: one file of code for each file format.
 //!
-//! Features go out as CSV, as COLMAP's text, or with their descriptors as `.npz`; pictures as 32-bit float TIFF (exact values) or PNG (as shown);
+//! Features go out as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as `.npz`; pictures as 32-bit float TIFF (exact values) or PNG (as shown);
 //! figures as SVG with a vector overlay. Every file is written whole or not at all, see [`write_whole`].
 
 mod atomic;
@@ -16,7 +16,10 @@ mod svg;
 mod tiff;
 
 pub use atomic::{FileWriter, write_whole};
-pub use colmap::write_colmap;
+pub use colmap::{
+    ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, read_colmap,
+    write_colmap, write_colmap_database, write_colmap_keypoints,
+};
 pub use columns::{COLUMNS, FeatureRow};
 pub use csv::{read_features_csv, write_csv};
 pub use error::ExportError;

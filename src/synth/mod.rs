@@ -4,6 +4,8 @@
 //! layers, each moved by its own slope. Then a [`Camera`] captures it: electrons are counted (shot noise), read out (read
 //! noise) and rounded to the levels of the converter. What was drawn, where and how fast it moves is kept as [`Truth`].
 //!
+//! Real frames can be captured once more by such a camera: [`noisy`] makes dark copies of them.
+//!
 //! Everything follows from a seed. The same seed gives the same bits on every machine and for any number of threads:
 //! each frame has its own random stream, and functions such as the logarithm come from `libm`, not from the system.
 //!
@@ -19,8 +21,10 @@
 mod capture;
 pub mod chart;
 pub mod demo;
+mod folder;
 pub mod layer;
 pub mod noise;
+pub mod noisy;
 pub mod paint;
 pub mod random;
 pub mod scene;
@@ -30,6 +34,7 @@ pub mod write;
 pub use chart::{ChartParams, synth_chart};
 pub use demo::{demo_burst, demo_truth};
 pub use noise::Camera;
+pub use noisy::{FrameLevels, NoisyExposure, NoisyParams, NoisyTruth, write_noisy};
 pub use scene::{SceneParams, synth_scene};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
 pub use write::{WriteBurstError, write_burst};
@@ -109,6 +114,11 @@ fn check_common(
             "give a smaller slope, fewer frames or a larger image",
         ));
     }
+    check_camera(read_noise, bits)
+}
+
+/// Checks what every camera has.
+fn check_camera(read_noise: f64, bits: u32) -> Result<(), SynthError> {
     if !(read_noise.is_finite() && read_noise >= 0.0) {
         return Err(SynthError::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));
     }

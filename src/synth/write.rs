@@ -3,10 +3,12 @@
 //! Values of a converter with fewer than 16 bits sit at the top of the 16-bit word (see [`super::noise`]), so that the files hold
 //! them exactly; values that were never rounded are rounded to 16 bits.
 
+use super::folder::{io, write_folder};
 use super::noise::quantised_word;
 use super::truth::Truth;
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::plane::Plane;
 use std::path::{Path, PathBuf};
 
 /// Why a burst was not written.
@@ -34,47 +36,26 @@ pub enum WriteBurstError {
 /// # Errors
 /// See [`WriteBurstError`]; the folder is then as it was before.
 pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), WriteBurstError> {
-    let io = |path: &Path| {
-        let path = path.to_owned();
-        move |source| WriteBurstError::Io { path, source }
-    };
-    if !replaceable(dir).map_err(io(dir))? {
-        return Err(WriteBurstError::Occupied(dir.to_owned()));
-    }
-    let parent = match dir.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-        _ => PathBuf::from("."),
-    };
-    std::fs::create_dir_all(&parent).map_err(io(&parent))?;
-    // Everything is written into a hidden folder beside the target, which then takes the target's place.
-    let stage = tempfile::Builder::new().prefix(".synth-").tempdir_in(&parent).map_err(io(&parent))?;
-    let fresh = stage.path().join("new");
-    std::fs::create_dir(&fresh).map_err(io(&fresh))?;
-    for (t, frame) in burst.frames.iter().enumerate() {
-        monitor.check()?;
-        let words: Vec<u16> = frame.data().iter().map(|&x| quantised_word(f64::from(x), 16)).collect();
-        let (width, height) = (frame.width() as u32, frame.height() as u32);
-        let picture = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(width, height, words)
-            .expect("a plane has width × height values");
-        let path = fresh.join(frame_name(t));
-        picture.save(&path).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(&path))?;
-        monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
-    }
-    let path = fresh.join("truth.json");
-    let text = serde_json::to_string_pretty(truth).map_err(std::io::Error::other).map_err(io(&path))?;
-    std::fs::write(&path, text + "\n").map_err(io(&path))?;
-    monitor.check()?;
-    let old = stage.path().join("old");
-    if dir.exists() {
-        std::fs::rename(dir, &old).map_err(io(dir))?;
-    }
-    if let Err(source) = std::fs::rename(&fresh, dir) {
-        if old.exists() {
-            std::fs::rename(&old, dir).map_err(io(dir))?;
+    write_folder(dir, replaceable, |fresh| {
+        for (t, frame) in burst.frames.iter().enumerate() {
+            monitor.check()?;
+            write_frame(&fresh.join(frame_name(t)), frame)?;
+            monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
         }
-        return Err(WriteBurstError::Io { path: dir.to_owned(), source });
-    }
-    Ok(())
+        let path = fresh.join("truth.json");
+        let text = serde_json::to_string_pretty(truth).map_err(std::io::Error::other).map_err(io(&path))?;
+        std::fs::write(&path, text + "\n").map_err(io(&path))?;
+        Ok(monitor.check()?)
+    })
+}
+
+/// Writes one frame as 16-bit PNG.
+pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), WriteBurstError> {
+    let words: Vec<u16> = frame.data().iter().map(|&x| quantised_word(f64::from(x), 16)).collect();
+    let picture =
+        image::ImageBuffer::<image::Luma<u16>, _>::from_raw(frame.width() as u32, frame.height() as u32, words)
+            .expect("a plane has width × height values");
+    picture.save(path).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(path))
 }
 
 /// The file name of frame `t`.
@@ -82,12 +63,8 @@ pub fn frame_name(t: usize) -> String {
     format!("frame_{t:03}.png")
 }
 
-/// Whether `dir` is absent, empty, or holds only what [`write_burst`] writes.
+/// Whether `dir` holds only what [`write_burst`] writes.
 fn replaceable(dir: &Path) -> std::io::Result<bool> {
-    if !dir.exists() {
-        return Ok(true);
-    }
-    let mut count = 0;
     let mut has_truth = false;
     for entry in std::fs::read_dir(dir)? {
         let entry = entry?;
@@ -99,9 +76,8 @@ fn replaceable(dir: &Path) -> std::io::Result<bool> {
         if !(is_frame || name == "truth.json") || entry.file_type()?.is_dir() {
             return Ok(false);
         }
-        count += 1;
     }
-    Ok(count == 0 || has_truth)
+    Ok(has_truth)
 }
 
 #[cfg(test)]

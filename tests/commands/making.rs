@@ -92,3 +92,39 @@ fn other_peoples_files_are_left_alone() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("fewer or smaller discs"), "{}", stderr(&output));
 }
+
+#[test]
+fn noisy_copies_keep_names_and_bursts_apart() {
+    let home = tempfile::tempdir().expect("a folder");
+    for seed in ["1", "2"] {
+        let out = format!("clean/night {seed}");
+        run_well(
+            home.path(),
+            &[
+                "synth", "scene", "--out", &out, "--width", "120", "--height", "90", "--frames", "3", "--snr", "inf",
+                "--seed", seed,
+            ],
+        );
+    }
+    let copy =
+        |out: &str, more: &[&str]| run_well(home.path(), &[&["synth", "noisy", "clean", "--out", out], more].concat());
+    let text = copy("dark", &["--snr", "0.5", "--seed", "7"]);
+    assert!(text.contains("6 frames of 2 bursts"), "{text}");
+    assert_eq!(names(&home.path().join("dark")), ["night 1", "night 2", "noise.json"]);
+    assert_eq!(names(&home.path().join("dark/night 2")), ["frame_000.png", "frame_001.png", "frame_002.png"]);
+    let json: serde_json::Value =
+        serde_json::from_str(&copy("dark", &["--snr", "0.5", "--seed", "7", "--json"])).expect("JSON");
+    assert_eq!(
+        (&json["truth"]["snr"], json["truth"]["frames"][3].as_str()),
+        (&0.5.into(), Some("night 2/frame_000.png"))
+    );
+    // The same seed makes the same bits, for any number of threads; another one others.
+    let frame = |out: &str| std::fs::read(home.path().join(out).join("night 1/frame_001.png")).expect("a frame");
+    copy("again", &["--snr", "0.5", "--seed", "7", "--threads", "3"]);
+    copy("other", &["--snr", "0.5", "--seed", "8"]);
+    assert!(frame("dark") == frame("again") && frame("dark") != frame("other"));
+    // The copies are a dataset, and nobody else's files are replaced.
+    assert!(run_well(home.path(), &["detect", "dark", "--out", "found"]).contains("2 of 2 bursts done"));
+    assert!(run_badly(home.path(), &["synth", "noisy", "dark", "--out", "clean"], 1).contains("clean"));
+    assert!(run_badly(home.path(), &["synth", "noisy", "clean", "--out", "x", "--snr", "0"], 2).contains("--snr"));
+}

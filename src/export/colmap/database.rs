@@ -1,0 +1,207 @@
+//! COLMAP's database: cameras, images with their features, matches and two-view geometries, in one SQLite file.
+//!
+//! Numbers lie in the file as little-endian rows: keypoints as four `f32` (x, y, scale, orientation), descriptors as 128 bytes in UBC order, matches as pairs of `u32`,
+//! matrices as nine `f64` by rows. Each camera gets a rig and each image a frame of its own, as COLMAP does for cameras that are
+//! not mounted together. Tables: see [`super::schema`].
+
+use super::geometry::DatabaseGeometry;
+use super::keypoint::ColmapKeypoint;
+use super::schema::{SENSOR_CAMERA, TABLES};
+use crate::detector::Descriptor;
+use crate::export::atomic::replace_whole;
+use crate::export::error::ExportError;
+use nalgebra::Matrix3;
+use rusqlite::{Connection, Params, params};
+use std::io;
+use std::path::Path;
+
+/// The largest id of an image, and the factor by which pairs of ids become one number.
+pub const MAX_IMAGE_ID: u64 = 2_147_483_647;
+
+/// A camera's intrinsics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DatabaseCamera {
+    /// COLMAP's number of the model: 0 SIMPLE_PINHOLE, 1 PINHOLE, 2 SIMPLE_RADIAL, 4 OPENCV, ….
+    pub model_id: u32,
+    /// Columns of its images.
+    pub width: usize,
+    /// Rows of its images.
+    pub height: usize,
+    /// The model's parameters in COLMAP's order and convention: the principal point counts from the first pixel's corner.
+    pub params: Vec<f64>,
+    /// Whether the focal length is known, not guessed; COLMAP then trusts it when it looks for the first two images.
+    pub prior_focal_length: bool,
+}
+
+/// What is being written. Ids count up from 1 in the order in which things are added.
+#[derive(Debug)]
+pub struct DatabaseWriter<'a> {
+    connection: &'a Connection,
+    path: &'a Path,
+    cameras: u32,
+    /// Number of keypoints of each image.
+    keypoints: Vec<usize>,
+}
+
+/// Writes the database `path` by `fill`. It is made beside its place and takes it when it is complete: should anything fail, an older file is untouched and
+/// no other one is left behind.
+///
+/// # Errors
+/// What `fill` answers, or [`ExportError`] when the file cannot be written.
+pub fn write_colmap_database<E: From<ExportError>>(
+    path: &Path,
+    fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut failure = None;
+    let written = replace_whole(path, |temporary| match make(temporary.path(), path, fill) {
+        Ok(()) => Ok(()),
+        Err(error) => {
+            failure = Some(error);
+            Err(io::Error::other("the database was not completed"))
+        }
+    });
+    match failure {
+        Some(error) => Err(error),
+        None => Ok(written?),
+    }
+}
+
+fn make<E: From<ExportError>>(
+    temporary: &Path,
+    path: &Path,
+    fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), E>,
+) -> Result<(), E> {
+    let fail = |e: rusqlite::Error| failure(path, &e);
+    let connection = Connection::open(temporary).map_err(fail)?;
+    // No journal and no waiting for the disk: the file is worth nothing until it is whole, and is brought to the disk then.
+    connection.execute_batch("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN;").map_err(fail)?;
+    connection.execute_batch(TABLES).map_err(fail)?;
+    let mut writer = DatabaseWriter { connection: &connection, path, cameras: 0, keypoints: Vec::new() };
+    fill(&mut writer)?;
+    connection.execute_batch("COMMIT;").map_err(fail)?;
+    connection.close().map_err(|(_, e)| fail(e))?;
+    Ok(())
+}
+
+fn failure(path: &Path, error: &rusqlite::Error) -> ExportError {
+    ExportError::Write { path: path.into(), reason: error.to_string() }
+}
+
+impl DatabaseWriter<'_> {
+    /// Adds a camera and answers its id.
+    ///
+    /// # Errors
+    /// [`ExportError`] when the file cannot be written.
+    pub fn add_camera(&mut self, camera: &DatabaseCamera) -> Result<u32, ExportError> {
+        self.cameras += 1;
+        let id = self.cameras;
+        let DatabaseCamera { model_id, width, height, params: intrinsics, prior_focal_length } = camera;
+        let intrinsics: Vec<u8> = intrinsics.iter().flat_map(|x| x.to_le_bytes()).collect();
+        self.insert(
+            "INSERT INTO cameras VALUES (?, ?, ?, ?, ?, ?)",
+            params![id, model_id, *width as u64 as i64, *height as u64 as i64, intrinsics, prior_focal_length],
+        )?;
+        self.insert("INSERT INTO rigs VALUES (?, ?, ?)", params![id, id, SENSOR_CAMERA])?;
+        Ok(id)
+    }
+
+    /// Adds an image of the camera `camera_id` with its features, and answers its id. `name` is its path below the folder of images.
+    ///
+    /// # Errors
+    /// [`ExportError`] when the file cannot be written, or has an image of this name already.
+    ///
+    /// # Panics
+    /// When there is not one descriptor for each keypoint, or no such camera: a mistake of the caller.
+    pub fn add_image(
+        &mut self,
+        name: &str,
+        camera_id: u32,
+        keypoints: &[ColmapKeypoint],
+        descriptors: &[Descriptor],
+    ) -> Result<u32, ExportError> {
+        assert_eq!(keypoints.len(), descriptors.len(), "each feature has one descriptor");
+        assert!((1..=self.cameras).contains(&camera_id), "the camera is added first");
+        self.keypoints.push(keypoints.len());
+        let id = self.keypoints.len() as u32;
+        self.insert("INSERT INTO images VALUES (?, ?, ?)", params![id, name, camera_id])?;
+        // The rig has its camera's id.
+        self.insert("INSERT INTO frames VALUES (?, ?)", params![id, camera_id])?;
+        self.insert("INSERT INTO frame_data VALUES (?, ?, ?, ?)", params![id, id, camera_id, SENSOR_CAMERA])?;
+        let rows = keypoints.len() as i64;
+        let numbers = keypoints.iter().flat_map(|k| [k.x, k.y, k.scale, k.orientation]);
+        let numbers: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();
+        self.insert("INSERT INTO keypoints VALUES (?, ?, 4, ?)", params![id, rows, numbers])?;
+        let bytes = descriptors.as_flattened();
+        self.insert("INSERT INTO descriptors VALUES (?, ?, 128, ?)", params![id, rows, bytes])?;
+        Ok(id)
+    }
+
+    /// Adds the matches of images `a` and `b` (index pairs of their features) and what they have in common.
+    ///
+    /// # Errors
+    /// [`ExportError`] when the file cannot be written, or has this pair already.
+    ///
+    /// # Panics
+    /// When `a` is not before `b`, an image was not added, or a match names a feature that is not there: a mistake of the caller.
+    pub fn add_pair(
+        &mut self,
+        a: u32,
+        b: u32,
+        matches: &[[u32; 2]],
+        geometry: Option<&DatabaseGeometry>,
+    ) -> Result<(), ExportError> {
+        assert!(1 <= a && a < b && b as usize <= self.keypoints.len(), "pairs are of images that were added, in order");
+        let (of_a, of_b) = (self.keypoints[a as usize - 1], self.keypoints[b as usize - 1]);
+        let exist = |pairs: &[[u32; 2]]| pairs.iter().all(|&[i, j]| (i as usize) < of_a && (j as usize) < of_b);
+        assert!(exist(matches), "matches are of features that were added");
+        let id = pair_id(a, b) as i64;
+        self.insert(
+            "INSERT INTO matches VALUES (?, ?, 2, ?)",
+            params![id, matches.len() as i64, index_bytes(matches)],
+        )?;
+        let Some(geometry) = geometry else { return Ok(()) };
+        assert!(exist(&geometry.inliers), "inliers are of features that were added");
+        let geometry = geometry.in_colmap_pixels();
+        let inliers = &geometry.inliers;
+        let turn = geometry.b_from_a.map(|pose| {
+            let q = pose.rotation.quaternion();
+            float_bytes([q.w, q.i, q.j, q.k])
+        });
+        self.insert(
+            "INSERT INTO two_view_geometries VALUES (?, ?, 2, ?, ?, ?, ?, ?, ?, ?)",
+            params![
+                id,
+                inliers.len() as i64,
+                index_bytes(inliers),
+                geometry.kind as u32,
+                geometry.fundamental.map(matrix_bytes),
+                geometry.essential.map(matrix_bytes),
+                geometry.homography.map(matrix_bytes),
+                turn,
+                geometry.b_from_a.map(|pose| float_bytes(pose.translation.vector.iter().copied())),
+            ],
+        )
+    }
+
+    fn insert(&self, sql: &str, values: impl Params) -> Result<(), ExportError> {
+        self.connection.execute(sql, values).map(|_| ()).map_err(|e| failure(self.path, &e))
+    }
+}
+
+/// The number of the pair of images `a` and `b`, whichever comes first.
+pub fn pair_id(a: u32, b: u32) -> u64 {
+    MAX_IMAGE_ID * u64::from(a.min(b)) + u64::from(a.max(b))
+}
+
+fn index_bytes(pairs: &[[u32; 2]]) -> Vec<u8> {
+    pairs.as_flattened().iter().flat_map(|index| index.to_le_bytes()).collect()
+}
+
+fn float_bytes(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
+    values.into_iter().flat_map(f64::to_le_bytes).collect()
+}
+
+/// By rows; nalgebra's own order is by columns.
+fn matrix_bytes(matrix: Matrix3<f64>) -> Vec<u8> {
+    float_bytes(matrix.transpose().iter().copied())
+}

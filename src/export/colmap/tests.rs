@@ -1,0 +1,177 @@
+use super::*;
+use crate::detector::Descriptor;
+use crate::export::ExportError;
+use nalgebra::{Isometry3, Matrix3, Vector3};
+use proptest::prelude::*;
+use rusqlite::Connection;
+use std::path::Path;
+
+fn keypoints(count: usize) -> Vec<ColmapKeypoint> {
+    let at = |k: usize| ColmapKeypoint { x: k as f32 + 0.5, y: 7.25, scale: 1.6, orientation: -0.1 * k as f32 };
+    (0..count).map(at).collect()
+}
+
+fn descriptors(count: usize) -> Vec<Descriptor> {
+    (0..count).map(|k| std::array::from_fn(|i| (i + 3 * k) as u8)).collect()
+}
+
+fn camera() -> DatabaseCamera {
+    DatabaseCamera {
+        model_id: 2,
+        width: 640,
+        height: 480,
+        params: vec![500.0, 320.0, 240.0, 0.1],
+        prior_focal_length: true,
+    }
+}
+
+/// Two images with four and three features, matched, with a geometry of everything.
+fn written(path: &Path) {
+    write_colmap_database::<ExportError>(path, |database| {
+        let camera = database.add_camera(&camera())?;
+        let a = database.add_image("a.png", camera, &keypoints(4), &descriptors(4))?;
+        let b = database.add_image("b.png", camera, &keypoints(3), &descriptors(3))?;
+        let geometry = DatabaseGeometry {
+            kind: GeometryKind::Calibrated,
+            inliers: vec![[3, 1]],
+            fundamental: Some(Matrix3::new(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)),
+            essential: Some(Matrix3::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)),
+            homography: Some(Matrix3::new(2.0, 0.0, 10.0, 0.0, 2.0, 20.0, 0.0, 0.0, 1.0)),
+            b_from_a: Some(Isometry3::new(
+                Vector3::new(1.0, 2.0, 3.0),
+                Vector3::new(0.0, 0.0, std::f64::consts::PI / 3.0),
+            )),
+        };
+        database.add_pair(a, b, &[[0, 0], [3, 1]], Some(&geometry))
+    })
+    .expect("written");
+}
+
+fn floats(bytes: &[u8]) -> Vec<f64> {
+    bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes"))).collect()
+}
+
+#[test]
+fn every_blob_is_as_documented() {
+    let home = tempfile::tempdir().expect("a folder");
+    let path = home.path().join("out/database.db");
+    written(&path);
+    assert_eq!(std::fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1, "no leftovers");
+    let db = Connection::open(&path).expect("a database");
+    let row = |sql: &str| {
+        db.query_row(sql, [], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?, row.get::<_, Vec<u8>>(2)?)))
+    };
+    let (rows, cols, bytes) = row("SELECT rows, cols, data FROM keypoints WHERE image_id = 1").expect("a row");
+    let numbers: Vec<f32> = bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().expect("4 bytes"))).collect();
+    assert_eq!((rows, cols, numbers.len()), (4, 4, 16));
+    assert_eq!(numbers[4..8], [1.5, 7.25, 1.6, -0.1]);
+    let (rows, cols, bytes) = row("SELECT rows, cols, data FROM descriptors WHERE image_id = 2").expect("a row");
+    assert_eq!((rows, cols, bytes), (3, 128, descriptors(3).concat()));
+    let (id, rows, bytes) = row("SELECT pair_id, rows, data FROM matches").expect("a row");
+    let indices: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().expect("4 bytes"))).collect();
+    assert_eq!((id, rows, indices), (2_147_483_647 + 2, 2, vec![0, 0, 3, 1]));
+    let (model, prior, bytes) = row("SELECT model, prior_focal_length, params FROM cameras").expect("a row");
+    assert_eq!((model, prior, floats(&bytes)), (2, 1, camera().params));
+    // Rigs and frames: one for each camera, one for each image.
+    let count = |table: &str| db.query_row(&format!("SELECT COUNT(*) FROM {table}"), [], |row| row.get::<_, i64>(0));
+    let counts =
+        ["cameras", "rigs", "rig_sensors", "images", "frames", "frame_data"].map(|t| count(t).expect("a table"));
+    assert_eq!(counts, [1, 1, 0, 2, 2, 2]);
+    assert_eq!(db.query_row("PRAGMA integrity_check", [], |row| row.get::<_, String>(0)), Ok("ok".to_owned()));
+}
+
+#[test]
+fn a_geometry_is_moved_by_half_a_pixel_and_laid_down_by_rows() {
+    let home = tempfile::tempdir().expect("a folder");
+    let path = home.path().join("database.db");
+    written(&path);
+    let db = Connection::open(&path).expect("a database");
+    let blob = |column: &str| {
+        let sql = format!("SELECT {column} FROM two_view_geometries WHERE config = 2 AND rows = 1 AND cols = 2");
+        floats(&db.query_row(&sql, [], |row| row.get::<_, Vec<u8>>(0)).expect("a blob"))
+    };
+    // F for the pixels x − 0.5: the last column and row lose half of the others; the corner (8) loses half of 5 and of 7, and gains a quarter of 0 + 1 + 3 + 4.
+    let corner = 8.0 - 0.5 * (2.0 + 5.0) - 0.5 * (6.0 + 7.0) + 0.25 * (0.0 + 1.0 + 3.0 + 4.0);
+    assert_eq!(blob("F"), [0.0, 1.0, 1.5, 3.0, 4.0, 1.5, 4.5, 4.5, corner]);
+    assert_eq!(blob("E"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);
+    // (0.5, 0.5) is our (0, 0), which goes to our (10, 20), which is (10.5, 20.5).
+    assert_eq!(blob("H"), [2.0, 0.0, 9.5, 0.0, 2.0, 19.5, 0.0, 0.0, 1.0]);
+    assert_eq!(blob("tvec"), [1.0, 2.0, 3.0]);
+    let turn = blob("qvec");
+    let expected = [(std::f64::consts::PI / 6.0).cos(), 0.0, 0.0, (std::f64::consts::PI / 6.0).sin()];
+    assert!(turn.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{turn:?}");
+}
+
+#[test]
+fn a_database_is_whole_or_not_there() {
+    let home = tempfile::tempdir().expect("a folder");
+    let path = home.path().join("database.db");
+    written(&path);
+    let before = std::fs::read(&path).expect("a file");
+    let twice = write_colmap_database(&path, |database| {
+        let camera = database.add_camera(&camera())?;
+        database.add_image("a.png", camera, &[], &[])?;
+        database.add_image("a.png", camera, &[], &[]).map(|_| ())
+    });
+    assert!(matches!(&twice, Err(ExportError::Write { reason, .. }) if reason.contains("images.name")), "{twice:?}");
+    // Whatever `fill` answers comes back as it is.
+    #[derive(Debug, PartialEq)]
+    enum Mine {
+        Stopped,
+        Export(ExportError),
+    }
+    impl From<ExportError> for Mine {
+        fn from(error: ExportError) -> Self {
+            Self::Export(error)
+        }
+    }
+    assert_eq!(write_colmap_database(&path, |_| Err(Mine::Stopped)), Err(Mine::Stopped));
+    assert_eq!(std::fs::read(&path).expect("a file"), before);
+    assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
+    assert!(matches!(write_colmap_database(home.path(), |_| Ok(())), Err(Mine::Export(ExportError::NotAFile { .. }))));
+}
+
+#[test]
+fn pair_ids_are_colmaps() {
+    assert_eq!(pair_id(1, 2), 2_147_483_649);
+    assert_eq!(pair_id(7, 3), 3 * MAX_IMAGE_ID + 7);
+}
+
+#[test]
+fn text_that_is_no_features_is_named() {
+    let home = tempfile::tempdir().expect("a folder");
+    let path = home.path().join("a.txt");
+    let row = |extra: &str| format!("1 2 3 0.5{}{extra}\n", " 9".repeat(128));
+    for (text, words) in [
+        (String::new(), "line 1"),
+        ("2 64\n".to_owned(), "line 1"),
+        (format!("2 128\n{}", row("")), "2 features are announced, but there are 1"),
+        (format!("1 128\n{}", row(" 7")), "line 2: there is more"),
+        ("1 128\n1 2 3\n".to_owned(), "line 2: it ends too early"),
+        (format!("1 128\n{}", row("").replace(" 9\n", " 256\n")), "'256' is not a number"),
+        (format!("1 128\n{}", row("").replace("0.5", "inf")), "not finite"),
+    ] {
+        std::fs::write(&path, text).expect("written");
+        let error = read_colmap(&path).expect_err(words).to_string();
+        assert!(error.contains(words) && error.ends_with("a.txt"), "{error}");
+    }
+    assert!(matches!(read_colmap(&home.path().join("gone.txt")), Err(ExportError::Read { .. })));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+    #[test]
+    fn text_is_read_back_number_for_number(
+        numbers in prop::collection::vec(prop::array::uniform4(-1e6f32..1e6), 0..5),
+        shift: u8,
+    ) {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("a.txt");
+        let keypoints: Vec<ColmapKeypoint> =
+            numbers.iter().map(|&[x, y, scale, orientation]| ColmapKeypoint { x, y, scale, orientation }).collect();
+        let descriptors: Vec<Descriptor> =
+            (0..keypoints.len()).map(|k| std::array::from_fn(|i| (i * 5 + k) as u8 ^ shift)).collect();
+        write_colmap_keypoints(&path, &keypoints, &descriptors).expect("written");
+        prop_assert_eq!(read_colmap(&path), Ok((keypoints, descriptors)));
+    }
+}

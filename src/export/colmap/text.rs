@@ -1,0 +1,98 @@
+//! The text that COLMAP's feature importer reads: `N 128`, then for each feature `x y scale orientation d1 … d128`.
+//!
+//! The descriptors are in UBC order, which is the order of [`Descriptor`] and the one that COLMAP's own SIFT writes. Numbers are written with as many digits as
+//! it takes to read the same ones back. Format: <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
+
+use super::keypoint::ColmapKeypoint;
+use crate::detector::{Descriptor, Feature};
+use crate::export::atomic::write_whole;
+use crate::export::error::ExportError;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::str::FromStr;
+
+/// Writes features and descriptors for COLMAP's importer.
+///
+/// # Errors
+/// [`ExportError`] when the file cannot be written; an older one is then untouched.
+///
+/// # Panics
+/// When there is not one descriptor for each feature: a mistake of the caller.
+pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
+    write_colmap_keypoints(path, &features.iter().map(ColmapKeypoint::from).collect::<Vec<_>>(), descriptors)
+}
+
+/// The same for features that are in COLMAP's convention already.
+///
+/// # Errors
+/// As [`write_colmap`].
+///
+/// # Panics
+/// As [`write_colmap`].
+pub fn write_colmap_keypoints(
+    path: &Path,
+    keypoints: &[ColmapKeypoint],
+    descriptors: &[Descriptor],
+) -> Result<(), ExportError> {
+    assert_eq!(keypoints.len(), descriptors.len(), "each feature has one descriptor");
+    write_whole(path, |out| {
+        writeln!(out, "{} 128", keypoints.len())?;
+        for (ColmapKeypoint { x, y, scale, orientation }, descriptor) in keypoints.iter().zip(descriptors) {
+            write!(out, "{x} {y} {scale} {orientation}")?;
+            for value in descriptor {
+                write!(out, " {value}")?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    })
+}
+
+/// Reads features and descriptors that [`write_colmap`] wrote, number for number.
+///
+/// # Errors
+/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] naming the line that is not as it should be.
+pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
+    let read = |e: std::io::Error| ExportError::Read { path: path.into(), reason: e.to_string() };
+    let mut lines = BufReader::new(File::open(path).map_err(read)?).lines();
+    let bad = |line: usize, problem: String| ExportError::Text { path: path.into(), line, problem };
+    let header = lines.next().transpose().map_err(read)?.unwrap_or_default();
+    let count = header.strip_suffix(" 128").and_then(|count| count.parse::<usize>().ok());
+    let count = count.ok_or_else(|| bad(1, format!("'{header:.40}' is not the number of features and 128")))?;
+    let (mut keypoints, mut descriptors) = (Vec::new(), Vec::new());
+    for (index, line) in lines.enumerate() {
+        let (keypoint, descriptor) = parse(&line.map_err(read)?).map_err(|problem| bad(index + 2, problem))?;
+        keypoints.push(keypoint);
+        descriptors.push(descriptor);
+    }
+    if keypoints.len() != count {
+        return Err(bad(1, format!("{count} features are announced, but there are {}", keypoints.len())));
+    }
+    Ok((keypoints, descriptors))
+}
+
+fn parse(line: &str) -> Result<(ColmapKeypoint, Descriptor), String> {
+    let mut words = line.split_ascii_whitespace();
+    let mut numbers = [0.0f32; 4];
+    for number in &mut numbers {
+        *number = next(&mut words)?;
+    }
+    if numbers.iter().any(|x| !x.is_finite()) {
+        return Err("a number is not finite".to_owned());
+    }
+    let mut descriptor: Descriptor = [0; 128];
+    for value in &mut descriptor {
+        *value = next(&mut words)?;
+    }
+    if words.next().is_some() {
+        return Err("there is more than x, y, scale, orientation and 128 numbers".to_owned());
+    }
+    let [x, y, scale, orientation] = numbers;
+    Ok((ColmapKeypoint { x, y, scale, orientation }, descriptor))
+}
+
+fn next<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>) -> Result<T, String> {
+    let word = words.next().ok_or("it ends too early; a feature is x, y, scale, orientation and 128 numbers")?;
+    word.parse().map_err(|_| format!("'{word:.40}' is not a number that can stand here"))
+}
