@@ -20,6 +20,7 @@ pub mod scale_space;
 pub mod search;
 pub mod slope_grid;
 mod slope_window;
+mod stack_rows;
 pub mod view;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};

@@ -1,0 +1,106 @@
+//! The pass along the columns: a few rows of one level at once, and their difference from the level before.
+//!
+//! The rows above and below that belong to the next distance from the centre are mostly those that already lie in registers, one place further; each
+//! step loads only two.
+
+use super::edge::Dense;
+use super::lanes::{load, store};
+use pulp::Simd;
+
+/// Where a few finished rows go. All rows have the same stride.
+pub(super) struct Sink<'a> {
+    /// The level's rows; before, those of the level before it.
+    pub level: &'a mut [f32],
+    /// The rows of their difference, for all levels but the first.
+    pub difference: Option<&'a mut [f32]>,
+}
+
+impl Sink<'_> {
+    #[inline(always)]
+    fn put<S: Simd>(&mut self, simd: S, at: usize, value: S::f32s) {
+        if let Some(difference) = self.difference.as_deref_mut() {
+            store::<S>(difference, at, simd.sub_f32s(value, load::<S>(self.level, at)));
+        }
+        store::<S>(self.level, at, value);
+    }
+}
+
+/// `ROWS` rows away from the borders. The first one's centre is row `centre` of `band`, whose rows are `stride` apart.
+#[inline(always)]
+pub(super) fn inner_rows<S: Simd, const ROWS: usize>(
+    simd: S,
+    half: &[f32],
+    band: &[f32],
+    centre: usize,
+    stride: usize,
+    sink: &mut Sink<'_>,
+) {
+    let middle = simd.splat_f32s(half[0]);
+    for column in (0..stride).step_by(S::F32_LANES) {
+        let mut above = [middle; ROWS];
+        let mut acc = [middle; ROWS];
+        for i in 0..ROWS {
+            above[i] = load::<S>(band, (centre + i) * stride + column);
+            acc[i] = simd.mul_f32s(middle, above[i]);
+        }
+        let mut below = above;
+        let mut distance = 1;
+        macro_rules! step {
+            () => {
+                let tap = simd.splat_f32s(half[distance]);
+                for i in (1..ROWS).rev() {
+                    above[i] = above[i - 1];
+                }
+                above[0] = load::<S>(band, (centre - distance) * stride + column);
+                for i in 1..ROWS {
+                    below[i - 1] = below[i];
+                }
+                below[ROWS - 1] = load::<S>(band, (centre + ROWS - 1 + distance) * stride + column);
+                for i in 0..ROWS {
+                    acc[i] = simd.mul_add_f32s(tap, simd.add_f32s(above[i], below[i]), acc[i]);
+                }
+                distance += 1;
+            };
+        }
+        while distance + 3 < half.len() {
+            step!();
+            step!();
+            step!();
+            step!();
+        }
+        while distance < half.len() {
+            step!();
+        }
+        for i in 0..ROWS {
+            sink.put(simd, i * stride + column, acc[i]);
+        }
+    }
+}
+
+/// `ROWS` rows near a border, from output `first` on. Row `band_first` of the image is the band's first.
+#[inline(always)]
+pub(super) fn edge_rows<S: Simd, const ROWS: usize>(
+    simd: S,
+    dense: &Dense,
+    first: usize,
+    band: &[f32],
+    band_first: usize,
+    stride: usize,
+    sink: &mut Sink<'_>,
+) {
+    let inputs = dense.inputs(&(first..first + ROWS));
+    let out = first - dense.outs.start;
+    for column in (0..stride).step_by(S::F32_LANES) {
+        let mut acc = [simd.splat_f32s(0.0); ROWS];
+        for input in inputs.clone() {
+            let value = load::<S>(band, (input - band_first) * stride + column);
+            let weights: &[f32; ROWS] = dense.row(input)[out..out + ROWS].try_into().expect("one weight a row");
+            for i in 0..ROWS {
+                acc[i] = simd.mul_add_f32s(value, simd.splat_f32s(weights[i]), acc[i]);
+            }
+        }
+        for i in 0..ROWS {
+            sink.put(simd, i * stride + column, acc[i]);
+        }
+    }
+}
