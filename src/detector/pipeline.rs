@@ -23,6 +23,7 @@ use crate::plane::bank::{FilterBank, FilterScratch};
 use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -63,6 +64,8 @@ struct Search<'a> {
     frame_noise: f32,
     gate_factor: f32,
     monitor: &'a Monitor,
+    /// Space that no thread is using.
+    unused: Mutex<Vec<TileScratch>>,
 }
 
 /// Finds the features of a burst.
@@ -91,6 +94,7 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
         frame_noise: noise,
         gate_factor: gate_factor(params),
         monitor,
+        unused: Mutex::new(Vec::new()),
     };
     let octaves = searched_octaves(params, burst.size());
     let mut tally = Tally::default();
@@ -161,6 +165,22 @@ impl Search<'_> {
         self.offsets.iter().map(sigma).collect()
     }
 
+    /// A thread's space: one that lies unused, or a new one. Fresh memory costs as much as a good part of the search, so it goes round.
+    fn take_scratch(&self) -> TileScratch {
+        self.unused.lock().ok().and_then(|mut unused| unused.pop()).unwrap_or_else(|| TileScratch {
+            stacked: Vec::new(),
+            filter: FilterScratch::default(),
+            next: Tile::default(),
+            window: SlopeWindow::new(self.grid, self.params.slope_neighbours),
+        })
+    }
+
+    fn put_back(&self, scratch: TileScratch) {
+        if let Ok(mut unused) = self.unused.lock() {
+            unused.push(scratch);
+        }
+    }
+
     /// The tiles of an octave of `size`: where its columns and its rows are cut.
     fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
         let slopes = capacity(&self.grid, self.params.slope_neighbours);
@@ -212,14 +232,14 @@ impl Search<'_> {
         let results: Vec<(Vec<Keypoint>, Tally)> = regions
             .par_iter()
             .zip(next_parts)
-            .map_init(
-                || (TileScratch::default(), SlopeWindow::new(self.grid, self.params.slope_neighbours)),
-                |(scratch, window), (region, next)| {
-                    self.tile(&job, region, next, scratch, window, &|| {
-                        progress(0.95 * finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
-                    })
-                },
-            )
+            .map(|(region, next)| {
+                let mut scratch = self.take_scratch();
+                let found = self.tile(&job, region, next, &mut scratch, &|| {
+                    progress(0.95 * finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
+                });
+                self.put_back(scratch);
+                found
+            })
             .collect::<Result<_, Cancelled>>()?;
         let mut keypoints = Vec::new();
         for (tile_keypoints, tile_tally) in results {
@@ -236,7 +256,6 @@ impl Search<'_> {
         region: &Region,
         mut next: Vec<Vec<&mut [f32]>>,
         scratch: &mut TileScratch,
-        window: &mut SlopeWindow,
         slope_done: &dyn Fn(),
     ) -> Result<(Vec<Keypoint>, Tally), Cancelled> {
         let held = region.widened(HELD, job.size);
@@ -245,7 +264,7 @@ impl Search<'_> {
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         for index in 0..self.grid.len() {
             self.monitor.check()?;
-            let TileScratch { stacked, filter, next: level } = &mut *scratch;
+            let TileScratch { stacked, filter, next: level, window } = &mut *scratch;
             if first && index % STACKED_SLOPES == 0 {
                 let slopes = &self.offsets[index..(index + STACKED_SLOPES).min(self.offsets.len())];
                 stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
@@ -348,10 +367,10 @@ struct Octave<'a> {
 }
 
 /// Space that a thread reuses from tile to tile.
-#[derive(Default)]
 struct TileScratch {
     stacked: Vec<Tile>,
     filter: FilterScratch,
     /// The level from which the next octave starts.
     next: Tile,
+    window: SlopeWindow,
 }

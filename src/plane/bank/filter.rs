@@ -3,7 +3,7 @@
 use super::edge::{Axis, Section};
 use super::horizontal::{Packed, convolve_row, edge_columns, packed};
 use super::lanes::whole_blocks;
-use super::vertical::{Sink, edge_rows, inner_rows};
+use super::vertical::{Band, Sink, edge_rows, inner_rows};
 use crate::plane::tile::{Region, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -36,7 +36,7 @@ impl Lines for Tile {
 #[derive(Debug, Default)]
 pub struct FilterScratch {
     line: Vec<f32>,
-    /// For each level, the rows that the second pass reads.
+    /// For each level, a ring of the rows that the second pass reads.
     bands: Vec<Vec<f32>>,
     level: Vec<f32>,
 }
@@ -49,6 +49,8 @@ struct Job<'a, L: Lines + ?Sized> {
     lines: &'a L,
     region: &'a Region,
     stride: usize,
+    /// Rows that a band holds at once.
+    band_rows: usize,
     scratch: &'a mut FilterScratch,
     differences: &'a mut [Tile],
     keep: Option<(usize, &'a mut Tile)>,
@@ -82,6 +84,7 @@ pub fn filter_tile<L: Lines + ?Sized>(
         lines,
         region,
         stride,
+        band_rows: 0,
         scratch,
         differences,
         keep,
@@ -102,18 +105,17 @@ impl<L: Lines + ?Sized> WithSimd for Job<'_, L> {
         bands.iter_mut().for_each(|band| grow(band, band_rows * self.stride));
         grow(line, self.stride + 2 * self.along_u.radius);
         grow(level, MOST_ROWS * self.stride);
-        // The image's rows that the bands hold.
-        let mut held = 0..0;
+        self.band_rows = band_rows;
+        let mut made = self.along_v.inputs(&rows).start;
         let mut start = rows.start;
         while start < rows.end {
             let batch = start..(start + BATCH_ROWS).min(rows.end);
-            let needed = self.along_v.inputs(&batch);
-            self.slide(&mut held, &needed);
-            for v in held.end..needed.end {
-                self.make_band_row(simd, v, v - needed.start);
+            let needed = self.along_v.inputs(&batch).end;
+            for v in made..needed {
+                self.make_band_row(simd, v);
             }
-            held = needed;
-            self.finish(simd, &batch, held.start);
+            made = needed;
+            self.finish(simd, &batch);
             (self.batch_done)(self.differences, batch.clone());
             start = batch.end;
         }
@@ -127,21 +129,10 @@ fn grow(buffer: &mut Vec<f32>, len: usize) {
 }
 
 impl<L: Lines + ?Sized> Job<'_, L> {
-    /// Moves the rows of the bands that are still needed to their front.
-    fn slide(&mut self, held: &mut Range<usize>, needed: &Range<usize>) {
-        if held.end <= needed.start {
-            *held = needed.start..needed.start;
-            return;
-        }
-        let from = (needed.start - held.start) * self.stride..held.len() * self.stride;
-        for band in &mut self.scratch.bands {
-            band.copy_within(from.clone(), 0);
-        }
-    }
-
-    /// The first pass for row `v`, which becomes row `index` of the bands.
+    /// The first pass for row `v`.
     #[inline(always)]
-    fn make_band_row<S: Simd>(&mut self, simd: S, v: usize, index: usize) {
+    fn make_band_row<S: Simd>(&mut self, simd: S, v: usize) {
+        let index = v % self.band_rows;
         let reach = self.along_u.radius;
         let columns = &self.region.columns;
         let wide = self.along_u.inputs(columns);
@@ -165,7 +156,7 @@ impl<L: Lines + ?Sized> Job<'_, L> {
 
     /// The second pass for the rows `batch`.
     #[inline(always)]
-    fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>, band_first: usize) {
+    fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>) {
         // As many rows as there are registers for.
         let most = if S::F32_LANES >= 16 { MOST_ROWS } else { MOST_ROWS / 2 };
         for (section, part) in self.along_v.sections(batch) {
@@ -175,10 +166,10 @@ impl<L: Lines + ?Sized> Job<'_, L> {
                 let rows = if left >= most { most } else { 1 << left.ilog2() };
                 for index in 0..self.along_v.levels.len() {
                     match rows {
-                        8 => self.level_rows::<S, 8>(simd, section, index, first, band_first),
-                        4 => self.level_rows::<S, 4>(simd, section, index, first, band_first),
-                        2 => self.level_rows::<S, 2>(simd, section, index, first, band_first),
-                        _ => self.level_rows::<S, 1>(simd, section, index, first, band_first),
+                        8 => self.level_rows::<S, 8>(simd, section, index, first),
+                        4 => self.level_rows::<S, 4>(simd, section, index, first),
+                        2 => self.level_rows::<S, 2>(simd, section, index, first),
+                        _ => self.level_rows::<S, 1>(simd, section, index, first),
                     }
                 }
                 first += rows;
@@ -193,20 +184,19 @@ impl<L: Lines + ?Sized> Job<'_, L> {
         section: Section,
         index: usize,
         first: usize,
-        band_first: usize,
     ) {
         let stride = self.stride;
         let FilterScratch { bands, level, .. } = &mut *self.scratch;
-        let band = &bands[index];
+        let band = Band { data: &bands[index], rows: self.band_rows, stride };
         let weights = &self.along_v.levels[index];
         let difference = index.checked_sub(1).map(|i| self.differences[i].rows_from_mut(first, ROWS));
         let mut sink = Sink { level: &mut level[..ROWS * stride], difference };
         match section {
             Section::Inner => {
-                inner_rows::<S, ROWS>(simd, &weights.half, band, first - band_first, stride, &mut sink);
+                inner_rows::<S, ROWS>(simd, &weights.half, band, first, &mut sink);
             }
-            Section::Head => edge_rows::<S, ROWS>(simd, &weights.head, first, band, band_first, stride, &mut sink),
-            Section::Tail => edge_rows::<S, ROWS>(simd, &weights.tail, first, band, band_first, stride, &mut sink),
+            Section::Head => edge_rows::<S, ROWS>(simd, &weights.head, band, first, &mut sink),
+            Section::Tail => edge_rows::<S, ROWS>(simd, &weights.tail, band, first, &mut sink),
         }
         if let Some((_, tile)) = self.keep.as_mut().filter(|(kept, _)| *kept == index) {
             tile.rows_from_mut(first, ROWS).copy_from_slice(&level[..ROWS * stride]);

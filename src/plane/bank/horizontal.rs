@@ -135,13 +135,15 @@ fn edge<S: Simd>(
             continue;
         }
         let mut made = [0.0f32; BLOCK];
+        let inputs = dense.inputs(&part);
+        let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
+        let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..];
         for vector in (0..BLOCK).step_by(2 * lanes) {
             let mut acc = [simd.splat_f32s(0.0); 2];
-            for input in dense.inputs(&part) {
-                let value = simd.splat_f32s(line[reach + input - columns.start]);
-                let weights = &dense.row(input)[start + vector..];
-                acc[0] = simd.mul_add_f32s(value, load::<S>(weights, 0), acc[0]);
-                acc[1] = simd.mul_add_f32s(value, load::<S>(weights, lanes), acc[1]);
+            for (&pixel, row) in pixels.iter().zip(weights.chunks_exact(dense.stride)) {
+                let (pixel, row) = (simd.splat_f32s(pixel), &row[start + vector..][..2 * lanes]);
+                acc[0] = simd.mul_add_f32s(pixel, load::<S>(row, 0), acc[0]);
+                acc[1] = simd.mul_add_f32s(pixel, load::<S>(row, lanes), acc[1]);
             }
             store::<S>(&mut made, vector, acc[0]);
             store::<S>(&mut made, vector + lanes, acc[1]);

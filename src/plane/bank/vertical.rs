@@ -7,6 +7,26 @@ use super::edge::Dense;
 use super::lanes::{load, store};
 use pulp::Simd;
 
+/// The rows of one level that the pass reads: a ring, in which row `v` of the image is row `v % rows` of the data.
+#[derive(Clone, Copy)]
+pub(super) struct Band<'a> {
+    pub data: &'a [f32],
+    pub rows: usize,
+    pub stride: usize,
+}
+
+impl Band<'_> {
+    #[inline(always)]
+    fn before(&self, place: usize) -> usize {
+        if place == 0 { self.rows - 1 } else { place - 1 }
+    }
+
+    #[inline(always)]
+    fn after(&self, place: usize) -> usize {
+        if place + 1 == self.rows { 0 } else { place + 1 }
+    }
+}
+
 /// Where a few finished rows go. All rows have the same stride.
 pub(super) struct Sink<'a> {
     /// The level's rows; before, those of the level before it.
@@ -25,22 +45,27 @@ impl Sink<'_> {
     }
 }
 
-/// `ROWS` rows away from the borders. The first one's centre is row `centre` of `band`, whose rows are `stride` apart.
+/// `ROWS` rows away from the borders, from row `first` on.
 #[inline(always)]
 pub(super) fn inner_rows<S: Simd, const ROWS: usize>(
     simd: S,
     half: &[f32],
-    band: &[f32],
-    centre: usize,
-    stride: usize,
+    band: Band<'_>,
+    first: usize,
     sink: &mut Sink<'_>,
 ) {
     let middle = simd.splat_f32s(half[0]);
+    let (stride, data) = (band.stride, band.data);
+    let first = first % band.rows;
     for column in (0..stride).step_by(S::F32_LANES) {
         let mut above = [middle; ROWS];
         let mut acc = [middle; ROWS];
+        let (mut upper, mut lower) = (first, first);
         for i in 0..ROWS {
-            above[i] = load::<S>(band, (centre + i) * stride + column);
+            if i > 0 {
+                lower = band.after(lower);
+            }
+            above[i] = load::<S>(data, lower * stride + column);
             acc[i] = simd.mul_f32s(middle, above[i]);
         }
         let mut below = above;
@@ -51,11 +76,13 @@ pub(super) fn inner_rows<S: Simd, const ROWS: usize>(
                 for i in (1..ROWS).rev() {
                     above[i] = above[i - 1];
                 }
-                above[0] = load::<S>(band, (centre - distance) * stride + column);
+                upper = band.before(upper);
+                above[0] = load::<S>(data, upper * stride + column);
                 for i in 1..ROWS {
                     below[i - 1] = below[i];
                 }
-                below[ROWS - 1] = load::<S>(band, (centre + ROWS - 1 + distance) * stride + column);
+                lower = band.after(lower);
+                below[ROWS - 1] = load::<S>(data, lower * stride + column);
                 for i in 0..ROWS {
                     acc[i] = simd.mul_add_f32s(tap, simd.add_f32s(above[i], below[i]), acc[i]);
                 }
@@ -77,23 +104,24 @@ pub(super) fn inner_rows<S: Simd, const ROWS: usize>(
     }
 }
 
-/// `ROWS` rows near a border, from output `first` on. Row `band_first` of the image is the band's first.
+/// `ROWS` rows near a border, from row `first` on.
 #[inline(always)]
 pub(super) fn edge_rows<S: Simd, const ROWS: usize>(
     simd: S,
     dense: &Dense,
+    band: Band<'_>,
     first: usize,
-    band: &[f32],
-    band_first: usize,
-    stride: usize,
     sink: &mut Sink<'_>,
 ) {
+    let (stride, data) = (band.stride, band.data);
     let inputs = dense.inputs(&(first..first + ROWS));
     let out = first - dense.outs.start;
     for column in (0..stride).step_by(S::F32_LANES) {
         let mut acc = [simd.splat_f32s(0.0); ROWS];
+        let mut place = inputs.start % band.rows;
         for input in inputs.clone() {
-            let value = load::<S>(band, (input - band_first) * stride + column);
+            let value = load::<S>(data, place * stride + column);
+            place = band.after(place);
             let weights: &[f32; ROWS] = dense.row(input)[out..out + ROWS].try_into().expect("one weight a row");
             for i in 0..ROWS {
                 acc[i] = simd.mul_add_f32s(value, simd.splat_f32s(weights[i]), acc[i]);
