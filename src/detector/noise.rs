@@ -77,6 +77,7 @@ mod tests {
     use super::super::params::Interpolation;
     use super::super::slope_grid::Slope;
     use super::*;
+    use crate::plane::Plane;
     use crate::synth::random::Stream;
 
     #[test]
