@@ -146,6 +146,9 @@ pub fn dog_tile(
     }
 }
 
+/// Columns that a stacked row has room for beyond its own, so that filters can read it in whole vectors where it lies.
+const PADDING: usize = 32;
+
 /// The stacked images of some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope. `slopes` are the frames' offsets.
 pub fn stack_tiles(
     frames: &[&Plane],
@@ -155,7 +158,7 @@ pub fn stack_tiles(
     tiles: &mut Vec<Tile>,
 ) {
     tiles.resize_with(slopes.len().max(tiles.len()), Tile::default);
-    tiles.iter_mut().take(slopes.len()).for_each(|tile| tile.reset(region, region.columns.len()));
+    tiles.iter_mut().take(slopes.len()).for_each(|tile| tile.reset(region, region.columns.len() + PADDING));
     if octave == 0 {
         let mut stacker = RowStacker::new(frames, slopes.iter().map(AsRef::as_ref).collect());
         for v in region.rows.clone() {

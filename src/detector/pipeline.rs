@@ -7,7 +7,8 @@
 use super::describing::{Describing, Keypoint};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 use super::motion::{FrameOffset, coverage, frame_offsets};
-use super::noise::{dog_noise_variance, frame_noise, gate_factor};
+use super::noise::{dog_noise_variance, gate_factor};
+use super::noise_estimate::frame_noise;
 use super::octave::{Base, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use super::params::{DetectorParams, ParamError};
 use super::refine::{Limits, MAX_MOVES, refine};
@@ -269,8 +270,11 @@ impl Search<'_> {
                 let slopes = &self.offsets[index..(index + STACKED_SLOPES).min(self.offsets.len())];
                 stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
             }
-            let pixels =
-                if first { Pixels::Stacked(&stacked[index % STACKED_SLOPES]) } else { Pixels::Level(&job.bases[index]) };
+            let pixels = if first {
+                Pixels::Stacked(&stacked[index % STACKED_SLOPES])
+            } else {
+                Pixels::Level(&job.bases[index])
+            };
             let thresholds = Thresholds {
                 peak: 0.8 * self.params.peak_threshold,
                 gate: job.sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[index]).collect(),

@@ -58,6 +58,12 @@ impl Tile {
         &self.data[start..start + self.region.columns.len()]
     }
 
+    /// Row `v` of the image, and the rest of its memory.
+    pub(super) fn padded_row(&self, v: usize) -> &[f32] {
+        let start = (v - self.region.rows.start) * self.stride;
+        &self.data[start..start + self.stride]
+    }
+
     /// The value of the image's pixel (u, v).
     ///
     /// # Panics

@@ -36,7 +36,8 @@ impl Dense {
     /// The same weights at the other end of a line of `n` pixels.
     fn mirrored(&self, n: usize) -> Self {
         let flip = |range: &Range<usize>| n - range.end..n - range.start;
-        let mut out = Self { outs: flip(&self.outs), ins: flip(&self.ins), weights: vec![0.0; self.weights.len()], ..*self };
+        let mut out =
+            Self { outs: flip(&self.outs), ins: flip(&self.ins), weights: vec![0.0; self.weights.len()], ..*self };
         let (inputs, outputs) = (self.ins.len(), self.outs.len());
         for input in 0..inputs {
             for output in 0..outputs {

@@ -15,20 +15,19 @@ const MOST_ROWS: usize = 8;
 
 /// Where a tile's pixels come from.
 pub trait Lines {
-    /// Writes the pixels of row `v`, columns `columns` (inside the image), to `out`.
-    fn read(&self, v: usize, columns: Range<usize>, out: &mut [f32]);
+    /// Row `v` from column `first` on, as far as its memory goes: at least to the end of what is held.
+    fn line(&self, v: usize, first: usize) -> &[f32];
 }
 
 impl Lines for crate::plane::Plane {
-    fn read(&self, v: usize, columns: Range<usize>, out: &mut [f32]) {
-        out.copy_from_slice(&self.row(v)[columns]);
+    fn line(&self, v: usize, first: usize) -> &[f32] {
+        &self.row(v)[first..]
     }
 }
 
 impl Lines for Tile {
-    fn read(&self, v: usize, columns: Range<usize>, out: &mut [f32]) {
-        let left = self.region().columns.start;
-        out.copy_from_slice(&self.row(v)[columns.start - left..columns.end - left]);
+    fn line(&self, v: usize, first: usize) -> &[f32] {
+        &self.padded_row(v)[first - self.region().columns.start..]
     }
 }
 
@@ -138,7 +137,14 @@ impl<L: Lines + ?Sized> Job<'_, L> {
         let wide = self.along_u.inputs(columns);
         let offset = reach - (columns.start - wide.start);
         let FilterScratch { line, bands, .. } = &mut *self.scratch;
-        self.lines.read(v, wide.clone(), &mut line[offset..offset + wide.len()]);
+        // Where the row's memory holds a value for all that the vectors touch, it is read where it lies; what lies beyond the image counts for nothing.
+        let there = self.lines.line(v, wide.start);
+        let line: &[f32] = if offset == 0 && there.len() >= self.stride + 2 * reach {
+            there
+        } else {
+            line[offset..offset + wide.len()].copy_from_slice(&there[..wide.len()]);
+            line
+        };
         let here = index * self.stride..(index + 1) * self.stride;
         for group in &self.groups {
             let mut out: [&mut [f32]; super::horizontal::MOST] = Default::default();
@@ -178,13 +184,7 @@ impl<L: Lines + ?Sized> Job<'_, L> {
     }
 
     #[inline(always)]
-    fn level_rows<S: Simd, const ROWS: usize>(
-        &mut self,
-        simd: S,
-        section: Section,
-        index: usize,
-        first: usize,
-    ) {
+    fn level_rows<S: Simd, const ROWS: usize>(&mut self, simd: S, section: Section, index: usize, first: usize) {
         let stride = self.stride;
         let FilterScratch { bands, level, .. } = &mut *self.scratch;
         let band = Band { data: &bands[index], rows: self.band_rows, stride };
