@@ -1,7 +1,7 @@
 //! The core: from the frames of a burst to features.
 //!
 //! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
-//! (Gaussian levels and their differences D, strip by strip) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
+//! (Gaussian levels and their differences D, tile by tile) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
 //! samples) → [`locate`] (on the continuous D) → [`describe`] (orientation, descriptor). [`noise_estimate`] says how noisy a frame is, and
 //! [`noise`] how large D must then be. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.

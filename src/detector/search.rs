@@ -58,10 +58,9 @@ fn mark_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32
         let (g, h, i) = (&below[start..][..n], &below[start + 1..][..n], &below[start + 2..][..n]);
         let marks = &mut marks[start..][..n];
         let (mut below_peak, mut below_any) = (0u32, 0u32);
-        for u in 0..n {
-            let magnitude = e[u].abs();
-            below_peak += u32::from(magnitude < peak);
-            below_any += u32::from(magnitude < limit);
+        for value in e {
+            below_peak += u32::from(value.abs() < peak);
+            below_any += u32::from(value.abs() < limit);
         }
         counts.below_peak += below_peak;
         counts.below_any += below_any;

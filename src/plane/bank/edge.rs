@@ -88,9 +88,10 @@ impl Edges {
                 if input >= level.ins.end {
                     continue;
                 }
-                for output in support.start..support.end.min(outs) {
+                let made = support.start..support.end.min(outs).max(support.start);
+                for (output, &weight) in made.clone().zip(&signal[made]) {
                     if output.abs_diff(input) <= level.radius {
-                        level.weights[input * level.stride + output] = signal[output] as f32;
+                        level.weights[input * level.stride + output] = weight as f32;
                     }
                 }
             }

@@ -98,8 +98,8 @@ pub(super) fn inner_rows<S: Simd, const ROWS: usize>(
         while distance < half.len() {
             step!();
         }
-        for i in 0..ROWS {
-            sink.put(simd, i * stride + column, acc[i]);
+        for (i, &value) in acc.iter().enumerate() {
+            sink.put(simd, i * stride + column, value);
         }
     }
 }
@@ -127,8 +127,8 @@ pub(super) fn edge_rows<S: Simd, const ROWS: usize>(
                 acc[i] = simd.mul_add_f32s(value, simd.splat_f32s(weights[i]), acc[i]);
             }
         }
-        for i in 0..ROWS {
-            sink.put(simd, i * stride + column, acc[i]);
+        for (i, &value) in acc.iter().enumerate() {
+            sink.put(simd, i * stride + column, value);
         }
     }
 }
