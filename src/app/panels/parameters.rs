@@ -39,7 +39,11 @@ fn method_label(method: Method) -> &'static str {
 fn all_rows_ui(ui: &mut Ui, table: &rows::ParamTable<'_, DetectorParams>, p: &mut DetectorParams, frame_count: usize) {
     let sift = p.method == Method::Sift;
     let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
-    let interpolation = [(Interpolation::Linear, "Linear"), (Interpolation::Nearest, "Nearest")];
+    let interpolation = [
+        (Interpolation::Linear, "Linear"),
+        (Interpolation::Nearest, "Nearest"),
+        (Interpolation::Truncated, "Truncated"),
+    ];
     table.row(
         ui,
         &doc::METHOD,
