@@ -73,12 +73,11 @@ fn convolve<S: Simd, const L: usize>(simd: S, group: &Packed, line: &[f32], reac
         let before = line[at - radius..at + 2 * lanes - 1].windows(2 * lanes).rev();
         let behind = line[at + 1..at + 2 * lanes + radius].windows(2 * lanes);
         let mut distances = before.zip(behind).zip(group.taps[L..].chunks_exact(L));
-        let mut distance = 1;
         // The levels from `$first` on reach beyond the radius of the one before it.
         macro_rules! until_radius_of {
             ($($first:literal)*) => {$(
                 if $first < L {
-                    let count = (radii[$first] + 1).saturating_sub(distance);
+                    let count = radii[$first] - if $first == 0 { 0 } else { radii[$first.max(1) - 1] };
                     for ((before, behind), taps) in distances.by_ref().take(count) {
                         let sum = [
                             simd.add_f32s(load::<S>(before, 0), load::<S>(behind, 0)),
@@ -91,7 +90,6 @@ fn convolve<S: Simd, const L: usize>(simd: S, group: &Packed, line: &[f32], reac
                             acc[level][1] = simd.mul_add_f32s(tap, sum[1], acc[level][1]);
                         }
                     }
-                    distance += count;
                 }
             )*};
         }
