@@ -31,13 +31,13 @@ use std::time::Instant;
 /// Bytes of DoG tiles that the threads' windows of slopes may hold together.
 const WINDOWS_BYTES: usize = 128 << 20;
 /// Bytes that one of them holds at most: more would not make it faster.
-const WINDOW_BYTES: usize = 32 << 20;
+const WINDOW_BYTES: usize = 20 << 20;
 /// Columns of a tile. With those held around it for the moves of the refinement it is five blocks of vectors wide, and what lies between the two
 /// passes of its filters stays in the second cache.
 const TILE_COLUMNS: usize = 148;
 /// Rows of a tile where memory does not ask for fewer: enough that the rows its filters need around it matter little.
 const TILE_ROWS: usize = 640;
-/// Slopes whose frames are stacked together.
+/// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the mixing of rows.
 const STACKED_SLOPES: usize = 8;
 /// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
 const HELD: usize = MAX_MOVES + 1;
@@ -265,19 +265,20 @@ impl Search<'_> {
         let held = region.widened(HELD, job.size);
         let inputs = job.filters.inputs(&held);
         let first = job.octave == self.space.first_octave;
+        let together = match self.grid.u.count {
+            row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
+            _ => STACKED_SLOPES,
+        };
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         for index in 0..self.grid.len() {
             self.monitor.check()?;
             let TileScratch { stacked, filter, next: level, window } = &mut *scratch;
-            if first && index % STACKED_SLOPES == 0 {
-                let slopes = &self.offsets[index..(index + STACKED_SLOPES).min(self.offsets.len())];
+            if first && index % together == 0 {
+                let slopes = &self.offsets[index..(index + together).min(self.offsets.len())];
                 stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
             }
-            let pixels = if first {
-                Pixels::Stacked(&stacked[index % STACKED_SLOPES])
-            } else {
-                Pixels::Level(&job.bases[index])
-            };
+            let pixels =
+                if first { Pixels::Stacked(&stacked[index % together]) } else { Pixels::Level(&job.bases[index]) };
             let thresholds = Thresholds {
                 peak: 0.8 * self.params.peak_threshold,
                 gate: job.sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[index]).collect(),
