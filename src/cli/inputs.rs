@@ -175,6 +175,17 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
     }
 }
 
+/// The bursts A and B, one each, with different names.
+///
+/// # Errors
+/// When either argument names several.
+pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
+    let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match");
+    let mut inputs = vec![one(a)?, one(b)?];
+    make_names_unique(&mut inputs);
+    Ok(inputs)
+}
+
 /// How to open bursts with this bias frame.
 ///
 /// # Errors
@@ -213,7 +224,11 @@ mod tests {
         assert!(matches!(inputs[1].place, Place::Broken(_)));
         let inputs = resolve(&[file(2), file(0), file(1)]);
         assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
-        assert!(resolve_one(&[DEMO.into(), folder], "stack").is_err());
+        assert!(resolve_one(&[DEMO.into(), folder.clone()], "stack").is_err());
+        // Two pictures are two bursts of one frame each, not the frames of one.
+        let pair = resolve_pair(&file(0), &folder).expect("two bursts");
+        assert_eq!((pair[0].name.as_str(), pair[1].name.as_str()), ("f0", "night"));
+        assert_eq!(resolve_pair(&folder, &folder).expect("two bursts")[1].name, "night_2");
     }
 
     #[test]

@@ -7,8 +7,9 @@ use super::inputs::{DEMO, Input, Place, resolve_one};
 use super::render::source_of;
 use super::table::feature_table;
 use crate::app::{RenderOptions, Startup, render_to_png};
+use crate::baseline::detect;
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, detect};
+use crate::detector::DetectorParams;
 use crate::export::safe_file_name;
 use std::path::PathBuf;
 

@@ -22,7 +22,8 @@ pub use picture::{Picture, PictureKind, PictureRequest};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
-use crate::detector::{Detection, DetectorParams, detect};
+use crate::baseline::detect;
+use crate::detector::{Detection, DetectorParams};
 use crate::monitor::Progress;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};

@@ -2,8 +2,9 @@
 
 use super::fault::JobError;
 use super::source::{BurstId, OpenBurst};
+use crate::baseline::prepare;
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{DetectError, DetectorParams, Interpolation, Slope};
+use crate::detector::{DetectError, DetectorParams, Interpolation, Method, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use std::sync::Arc;
@@ -69,6 +70,7 @@ struct StackKey {
     slope_bits: (u32, u32),
     frames: (usize, usize),
     nearest: bool,
+    merged: bool,
 }
 
 impl PictureRequest {
@@ -81,6 +83,7 @@ impl PictureRequest {
                 slope_bits,
                 frames: (used.start, used.end),
                 nearest: self.params.interpolation == Interpolation::Nearest,
+                merged: self.params.method == Method::Merge,
             }
         };
         let kind = match self.kind {
@@ -113,9 +116,13 @@ impl PictureRequest {
             PictureKind::Frame(index) => burst.frames.get(index).cloned().ok_or_else(|| {
                 JobError::Failed(format!("there is no frame {index}; the burst has {} frames", burst.len()))
             })?,
-            PictureKind::Stack { slope } => Arc::new(stack_view(burst, &self.params, slope, monitor)?),
+            PictureKind::Stack { slope } => {
+                let (burst, params) = prepare(burst, &self.params, monitor).map_err(job_error)?;
+                Arc::new(stack_view(&burst, &params, slope, monitor)?)
+            }
             PictureKind::Dog { octave, level, slope } => {
-                Arc::new(dog_view(burst, &self.params, slope, octave, level, monitor).map_err(job_error)?)
+                let (burst, params) = prepare(burst, &self.params, monitor).map_err(job_error)?;
+                Arc::new(dog_view(&burst, &params, slope, octave, level, monitor).map_err(job_error)?)
             }
         };
         Ok(Picture { request: self.clone(), plane })

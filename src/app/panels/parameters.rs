@@ -33,6 +33,7 @@ fn method_label(method: Method) -> &'static str {
     match method {
         Method::Buff => "BuFF",
         Method::Sift => "SIFT",
+        Method::Merge => "Merge + SIFT",
     }
 }
 
@@ -70,7 +71,7 @@ impl Table<'_> {
 }
 
 fn all_rows_ui(ui: &mut Ui, table: &Table<'_>, p: &mut DetectorParams, frame_count: usize) {
-    let sift = p.method == Method::Sift;
+    let sift = p.method != Method::Buff;
     let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
     let interpolation = [(Interpolation::Linear, "Linear"), (Interpolation::Nearest, "Nearest")];
     table.row(
