@@ -7,7 +7,8 @@
 use super::describing::{Describing, Keypoint};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 use super::motion::{FrameOffset, coverage, frame_offsets};
-use super::noise::{dog_noise_variance, frame_noise, gate_factor};
+use super::noise::{dog_noise_variance, gate_factor};
+use super::noise_estimate::frame_noise;
 use super::octave::{Base, StripScratch, widened};
 use super::params::{DetectorParams, ParamError};
 use super::refine::{Limits, MAX_MOVES, refine};

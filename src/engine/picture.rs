@@ -69,7 +69,7 @@ enum KindKey {
 struct StackKey {
     slope_bits: (u32, u32),
     frames: (usize, usize),
-    nearest: bool,
+    interpolation: Interpolation,
     merged: bool,
 }
 
@@ -82,7 +82,7 @@ impl PictureRequest {
             StackKey {
                 slope_bits,
                 frames: (used.start, used.end),
-                nearest: self.params.interpolation == Interpolation::Nearest,
+                interpolation: self.params.interpolation,
                 merged: self.params.method == Method::Merge,
             }
         };

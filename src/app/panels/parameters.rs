@@ -73,7 +73,11 @@ impl Table<'_> {
 fn all_rows_ui(ui: &mut Ui, table: &Table<'_>, p: &mut DetectorParams, frame_count: usize) {
     let sift = p.method != Method::Buff;
     let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
-    let interpolation = [(Interpolation::Linear, "Linear"), (Interpolation::Nearest, "Nearest")];
+    let interpolation = [
+        (Interpolation::Linear, "Linear"),
+        (Interpolation::Nearest, "Nearest"),
+        (Interpolation::Truncated, "Truncated"),
+    ];
     table.row(
         ui,
         &doc::METHOD,
