@@ -13,6 +13,7 @@ mod console;
 mod detect;
 mod evaluate;
 pub mod evaluate_args;
+pub mod evaluate_matches;
 pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
