@@ -226,7 +226,12 @@ fn write_table(out: &mut String, report: &MatchReport, noise: Option<AddedNoise>
         writeln!(out, "noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}")?;
     }
     let grid = |grid: &SlopeGrid| format!("u {} v {}", grid.u, grid.v);
-    writeln!(out, "slopes of BuFF 1D {}, of BuFF 2D {} (min:max:count, px/frame)\n", grid(&report.slopes_1d), grid(&report.slopes_2d))?;
+    writeln!(
+        out,
+        "slopes of BuFF 1D {}, of BuFF 2D {} (min:max:count, px/frame)\n",
+        grid(&report.slopes_1d),
+        grid(&report.slopes_2d)
+    )?;
     writeln!(
         out,
         "{:18}{:>11}{:>10}{:>10}{:>9}{:>8}{:>11}{:>10}{:>10}",

@@ -11,8 +11,8 @@ use super::statistics::Mean;
 use super::{EvaluateError, check_lists, motion_name};
 use crate::detector::{Detection, DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
-use crate::synth::{ChartParams, synth_chart};
 use crate::synth::Truth;
+use crate::synth::{ChartParams, synth_chart};
 use serde::Serialize;
 
 /// What is to be compared, and on which charts.

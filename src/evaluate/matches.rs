@@ -238,7 +238,9 @@ impl MatchStudy {
                     MatchMethod::Gold => {
                         let sharp = open(k, Shot::Gold)?;
                         // The frames asked for are those of bursts; a sharp image may be the only one.
-                        let detector = if sharp.len() == burst.len() { self.detector.clone() } else {
+                        let detector = if sharp.len() == burst.len() {
+                            self.detector.clone()
+                        } else {
                             DetectorParams { frames: None, ..self.detector.clone() }
                         };
                         let searches = Searches { detector: &detector, ..self.searches() };

@@ -56,10 +56,9 @@ impl std::str::FromStr for BurstMethod {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|method| method.name() == text)
-            .ok_or_else(|| format!("'{text}' is not a method; give sift-frame, sift-mean, sift-merge, buff-1d or buff-2d"))
+        Self::ALL.into_iter().find(|method| method.name() == text).ok_or_else(|| {
+            format!("'{text}' is not a method; give sift-frame, sift-mean, sift-merge, buff-1d or buff-2d")
+        })
     }
 }
 
