@@ -6,6 +6,8 @@ mod common;
 #[path = "window/support.rs"]
 mod support;
 
+#[path = "window/datasets.rs"]
+mod datasets;
 #[path = "window/detecting.rs"]
 mod detecting;
 #[path = "window/finding_ones_way.rs"]

@@ -16,6 +16,10 @@ pub enum Purpose {
     OpenFolder,
     /// Image files.
     OpenFiles,
+    /// A folder of bursts, or a long sequence.
+    OpenDataset,
+    /// A folder that keeps a dataset's features.
+    FeatureFolder,
     /// Any path of a burst, typed.
     OpenPath,
     /// A session file to restore.
@@ -79,6 +83,8 @@ impl Purpose {
         match self {
             Self::OpenFolder => "Open a folder of frames",
             Self::OpenFiles => "Open image files",
+            Self::OpenDataset => "Open a folder of bursts, or a long sequence",
+            Self::FeatureFolder => "Choose a folder for the dataset's features",
             Self::OpenPath => "Open a path",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
@@ -99,6 +105,8 @@ impl Purpose {
             Self::OpenFolder | Self::OpenFiles | Self::OpenPath => {
                 "A folder of frames, an image, a multi-page TIFF or a .npy stack"
             }
+            Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
+            Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
             Self::Export(_) => "The file to write",
@@ -108,7 +116,7 @@ impl Purpose {
     /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::OpenFolder | Self::OpenPath => Vec::new(),
+            Self::OpenFolder | Self::OpenDataset | Self::FeatureFolder | Self::OpenPath => Vec::new(),
             Self::OpenFiles => crate::burst::supported_extensions().to_vec(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::Export(kind) => vec![kind.extension()],
@@ -148,7 +156,9 @@ impl FileDialogs for SystemDialogs {
             dialog = dialog.add_filter(question.purpose.title(), &extensions).add_filter("All files", &["*"]);
         }
         match question.purpose {
-            Purpose::OpenFolder => dialog.pick_folder().map(|p| vec![p]),
+            Purpose::OpenFolder | Purpose::OpenDataset | Purpose::FeatureFolder => {
+                dialog.pick_folder().map(|p| vec![p])
+            }
             Purpose::OpenFiles => dialog.pick_files(),
             purpose if purpose.saves() => dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p]),
             _ => dialog.pick_file().map(|p| vec![p]),

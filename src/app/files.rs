@@ -4,6 +4,7 @@ use super::dialogs::{Answer, ExportKind, PathField, Purpose, Question};
 use super::session::Session;
 use super::state::scrub::ViewKind;
 use super::window::BurstscopeApp;
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::BurstSource;
 use std::path::PathBuf;
@@ -78,6 +79,8 @@ impl BurstscopeApp {
         let Some(first) = paths.first().cloned() else { return };
         match purpose {
             Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => self.open(BurstSource::Paths(paths)),
+            Purpose::OpenDataset => self.open_dataset(DatasetSource::of_bursts(paths)),
+            Purpose::FeatureFolder => self.use_feature_folder(first),
             Purpose::RestoreSession => self.restore_session(&first),
             Purpose::LoadParams => self.load_params(&first),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => self.write(purpose, first),

@@ -4,16 +4,36 @@
 //! same bits. The selected feature is then found again by its place.
 
 use super::canvas::{View, overlay::ColourBy};
+use super::dataset::Dataset;
 use super::state::filter::{Filter, Order};
 use super::state::look::Look;
 use super::state::scrub::Scrub;
 use super::state::{BottomTab, Model, SavedSelection};
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::BurstSource;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// The version that this program writes; it reads this and older ones.
 const VERSION: u32 = 1;
+
+/// The dataset of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedDataset {
+    /// Where its bursts come from.
+    pub source: DatasetSource,
+    /// Where its features are kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
+    /// The places of the bursts that were A and B.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub a: Option<usize>,
+    #[allow(missing_docs)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub b: Option<usize>,
+}
 
 /// What a session file holds. A missing field has its default.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,6 +73,9 @@ pub struct Session {
     /// The selected feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
+    /// The dataset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dataset: Option<SavedDataset>,
 }
 
 impl Session {
@@ -72,6 +95,7 @@ impl Session {
             filter: model.filter,
             order: model.order,
             selection: model.saved_selection(),
+            dataset: model.datasets.open.as_ref().map(saved_dataset),
         })
     }
 
@@ -118,10 +142,19 @@ impl Session {
 fn absolute(source: &BurstSource) -> BurstSource {
     match source {
         BurstSource::Demo => BurstSource::Demo,
-        BurstSource::Paths(paths) => {
-            BurstSource::Paths(paths.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect())
-        }
+        BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
     }
+}
+
+fn absolute_path(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.into())
+}
+
+fn saved_dataset(dataset: &Dataset) -> SavedDataset {
+    let mut source = dataset.source.clone();
+    source.paths.iter_mut().for_each(|p| *p = absolute_path(p));
+    let [a, b] = dataset.pair;
+    SavedDataset { source, folder: dataset.folder.as_deref().map(absolute_path), a, b }
 }
 
 #[cfg(test)]

@@ -2,13 +2,16 @@
 //! feature and the display right, the status below.
 
 use super::actions::{Queue, menu::menu_bar_ui};
+use super::dataset::filmstrip;
 use super::panels;
+use super::settings::Recent;
 use super::window::BurstscopeApp;
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea};
 
 /// Draws the whole window except what floats over it.
 pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     let mut open_recent = None;
+    let mut open_burst = None;
     // On a small screen the picture needs the room more than the panels do.
     let side_width = (0.235 * ui.available_width()).clamp(256.0, 300.0);
     let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
@@ -17,7 +20,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
 
     Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
         ui.horizontal(|ui| {
-            menu_bar_ui(ui, &app.model, app.recent(), queue, &mut open_recent);
+            menu_bar_ui(ui, &app.model, app.remembered(), queue, &mut open_recent);
         });
     });
     Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar::toolbar_ui(ui, &app.model, queue));
@@ -25,9 +28,14 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
         .frame(bar(ui))
         .show(ui, |ui| panels::status::status_ui(ui, &app.model, app.pictures.readout.as_ref(), queue));
 
+    if app.model.datasets.open.is_some() && app.model.panels.filmstrip {
+        Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
+            open_burst = filmstrip::filmstrip_ui(ui, &mut app.model, &mut app.thumbnails, queue).open;
+        });
+    }
     if app.model.burst.is_none() {
         CentralPanel::default().show(ui, |ui| {
-            panels::welcome::welcome_ui(ui, &app.model, app.recent(), queue, &mut open_recent);
+            panels::welcome::welcome_ui(ui, &app.model, app.remembered(), queue, &mut open_recent);
         });
     } else {
         if app.model.panels.left {
@@ -59,7 +67,12 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
         });
     }
     panels::welcome::drop_hint_ui(ui.ctx());
-    if let Some(source) = open_recent {
-        app.open(source);
+    if let Some(place) = open_burst {
+        app.open_burst_at(place);
+    }
+    match open_recent {
+        Some(Recent::Burst(source)) => app.open(source),
+        Some(Recent::Dataset(source)) => app.open_dataset(source),
+        None => {}
     }
 }

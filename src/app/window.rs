@@ -2,6 +2,8 @@
 
 use super::actions::{self, ActionId, Queue, palette::Palette};
 use super::canvas::View;
+use super::dataset::CutDialog;
+use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, PathField, SystemDialogs};
 use super::panels::display::DisplayState;
 use super::panels::picture::PictureState;
@@ -10,6 +12,7 @@ use super::session::Session;
 use super::settings::Settings;
 use super::state::scrub::{ViewKind, played};
 use super::state::{Busy, Model};
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::{
     Answer as JobAnswer, BurstSource, DetectRequest, Engine, JobError, JobId, LaneKind, OnUpdate, OpenBurst,
@@ -23,6 +26,8 @@ use std::time::{Duration, Instant};
 pub struct Startup {
     /// What is opened first; `None` opens nothing and shows how to begin.
     pub source: Option<BurstSource>,
+    /// A dataset that is opened instead.
+    pub dataset: Option<DatasetSource>,
     /// The detector's parameters.
     pub params: DetectorParams,
     /// A session file that is restored instead.
@@ -39,6 +44,7 @@ impl Default for Startup {
     fn default() -> Self {
         Self {
             source: Some(BurstSource::Demo),
+            dataset: None,
             params: DetectorParams::default(),
             session: None,
             settings: Settings::default(),
@@ -72,6 +78,11 @@ pub struct BurstscopeApp {
     pub(super) path_field: Option<PathField>,
     /// Bursts of a folder, of which one is to be chosen.
     choice: Vec<BurstSource>,
+    /// How a sequence is to be cut, while that is being asked.
+    pub(super) cut: Option<CutDialog>,
+    pub(super) thumbnails: Thumbnails,
+    /// What is being opened.
+    opening: Option<(JobId, BurstSource)>,
     pub(super) restoring: Option<(JobId, Box<Session>)>,
     asked_picture: Option<PictureRequest>,
     asked_patch: Option<PictureRequest>,
@@ -109,6 +120,9 @@ impl BurstscopeApp {
             desk: Desk::new(startup.dialogs, on_update),
             path_field: None,
             choice: Vec::new(),
+            cut: None,
+            thumbnails: Thumbnails::default(),
+            opening: None,
             restoring: None,
             asked_picture: None,
             asked_patch: None,
@@ -117,6 +131,8 @@ impl BurstscopeApp {
         };
         if let Some(path) = startup.session {
             app.restore_session(&path);
+        } else if let Some(dataset) = startup.dataset {
+            app.open_dataset(dataset);
         } else if let Some(source) = startup.source {
             app.open(source);
         }
@@ -126,7 +142,7 @@ impl BurstscopeApp {
     /// Opens a burst in the background; the one that is open stays until the new one is there.
     pub fn open(&mut self, source: BurstSource) {
         self.restoring = None;
-        self.engine.open(source);
+        self.opening = Some((self.engine.open(source.clone()), source));
     }
 
     /// Whether everything that is wanted is there and nothing runs.
@@ -134,6 +150,7 @@ impl BurstscopeApp {
         self.engine.is_idle()
             && !self.desk.is_asking()
             && self.model.picture_is_current()
+            && !self.thumbnails.is_waiting()
             && !(self.model.auto_detect && self.wants_detection())
     }
 
@@ -146,7 +163,7 @@ impl BurstscopeApp {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
-        self.take_updates();
+        self.take_updates(&ctx);
         self.take_answers();
         self.take_dropped_files(&ctx);
         let mut queue = Queue::new();
@@ -172,6 +189,7 @@ impl BurstscopeApp {
             || self.sheet_open
             || self.about_open
             || self.path_field.is_some()
+            || self.cut.is_some()
             || !self.choice.is_empty()
     }
 
@@ -192,11 +210,20 @@ impl BurstscopeApp {
         if let Some(burst) = super::panels::chooser::chooser_ui(ctx, &mut self.choice) {
             self.open(burst);
         }
+        if let Some(dialog) = &mut self.cut {
+            let (source, stay) = dialog.ui(ctx);
+            if !stay {
+                self.cut = None;
+            }
+            if let Some(source) = source {
+                self.open_dataset(source);
+            }
+        }
         super::panels::messages::messages_ui(ctx, &mut self.model.messages);
     }
 
     /// Takes what the engine published.
-    fn take_updates(&mut self) {
+    fn take_updates(&mut self, ctx: &egui::Context) {
         for update in self.engine.poll() {
             match update {
                 Update::Opened(answer) => self.take_opened(answer),
@@ -231,6 +258,7 @@ impl BurstscopeApp {
                     Ok(text) => self.model.messages.note(text),
                     Err(error) => self.model.messages.error(done.label, error.to_string()),
                 },
+                Update::Dataset(update) => self.take_dataset_update(ctx, update),
             }
         }
         self.model.busy = Busy {
@@ -238,6 +266,7 @@ impl BurstscopeApp {
             detecting: self.engine.running(LaneKind::Detect),
             picture: self.engine.running(LaneKind::Picture).is_some(),
         };
+        self.model.datasets.running = self.engine.datasets.running();
     }
 
     fn take_opened(&mut self, answer: JobAnswer<OpenBurst>) {
@@ -249,9 +278,12 @@ impl BurstscopeApp {
             }
         };
         match answer.result {
-            Ok(burst) => {
+            Ok(mut burst) => {
                 self.engine.cancel(LaneKind::Detect);
-                self.settings.remember(&burst.source);
+                match &self.model.datasets.open {
+                    Some(dataset) if dataset.place_of(Some(&burst)).is_some() => dataset.name_as_here(&mut burst),
+                    _ => self.settings.remember(&burst.source),
+                }
                 let (width, height) = burst.burst.size();
                 let (name, count) = (burst.burst.name.clone(), burst.burst.len());
                 let frames = if count == 1 { "frame" } else { "frames" };
@@ -263,13 +295,18 @@ impl BurstscopeApp {
                 (self.failed_params, self.detecting_params) = (None, None);
                 if let Some(session) = session {
                     self.view = session.apply(&mut self.model);
+                    self.restore_dataset(session.dataset.clone());
                     if session.detected && self.model.needs_detection() {
                         self.start_detection();
                     }
                 }
             }
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
-            Err(JobError::Several(bursts)) if session.is_none() => self.choice = bursts,
+            Err(JobError::Several(_)) if session.is_none() => {
+                if let Some((_, BurstSource::Paths(paths))) = self.opening.take_if(|(id, _)| *id == answer.id) {
+                    self.open_dataset(DatasetSource::of_bursts(paths));
+                }
+            }
             Err(error) => self.model.messages.error("Open", error.to_string()),
         }
     }
@@ -336,6 +373,7 @@ impl BurstscopeApp {
         if self.model.auto_detect && !dragging && !asked && self.wants_detection() {
             self.start_detection();
         }
+        self.thumbnails.request(&self.engine.datasets);
     }
 }
 
@@ -354,6 +392,19 @@ impl BurstscopeApp {
     /// Where a place of the image (in pixels) is in the window (in points), as last drawn.
     pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
         self.pictures.ui_from_image.map(|t| t.pos(pos_image))
+    }
+
+    /// What is remembered from the last time.
+    pub fn remembered(&self) -> &Settings {
+        &self.settings
+    }
+
+    pub(super) fn remember_dataset(&mut self, source: &DatasetSource) {
+        self.settings.remember_dataset(source);
+    }
+
+    pub(super) fn burst_length(&self) -> usize {
+        self.settings.burst_length
     }
 
     /// Bursts that were opened before, the latest first.

@@ -24,15 +24,20 @@ pub(super) const INPUT_HELP: &str =
     args_conflicts_with_subcommands = true,
     after_long_help = "Examples:\n  burstscope                                       open the window on the demo burst\n  \
         burstscope night/                                open the window on a folder of frames\n  \
+        burstscope nights/                               open the window on a folder of bursts: a dataset\n  \
+        burstscope film/ --burst-length 7                open the window on a long sequence, cut into bursts\n  \
         burstscope detect night/ --out found             features of a burst as CSV\n  \
         burstscope detect nights/ --slopes-u -6:6:25 --out found --format csv,npz\n  \
         burstscope stack night/ --slope -2.1,0 --out sign.tiff\n\n\
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
 )]
 pub struct Cli {
-    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'.
+    /// What to open in the window: a folder of frames, a folder of such folders (a dataset), image files, a multi-page TIFF, a .npy stack, or 'demo'.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     /// The parameter file to begin with.
     #[command(flatten)]
     pub params: ParamsFileArg,
@@ -173,7 +178,7 @@ pub struct StackArgs {
 /// Draw the window into a PNG file, without a display.
 ///
 /// The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the
-/// picture is taken at the slope with the most features.
+/// picture is taken at the slope with the most features. Of a dataset the first burst is shown.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
@@ -215,6 +220,9 @@ pub struct RenderArgs {
     /// Give up after this many seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,

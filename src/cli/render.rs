@@ -3,8 +3,9 @@
 use super::args::RenderArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{Input, Place, resolve_one};
+use super::inputs::{Input, Opening, Place, what_to_open};
 use crate::app::{RenderOptions, render_to_png};
+use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
 use serde_json::json;
 use std::time::Duration;
@@ -12,9 +13,10 @@ use std::time::Duration;
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
-    let source = source_of(resolve_one(&args.inputs, "render")?)?;
+    let (source, dataset) = sources_of(what_to_open(&args.inputs, args.sequence)?)?;
     let options = RenderOptions {
-        source,
+        source: source.unwrap_or(BurstSource::Demo),
+        dataset,
         params,
         size_points: args.size,
         scale: args.scale,
@@ -44,14 +46,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console.say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": args.out }))
 }
 
-/// What the window opens for `input`.
+/// The burst or the dataset that the window opens.
 ///
 /// # Errors
-/// Why the input was not found.
-pub(super) fn source_of(input: Input) -> Result<BurstSource, Failure> {
-    match input.place {
-        Place::Demo => Ok(BurstSource::Demo),
-        Place::Paths(paths) => Ok(BurstSource::Paths(paths)),
-        Place::Broken(error) => Err(error.into()),
+/// Why the burst was not found.
+pub(super) fn sources_of(opening: Opening) -> Result<(Option<BurstSource>, Option<DatasetSource>), Failure> {
+    match opening {
+        Opening::Dataset(source) => Ok((None, Some(source))),
+        Opening::Burst(Input { place: Place::Demo, .. }) => Ok((Some(BurstSource::Demo), None)),
+        Opening::Burst(Input { place: Place::Paths(paths), .. }) => Ok((Some(BurstSource::Paths(paths)), None)),
+        Opening::Burst(Input { place: Place::Broken(error), .. }) => Err(error.into()),
     }
 }

@@ -1,7 +1,7 @@
 //! Background workers: requests in, answers out, so that whoever asks never waits.
 //!
 //! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the picture on show, the patch of the selected
-//! feature, a detection. A lane is a named thread with a single-slot mailbox: a new request replaces one that still waits, and
+//! feature, a detection, and work on a [dataset](DatasetWorkers). A lane is a named thread with a single-slot mailbox: a new request replaces one that still waits, and
 //! the one that runs is cancelled. So the latest request wins, and scrubbing stays live while a detection runs. Each
 //! request is an immutable snapshot with an id. An answer is published first; only then is `on_update` called, so that
 //! whoever wakes up finds it. A panic in the work becomes an error with its place, and the lane lives on.
@@ -9,6 +9,7 @@
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
 mod cache;
+mod dataset;
 mod fault;
 mod lane;
 mod picture;
@@ -16,6 +17,9 @@ mod source;
 mod task;
 
 pub use cache::PictureCache;
+pub use dataset::{
+    Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
+};
 pub use fault::JobError;
 pub use lane::{Answer, JobId, Lane};
 pub use picture::{Picture, PictureKind, PictureRequest};
@@ -83,6 +87,8 @@ pub enum Update {
     Detected(Answer<Detected>),
     /// A task ended.
     Task(TaskDone),
+    /// Something about a dataset.
+    Dataset(DatasetUpdate),
 }
 
 /// How far a lane's running request is.
@@ -102,6 +108,8 @@ pub struct Engine {
     picture: Lane<PictureRequest, Picture>,
     patch: Lane<PictureRequest, Picture>,
     detect: Lane<DetectRequest, Detected>,
+    /// Work on many bursts.
+    pub datasets: DatasetWorkers,
     tasks: task::Tasks,
     cache: Arc<Mutex<PictureCache>>,
 }
@@ -135,6 +143,7 @@ impl Engine {
                 let found = detect(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
                 Ok(Detected { burst: request.burst.id, params: request.params, detection: Arc::new(found) })
             }),
+            datasets: DatasetWorkers::new(&on_update),
             tasks: task::Tasks::new(on_update),
             cache,
         }
@@ -186,6 +195,7 @@ impl Engine {
         updates.extend(self.picture.take_answer().map(Update::Picture));
         updates.extend(self.patch.take_answer().map(Update::Patch));
         updates.extend(self.detect.take_answer().map(Update::Detected));
+        updates.extend(self.datasets.poll().into_iter().map(Update::Dataset));
         updates.extend(self.tasks.take_done().into_iter().map(Update::Task));
         updates
     }
@@ -216,6 +226,7 @@ impl Engine {
             && self.picture.is_idle()
             && self.patch.is_idle()
             && self.detect.is_idle()
+            && self.datasets.is_idle()
             && self.tasks.is_idle()
     }
 

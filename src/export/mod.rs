@@ -23,7 +23,7 @@ pub use colmap::{
 pub use columns::{COLUMNS, FeatureRow};
 pub use csv::{read_features_csv, write_csv};
 pub use error::ExportError;
-pub use format::{ExportFormat, UnknownFormat, safe_file_name, write_detection};
+pub use format::{ExportFormat, UnknownFormat, make_file_names_unique, safe_file_name, write_detection};
 pub use npz::write_npz;
 pub use png::{Picture, write_png};
 pub use svg::{FigureOptions, LegendEntry, write_svg};

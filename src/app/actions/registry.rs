@@ -15,13 +15,16 @@ pub enum Menu {
     Detect,
     /// The features found.
     Features,
+    /// Many bursts.
+    Dataset,
     /// Finding one's way.
     Help,
 }
 
 impl Menu {
     /// All menus.
-    pub const ALL: [Self; 6] = [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Help];
+    pub const ALL: [Self; 7] =
+        [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Dataset, Self::Help];
 
     /// Its name.
     pub fn label(self) -> &'static str {
@@ -31,6 +34,7 @@ impl Menu {
             Self::Scrub => "Scrub",
             Self::Detect => "Detection",
             Self::Features => "Features",
+            Self::Dataset => "Dataset",
             Self::Help => "Help",
         }
     }
@@ -91,6 +95,7 @@ macro_rules! actions {
 actions! {
     OpenFolder, File 0, "Open folder…", [CTRL O], "Open a folder of frames";
     OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack";
+    OpenDataset, File 0, "Open dataset…", [CTRL_SHIFT D], "Open a folder of bursts, or a long sequence that is cut into bursts";
     OpenPath, File 0, "Open path…", [CTRL L], "Type or paste the path of a burst";
     OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program";
     RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file";
@@ -120,6 +125,7 @@ actions! {
     ToggleLeft, View 3, "Scrub and parameters", [CTRL B], "Show or hide the panel on the left";
     ToggleRight, View 3, "Feature and display", [CTRL R], "Show or hide the panel on the right";
     ToggleBottom, View 3, "Table and tally", [CTRL J], "Show or hide the panel below";
+    ToggleFilmstrip, View 3, "Filmstrip", [CTRL K], "Show or hide the bursts of the dataset";
     ThemeSystem, View 4, "Theme as the system", [], "Follow the system's light or dark theme";
     ThemeLight, View 4, "Light theme", [], "Dark text on a light ground";
     ThemeDark, View 4, "Dark theme", [], "Light text on a dark ground";
@@ -153,6 +159,17 @@ actions! {
     GoToFeature, Features 0, "Go to selected feature", [NONE Enter], "Show the motion stack at its slope, with the feature in the middle";
     ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature";
     ClearFilter, Features 1, "Clear filter", [], "Show all features";
+
+    DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts with these parameters; what is finished is not done again";
+    CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop what is done with all bursts; what is finished stays";
+    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one";
+    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one";
+    BurstAsA, Dataset 1, "Use burst as A", [], "Make the burst that is open the first of a pair";
+    BurstAsB, Dataset 1, "Use burst as B", [], "Make the burst that is open the second of a pair";
+    CutSequence, Dataset 2, "Cut into bursts…", [], "Cut the frames of the burst that is open into shorter bursts, as a dataset";
+    FeatureFolder, Dataset 2, "Choose feature folder…", [], "Keep the dataset's features elsewhere, such as in a folder that burstscope colmap wrote";
+    UseFolderParams, Dataset 2, "Use the folder's parameters", [], "Take the parameters with which the features in the dataset's folder were found";
+    CloseDataset, Dataset 3, "Close dataset", [], "Close the dataset; its features stay in their folder";
 
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show all actions with their keys";
@@ -192,8 +209,9 @@ mod tests {
     #[test]
     fn what_asks_first_ends_in_an_ellipsis() {
         for action in ACTIONS {
-            let asks = ["Open ", "Save ", "Load ", "Export "].iter().any(|p| action.label.starts_with(p))
-                && action.id != ActionId::OpenDemo;
+            let asks =
+                ["Open ", "Save ", "Load ", "Export ", "Choose ", "Cut "].iter().any(|p| action.label.starts_with(p))
+                    && action.id != ActionId::OpenDemo;
             let asks = asks || action.id == ActionId::Palette;
             assert_eq!(action.label.ends_with('…'), asks, "{}", action.label);
         }

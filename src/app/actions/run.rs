@@ -19,6 +19,7 @@ impl BurstscopeApp {
         match id {
             A::OpenFolder => self.ask(Purpose::OpenFolder),
             A::OpenFiles => self.ask(Purpose::OpenFiles),
+            A::OpenDataset => self.ask(Purpose::OpenDataset),
             A::OpenPath => self.open_path_field(Purpose::OpenPath, false),
             A::OpenDemo => self.open(BurstSource::Demo),
             A::RestoreSession => self.ask(Purpose::RestoreSession),
@@ -46,6 +47,16 @@ impl BurstscopeApp {
                 self.engine.cancel(LaneKind::Detect);
                 self.engine.cancel(LaneKind::Open);
             }
+            A::DetectAll => self.detect_all(),
+            A::CancelDataset => self.engine.datasets.cancel(),
+            A::PreviousBurst => self.step_burst(-1),
+            A::NextBurst => self.step_burst(1),
+            A::BurstAsA => self.choose_open_burst(0),
+            A::BurstAsB => self.choose_open_burst(1),
+            A::CutSequence => self.ask_for_cut(),
+            A::FeatureFolder => self.ask(Purpose::FeatureFolder),
+            A::UseFolderParams => self.use_folder_params(),
+            A::CloseDataset => self.close_dataset(),
             A::GoToFeature => self.go_to_selected(),
             A::Palette => self.palette.open(),
             A::Shortcuts => self.sheet_open = !self.sheet_open,
@@ -73,6 +84,7 @@ fn change_model(model: &mut Model, id: ActionId) {
         A::ToggleLeft => model.panels.left ^= true,
         A::ToggleRight => model.panels.right ^= true,
         A::ToggleBottom => model.panels.bottom ^= true,
+        A::ToggleFilmstrip => model.panels.filmstrip ^= true,
         A::ThemeSystem => model.theme = egui::ThemePreference::System,
         A::ThemeLight => model.theme = egui::ThemePreference::Light,
         A::ThemeDark => model.theme = egui::ThemePreference::Dark,

@@ -4,6 +4,7 @@ use super::registry::ActionId;
 use crate::app::state::Model;
 use crate::app::state::scrub::ViewKind;
 use crate::detector::{DetectorParams, Method};
+use crate::engine::BurstSource;
 
 /// Whether the action can be done now.
 pub fn enabled(id: ActionId, model: &Model) -> bool {
@@ -25,6 +26,19 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
         A::GoToFeature | A::ClearSelection => model.selected_feature().is_some(),
         A::ClearFilter => !model.filter.is_open(),
+        A::DetectAll => model.datasets.can_detect(model.params.validate().is_ok()),
+        A::CancelDataset => model.datasets.work.is_some(),
+        A::ToggleFilmstrip | A::PreviousBurst | A::NextBurst | A::FeatureFolder | A::CloseDataset => {
+            model.datasets.open.is_some()
+        }
+        A::BurstAsA | A::BurstAsB => {
+            model.datasets.open.as_ref().is_some_and(|d| d.place_of(model.burst.as_ref()).is_some())
+        }
+        A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
+        A::CutSequence => {
+            let in_files = model.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
+            in_files && model.frame_count() > 1
+        }
         _ => true,
     }
 }
@@ -44,6 +58,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ToggleLeft => Some(model.panels.left),
         A::ToggleRight => Some(model.panels.right),
         A::ToggleBottom => Some(model.panels.bottom),
+        A::ToggleFilmstrip => Some(model.panels.filmstrip),
         A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),

@@ -9,6 +9,7 @@ pub mod messages;
 pub mod scrub;
 
 use super::canvas::overlay::ColourBy;
+use super::dataset::Datasets;
 use crate::detector::{Detection, DetectorParams, Feature, ParamError, Slope};
 use crate::engine::{BurstId, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Running};
 use filter::{Filter, Order};
@@ -40,11 +41,13 @@ pub struct Panels {
     pub right: bool,
     /// Table and tally.
     pub bottom: bool,
+    /// The bursts of a dataset, while one is open.
+    pub filmstrip: bool,
 }
 
 impl Default for Panels {
     fn default() -> Self {
-        Self { left: true, right: true, bottom: true }
+        Self { left: true, right: true, bottom: true, filmstrip: true }
     }
 }
 
@@ -136,6 +139,8 @@ pub struct Model {
     pub messages: Messages,
     /// What the engine is doing.
     pub busy: Busy,
+    /// Many bursts.
+    pub datasets: Datasets,
     listed_for: Option<ListedFor>,
 }
 
