@@ -22,6 +22,12 @@ pub enum Purpose {
     FeatureFolder,
     /// Any path of a burst, typed.
     OpenPath,
+    /// A folder of frames, for the second burst.
+    OpenFolderB,
+    /// Image files, for the second burst.
+    OpenFilesB,
+    /// Any path of a burst, typed, for the second burst.
+    OpenPathB,
     /// A session file to restore.
     RestoreSession,
     /// A session file to write.
@@ -86,6 +92,9 @@ impl Purpose {
             Self::OpenDataset => "Open a folder of bursts, or a long sequence",
             Self::FeatureFolder => "Choose a folder for the dataset's features",
             Self::OpenPath => "Open a path",
+            Self::OpenFolderB => "Open a folder of frames as B",
+            Self::OpenFilesB => "Open image files as B",
+            Self::OpenPathB => "Open a path as B",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
             Self::LoadParams => "Load parameters",
@@ -102,9 +111,12 @@ impl Purpose {
     /// What the path field says about itself.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::OpenFolder | Self::OpenFiles | Self::OpenPath => {
-                "A folder of frames, an image, a multi-page TIFF or a .npy stack"
-            }
+            Self::OpenFolder
+            | Self::OpenFiles
+            | Self::OpenPath
+            | Self::OpenFolderB
+            | Self::OpenFilesB
+            | Self::OpenPathB => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
             Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
             Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
@@ -116,8 +128,13 @@ impl Purpose {
     /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::OpenFolder | Self::OpenDataset | Self::FeatureFolder | Self::OpenPath => Vec::new(),
-            Self::OpenFiles => crate::burst::supported_extensions().to_vec(),
+            Self::OpenFolder
+            | Self::OpenDataset
+            | Self::FeatureFolder
+            | Self::OpenPath
+            | Self::OpenFolderB
+            | Self::OpenPathB => Vec::new(),
+            Self::OpenFiles | Self::OpenFilesB => crate::burst::supported_extensions().to_vec(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::Export(kind) => vec![kind.extension()],
         }
@@ -156,10 +173,10 @@ impl FileDialogs for SystemDialogs {
             dialog = dialog.add_filter(question.purpose.title(), &extensions).add_filter("All files", &["*"]);
         }
         match question.purpose {
-            Purpose::OpenFolder | Purpose::OpenDataset | Purpose::FeatureFolder => {
+            Purpose::OpenFolder | Purpose::OpenFolderB | Purpose::OpenDataset | Purpose::FeatureFolder => {
                 dialog.pick_folder().map(|p| vec![p])
             }
-            Purpose::OpenFiles => dialog.pick_files(),
+            Purpose::OpenFiles | Purpose::OpenFilesB => dialog.pick_files(),
             purpose if purpose.saves() => dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p]),
             _ => dialog.pick_file().map(|p| vec![p]),
         }

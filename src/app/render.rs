@@ -16,6 +16,8 @@ use std::time::Duration;
 pub struct RenderOptions {
     /// The burst.
     pub source: BurstSource,
+    /// A second burst beside it.
+    pub second: Option<BurstSource>,
     /// A dataset that is drawn instead, on its first burst.
     pub dataset: Option<DatasetSource>,
     /// The detector's parameters.
@@ -38,7 +40,7 @@ pub struct RenderOptions {
     pub level: i32,
     /// Whether features are detected and drawn.
     pub detect: bool,
-    /// Whether the strongest feature is selected.
+    /// Whether the strongest feature, or of two bursts its match, is selected.
     pub select_strongest: bool,
     /// How long it may take to open the burst and to detect.
     pub max_duration: Duration,
@@ -48,6 +50,7 @@ impl Default for RenderOptions {
     fn default() -> Self {
         Self {
             source: BurstSource::Demo,
+            second: None,
             dataset: None,
             params: DetectorParams::default(),
             size_points: (1280.0, 800.0),
@@ -94,6 +97,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     };
     let startup = Startup {
         source: Some(options.source.clone()),
+        second: options.second.clone(),
         dataset: options.dataset.clone(),
         params: options.params.clone(),
         settings,
@@ -109,9 +113,13 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         |ctx, _| BurstscopeApp::new(ctx, None, startup),
         |app, ui| {
             app.show(ui);
-            if app.model.burst.is_some() && !placed {
+            let opened = app.model.burst.is_some() && (options.second.is_none() || app.model.pair.b.burst.is_some());
+            if opened && !placed {
                 place(app, options);
                 placed = true;
+            }
+            if options.select_strongest && app.model.pair.selected.is_none() {
+                app.model.pair.selected = app.model.pair.listed.first().copied();
             }
             if options.select_strongest && app.model.selected.is_none() && !app.model.listed.is_empty() {
                 app.model.selected = app.model.listed.first().copied();
@@ -125,8 +133,10 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
                 .or_else(|| app.model.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string));
         },
         |app| {
-            let answered = app.model.burst.is_some() || !app.model.messages.errors().is_empty();
-            app.is_settled() && answered
+            let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
+            let answered = app.model.burst.is_some() || failed;
+            let second = options.second.is_none() || app.model.pair.b.burst.is_some() || failed;
+            app.is_settled() && answered && second
         },
     )?;
     if let Some(problem) = problem {
@@ -152,4 +162,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     model.scrub.octave = options.octave.unwrap_or(options.params.first_octave);
     model.scrub.level = options.level;
     model.check_params();
+    if model.pair.b.burst.is_some() {
+        model.bring_hands_together();
+    }
 }

@@ -1,5 +1,6 @@
 //! What the window remembers from one start to the next.
 
+use super::state::pair::{Links, MatchLook};
 use super::state::{Model, Panels};
 use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
@@ -27,6 +28,10 @@ pub struct Settings {
     pub panels: Panels,
     /// Whether a detection starts by itself after a change.
     pub auto_detect: bool,
+    /// What moves together in two bursts.
+    pub links: Links,
+    /// How matches look.
+    pub match_look: MatchLook,
 }
 
 impl Default for Settings {
@@ -38,6 +43,8 @@ impl Default for Settings {
             theme: egui::ThemePreference::Dark,
             panels: Panels::default(),
             auto_detect: true,
+            links: Links::default(),
+            match_look: MatchLook::default(),
         }
     }
 }
@@ -57,7 +64,7 @@ impl Settings {
 
     /// Puts `source` at the top of the recent list. The demo has a menu item of its own.
     pub fn remember(&mut self, source: &BurstSource) {
-        if *source != BurstSource::Demo {
+        if matches!(source, BurstSource::Paths(_)) {
             put_first(&mut self.recent, source);
         }
     }
@@ -71,6 +78,7 @@ impl Settings {
     /// Takes over what the model has of them.
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
+        (self.links, self.match_look) = (model.pair.links, model.pair.look);
     }
 }
 

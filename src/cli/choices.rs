@@ -22,7 +22,7 @@ pub(super) const METHODS: &[&str] = &["buff", "sift"];
 /// The words of [`crate::detector::SlopeNeighbours`].
 pub(super) const SLOPE_NEIGHBOURS: &[&str] = &["adjacent", "all"];
 /// The words of [`crate::detector::Interpolation`].
-pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest"];
+pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest", "truncated"];
 /// The words of [`crate::detector::Localisation`].
 pub(super) const LOCALISATIONS: &[&str] = &["continuous", "quadratic"];
 /// The words of [`crate::dataset::ImageKind`].

@@ -11,11 +11,13 @@ use crate::burst::{
 use crate::dataset::DatasetSource;
 use crate::export::make_file_names_unique;
 use crate::monitor::Monitor;
-use crate::synth::demo_burst;
+use crate::synth::{demo_burst, later_demo_burst};
 use std::path::{Path, PathBuf};
 
 /// The word that names the built-in burst; a folder of that name is `./demo`.
 pub(super) const DEMO: &str = "demo";
+/// The word that names the other built-in burst: the same street a little later.
+pub(super) const DEMO_LATER: &str = "demo-later";
 
 /// One burst that was asked for.
 #[derive(Debug)]
@@ -30,7 +32,10 @@ pub(super) struct Input {
 #[derive(Debug)]
 pub(super) enum Place {
     /// Built into the program.
-    Demo,
+    Demo {
+        /// The one that is a little later.
+        later: bool,
+    },
     /// In files.
     Paths(Vec<PathBuf>),
     /// Nowhere: it could not even be looked for.
@@ -38,13 +43,20 @@ pub(super) enum Place {
 }
 
 impl Input {
+    /// A built-in burst.
+    pub fn demo(later: bool) -> Self {
+        let name = if later { DEMO_LATER } else { DEMO };
+        Self { name: name.to_owned(), place: Place::Demo { later } }
+    }
+
     /// Opens the burst.
     ///
     /// # Errors
     /// As [`Burst::open_with`], or why it was not found.
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, OpenError> {
         match &self.place {
-            Place::Demo => Ok(demo_burst()),
+            Place::Demo { later: false } => Ok(demo_burst()),
+            Place::Demo { later: true } => Ok(later_demo_burst()),
             Place::Paths(paths) => Burst::open_with(paths, options, monitor),
             Place::Broken(error) => Err(error.clone()),
         }
@@ -61,12 +73,12 @@ impl Input {
 
 /// The bursts that `arguments` name, in their order; files come at the place of the first one.
 pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
-    let is_demo = |path: &PathBuf| path.as_os_str() == DEMO;
+    let is_demo = |path: &PathBuf| [DEMO, DEMO_LATER].iter().any(|word| path.as_os_str() == *word);
     let mut inputs = Vec::new();
     let mut files_done = false;
     for argument in arguments {
         if is_demo(argument) {
-            inputs.push(Input { name: DEMO.to_owned(), place: Place::Demo });
+            inputs.push(Input::demo(argument.as_os_str() == DEMO_LATER));
         } else if argument.is_dir() {
             inputs.extend(look(std::slice::from_ref(argument)));
         } else if !files_done {
@@ -90,7 +102,7 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     };
     let cut =
         SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
-    if inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+    if inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
         return Err(Failure::usage("--burst-length: the demo is a single burst and is not cut; leave the option out"));
     }
     let several = inputs.len() > 1;
@@ -163,16 +175,27 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
     }
 }
 
+/// The two bursts that two arguments name, one each; `None` for anything else: two files may be frames of one burst, and a folder of bursts is a dataset.
+pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
+    let [first, second] = arguments else { return None };
+    let inputs = resolve(arguments);
+    let each = |argument: &PathBuf| resolve(std::slice::from_ref(argument)).len() == 1;
+    let two: [Input; 2] = inputs.try_into().ok()?;
+    (each(first) && each(second)).then_some(two)
+}
+
 /// What the window opens.
 #[derive(Debug)]
 pub(super) enum Opening {
     /// One burst.
     Burst(Input),
+    /// Two side by side.
+    Two([Input; 2]),
     /// Many.
     Dataset(DatasetSource),
 }
 
-/// What `arguments` name: one burst, or a dataset if there are several or a sequence is cut.
+/// What `arguments` name: one burst, two if each argument is one, or a dataset if there are more or a sequence is cut.
 ///
 /// # Errors
 /// A cut that makes no sense; the demo among others; several bursts of which one was not found.
@@ -182,6 +205,9 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
     if inputs.len() < 2 && burst_length.is_none() {
         return Ok(Opening::Burst(resolve_one(arguments, "the window")?));
     }
+    if let Some(two) = two_of(arguments).filter(|_| burst_length.is_none()) {
+        return Ok(Opening::Two(two));
+    }
     if let Some(length) = burst_length {
         SequenceCut::new(length, burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
     }
@@ -189,9 +215,9 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
         match input.place {
             Place::Paths(_) => {}
             Place::Broken(error) => return Err(error.into()),
-            Place::Demo => {
+            Place::Demo { .. } => {
                 return Err(Failure::usage(
-                    "the demo is a burst alone: open it without other inputs and without a cut",
+                    "the demo is a burst alone: open it without a cut, and beside one other burst at most",
                 ));
             }
         }
@@ -204,7 +230,7 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
 /// # Errors
 /// A bias frame for the demo burst.
 pub(super) fn open_options(inputs: &[Input], bias: Option<&PathBuf>) -> Result<OpenOptions, Failure> {
-    if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+    if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
         return Err(Failure::usage(
             "--bias: the demo burst was made without a camera and has no bias frame; leave the option out",
         ));
@@ -237,7 +263,14 @@ mod tests {
         assert!(matches!(inputs[1].place, Place::Broken(_)));
         let inputs = resolve(&[file(2), file(0), file(1)]);
         assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
-        assert!(resolve_one(&[DEMO.into(), folder], "stack").is_err());
+        assert!(resolve_one(&[DEMO.into(), folder.clone()], "stack").is_err());
+        let names = |two: [Input; 2]| two.map(|input| input.name);
+        assert_eq!(
+            two_of(&[folder.clone(), DEMO_LATER.into()]).map(names),
+            Some(["night".into(), "demo-later".into()])
+        );
+        assert!(two_of(&[file(0), file(1)]).is_none(), "two pictures are frames of one burst");
+        assert!(two_of(&[folder]).is_none());
     }
 
     #[test]
@@ -252,15 +285,16 @@ mod tests {
             |paths: &[PathBuf], burst_length| what_to_open(paths, SequenceArgs { burst_length, burst_step: None });
         let dataset = |opening: Result<Opening, Failure>| match opening.expect("found") {
             Opening::Dataset(source) => source.bursts().expect("bursts").into_iter().map(|b| b.name).collect(),
-            Opening::Burst(_) => Vec::new(),
+            Opening::Burst(_) | Opening::Two(_) => Vec::new(),
         };
         assert!(matches!(open(&[film("a")], None), Ok(Opening::Burst(_))));
         assert!(matches!(open(&[DEMO.into()], None), Ok(Opening::Burst(_))));
         assert_eq!(dataset(open(&[home.path().into()], None)), ["a", "b"]);
         assert_eq!(dataset(open(&[film("a")], Some(2))), ["1", "3"]);
         assert_eq!(dataset(open(&[home.path().into()], Some(4))), ["a_2", "b_2"]);
-        assert!(open(&[DEMO.into(), film("a")], None).is_err() && open(&[DEMO.into()], Some(2)).is_err());
-        assert!(open(&[film("a"), film("gone")], None).is_err() && open(&[film("a")], Some(0)).is_err());
+        assert!(matches!(open(&[DEMO.into(), film("a")], None), Ok(Opening::Two(_))));
+        assert!(open(&[DEMO.into(), home.path().into()], None).is_err() && open(&[DEMO.into()], Some(2)).is_err());
+        assert!(open(&[film("a"), film("b"), film("gone")], None).is_err() && open(&[film("a")], Some(0)).is_err());
     }
 
     #[test]

@@ -13,9 +13,10 @@ use std::time::Duration;
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
-    let (source, dataset) = sources_of(what_to_open(&args.inputs, args.sequence)?)?;
+    let Sources { source, second, dataset } = sources_of(what_to_open(&args.inputs, args.sequence)?)?;
     let options = RenderOptions {
         source: source.unwrap_or(BurstSource::Demo),
+        second,
         dataset,
         params,
         size_points: args.size,
@@ -46,15 +47,38 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console.say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": args.out }))
 }
 
-/// The burst or the dataset that the window opens.
+/// What the window opens: a burst, perhaps with a second one beside it, or a dataset.
+pub(super) struct Sources {
+    /// The burst.
+    pub source: Option<BurstSource>,
+    /// The second one.
+    pub second: Option<BurstSource>,
+    /// The dataset.
+    pub dataset: Option<DatasetSource>,
+}
+
+/// Where what is to be opened is.
 ///
 /// # Errors
-/// Why the burst was not found.
-pub(super) fn sources_of(opening: Opening) -> Result<(Option<BurstSource>, Option<DatasetSource>), Failure> {
+/// Why a burst was not found.
+pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
+    let none = Sources { source: None, second: None, dataset: None };
     match opening {
-        Opening::Dataset(source) => Ok((None, Some(source))),
-        Opening::Burst(Input { place: Place::Demo, .. }) => Ok((Some(BurstSource::Demo), None)),
-        Opening::Burst(Input { place: Place::Paths(paths), .. }) => Ok((Some(BurstSource::Paths(paths)), None)),
-        Opening::Burst(Input { place: Place::Broken(error), .. }) => Err(error.into()),
+        Opening::Dataset(source) => Ok(Sources { dataset: Some(source), ..none }),
+        Opening::Burst(input) => Ok(Sources { source: Some(source_of(input)?), ..none }),
+        Opening::Two([a, b]) => Ok(Sources { source: Some(source_of(a)?), second: Some(source_of(b)?), ..none }),
+    }
+}
+
+/// What the window opens for `input`.
+///
+/// # Errors
+/// Why the input was not found.
+pub(super) fn source_of(input: Input) -> Result<BurstSource, Failure> {
+    match input.place {
+        Place::Demo { later: false } => Ok(BurstSource::Demo),
+        Place::Demo { later: true } => Ok(BurstSource::DemoLater),
+        Place::Paths(paths) => Ok(BurstSource::Paths(paths)),
+        Place::Broken(error) => Err(error.into()),
     }
 }

@@ -3,14 +3,13 @@
 use super::args::{Cli, OutputArgs};
 use super::console::{Console, print};
 use super::failure::Failure;
-use super::inputs::{DEMO, Input, Opening, Place, what_to_open};
-use super::render::sources_of;
+use super::inputs::{DEMO, Input, Opening, what_to_open};
+use super::render::{Sources, source_of, sources_of};
 use super::table::feature_table;
 use crate::app::{RenderOptions, Startup, render_to_png};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::{DetectorParams, detect};
-use crate::engine::BurstSource;
 use crate::export::safe_file_name;
 use std::path::{Path, PathBuf};
 
@@ -24,12 +23,13 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let opening = what_to_open(inputs, cli.sequence)?;
     if !has_display() {
         return match opening {
-            Opening::Burst(input) => without_display(input, params),
+            Opening::Burst(input) => without_display(input, None, params),
+            Opening::Two([a, b]) => without_display(a, Some(b), params),
             Opening::Dataset(source) => dataset_without_display(source, params),
         };
     }
-    let (source, dataset) = sources_of(opening)?;
-    let startup = Startup { source, dataset, params, ..Startup::default() };
+    let Sources { source, second, dataset } = sources_of(opening)?;
+    let startup = Startup { source, second, dataset, params, ..Startup::default() };
     crate::app::run(startup).map_err(Failure::Failed)
 }
 
@@ -64,11 +64,11 @@ fn dataset_without_display(source: DatasetSource, params: DetectorParams) -> Res
     draw(&RenderOptions { dataset: Some(source), params, ..RenderOptions::default() }, &file, &console)
 }
 
-fn without_display(input: Input, params: DetectorParams) -> Result<(), Failure> {
+/// The features listed are those of `input`; the picture shows `second` beside it, if there is one.
+fn without_display(input: Input, second: Option<Input>, params: DetectorParams) -> Result<(), Failure> {
     let (file, console) = begin_without_display(&input.name, "the strongest features are listed")?;
     let name = input.name.clone();
     console.begin(format!("{name}: "));
-    let paths = input.paths();
     let burst = input.open(&OpenOptions::default(), &console.monitor)?;
     let detection = detect(&burst, &params, &console.monitor)?;
     console.say(&format!(
@@ -79,8 +79,7 @@ fn without_display(input: Input, params: DetectorParams) -> Result<(), Failure> 
         detection.features.len(),
         feature_table(&detection, TABLE_ROWS)
     ))?;
-    let place = if paths.is_empty() { Place::Demo } else { Place::Paths(paths) };
-    let (source, _) = sources_of(Opening::Burst(Input { name, place }))?;
-    let options = RenderOptions { source: source.unwrap_or(BurstSource::Demo), params, ..RenderOptions::default() };
+    let second = second.map(source_of).transpose()?;
+    let options = RenderOptions { source: source_of(input)?, second, params, ..RenderOptions::default() };
     draw(&options, &file, &console)
 }

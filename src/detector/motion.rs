@@ -8,6 +8,7 @@
 
 use super::params::Interpolation;
 use super::slope_grid::Slope;
+use super::stack_rows::RowStacker;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blocks::{BlockSize, LARGE, SMALL, for_blocks};
@@ -26,40 +27,61 @@ pub struct FrameOffset {
     pub part_u: f32,
     /// The rest of a row.
     pub part_v: f32,
+    /// How many columns before the first one still count as it, 0 or 1: see [`Interpolation::Truncated`].
+    pub before_u: i64,
+    /// The same for rows.
+    pub before_v: i64,
 }
 
 impl FrameOffset {
     fn new(u_px: f64, v_px: f64, interpolation: Interpolation) -> Self {
         // A fraction under a millionth of a pixel is a rounding error of the slope; without it whole-pixel slopes stay exact.
         let split = |x: f64| match interpolation {
-            Interpolation::Nearest => (x.round() as i64, 0.0),
+            Interpolation::Nearest => (x.round() as i64, 0.0, 0),
+            // Dropping the fraction of place + 1/2 is its floor, but for places between −1.5 and −0.5, which it takes for 0.
+            Interpolation::Truncated => ((x + 0.5).floor() as i64, 0.0, i64::from((x + 0.5).fract() != 0.0)),
             Interpolation::Linear => {
                 let (whole, part) = (x.floor(), x - x.floor());
                 if part < 1e-6 {
-                    (whole as i64, 0.0)
+                    (whole as i64, 0.0, 0)
                 } else if part > 1.0 - 1e-6 {
-                    (whole as i64 + 1, 0.0)
+                    (whole as i64 + 1, 0.0, 0)
                 } else {
-                    (whole as i64, part as f32)
+                    (whole as i64, part as f32, 0)
                 }
             }
         };
-        let ((whole_u, part_u), (whole_v, part_v)) = (split(u_px), split(v_px));
-        Self { whole_u, whole_v, part_u, part_v }
+        let ((whole_u, part_u, before_u), (whole_v, part_v, before_v)) = (split(u_px), split(v_px));
+        Self { whole_u, whole_v, part_u, part_v, before_u, before_v }
     }
 
-    /// Positions `0 … n−1` that this offset keeps inside, as a half-open range: whole offset `whole`, fraction `part`.
-    fn covered(whole: i64, part: f32, n: usize) -> Range<usize> {
+    /// Columns of an image `width` wide at which the frame has pixels of its own.
+    pub(super) fn reads_columns(&self, width: usize) -> Range<usize> {
+        Self::covered(self.whole_u, self.part_u, 0, width)
+    }
+
+    /// Columns of an image `width` wide at which the frame counts.
+    pub(super) fn covers_columns(&self, width: usize) -> Range<usize> {
+        Self::covered(self.whole_u, self.part_u, self.before_u, width)
+    }
+
+    /// Whether the frame covers row `v` of an image `height` high.
+    pub(super) fn covers_row(&self, v: usize, height: usize) -> bool {
+        Self::covered(self.whole_v, self.part_v, self.before_v, height).contains(&v)
+    }
+
+    /// Positions `0 … n−1` that this offset keeps inside, as a half-open range: whole offset `whole`, fraction `part`; the position
+    /// `before` 0 counts too.
+    fn covered(whole: i64, part: f32, before: i64, n: usize) -> Range<usize> {
         let reach = i64::from(part > 0.0);
-        let start = (-whole).clamp(0, n as i64);
+        let start = (-whole - before).clamp(0, n as i64);
         let end = (n as i64 - whole - reach).clamp(start, n as i64);
         start as usize..end as usize
     }
 
     /// Whether the frame covers the pixel (u, v) of an image of `size`.
     pub fn covers(&self, u: usize, v: usize, size: (usize, usize)) -> bool {
-        Self::covered(self.whole_u, self.part_u, size.0).contains(&u)
-            && Self::covered(self.whole_v, self.part_v, size.1).contains(&v)
+        self.covers_columns(size.0).contains(&u) && self.covers_row(v, size.1)
     }
 }
 
@@ -75,7 +97,7 @@ pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolat
 }
 
 /// The bilinear sample of `frame` for pixel (u, v), its nearest pixels where it doesn't reach.
-fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
+pub(super) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
     let (width, height) = frame.size();
     let at = |du: i64, dv: i64| {
         let x = (u as i64 + offset.whole_u + du).clamp(0, width as i64 - 1);
@@ -103,7 +125,7 @@ fn weighted_block<const B: usize>(taps: &[(&[f32], f32)], scale: f32, start: usi
 
 /// `out = scale·Σ weight·row`, over `(row, weight)`; each row is at least as long as `out`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
+pub(super) fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
     for_blocks(
         out.len(),
         #[inline(always)]
@@ -117,48 +139,7 @@ fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
 
 /// Row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one size and their [`frame_offsets`].
 pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
-    let (width, height) = frames[0].size();
-    // The columns that every frame of this row covers share one divisor and are summed in one pass; those at the sides are made one by one.
-    let covers_row = |offset: &FrameOffset| FrameOffset::covered(offset.whole_v, offset.part_v, height).contains(&v);
-    let (mut inner, mut rows_covered) = (columns.clone(), 0usize);
-    for offset in offsets.iter().filter(|o| covers_row(o)) {
-        rows_covered += 1;
-        let covered = FrameOffset::covered(offset.whole_u, offset.part_u, width);
-        inner = inner.start.max(covered.start)..inner.end.min(covered.end);
-    }
-    if rows_covered == 0 || inner.is_empty() {
-        inner = columns.start..columns.start;
-    } else {
-        let mut taps: Vec<(&[f32], f32)> = Vec::with_capacity(4 * rows_covered);
-        for (frame, offset) in frames.iter().zip(offsets).filter(|(_, o)| covers_row(o)) {
-            let y = (v as i64 + offset.whole_v) as usize;
-            let x = (inner.start as i64 + offset.whole_u) as usize;
-            for (dv, weight_v) in [(0, 1.0 - offset.part_v), (1, offset.part_v)] {
-                for (du, weight_u) in [(0, 1.0 - offset.part_u), (1, offset.part_u)] {
-                    if weight_u * weight_v > 0.0 {
-                        taps.push((&frame.row(y + dv)[x + du..x + du + inner.len()], weight_u * weight_v));
-                    }
-                }
-            }
-        }
-        weighted_sum(
-            &taps,
-            1.0 / rows_covered as f32,
-            &mut out[inner.start - columns.start..inner.end - columns.start],
-        );
-    }
-    for u in (columns.start..inner.start).chain(inner.end..columns.end) {
-        let (mut sum, mut count) = (0.0, 0);
-        for (frame, offset) in frames.iter().zip(offsets).filter(|(_, o)| o.covers(u, v, (width, height))) {
-            sum += sample_clamped(frame, offset, u, v);
-            count += 1;
-        }
-        if count == 0 {
-            count = frames.len();
-            sum = frames.iter().zip(offsets).map(|(f, o)| sample_clamped(f, o, u, v)).sum();
-        }
-        out[u - columns.start] = sum / count as f32;
-    }
+    RowStacker::new(frames, vec![offsets]).row(v, columns, &mut [out]);
 }
 
 /// How many frames cover the pixel (u, v) of an image of `size`.
@@ -209,7 +190,8 @@ mod tests {
             for (frame, offset) in frames.iter().zip(&offsets) {
                 let x = u as f32 + offset.whole_u as f32 + offset.part_u;
                 let y = v as f32 + offset.whole_v as f32 + offset.part_v;
-                if x >= 0.0 && y >= 0.0 && x <= (width - 1) as f32 && y <= (height - 1) as f32 {
+                let (first_u, first_v) = (-offset.before_u as f32, -offset.before_v as f32);
+                if x >= first_u && y >= first_v && x <= (width - 1) as f32 && y <= (height - 1) as f32 {
                     sum += sample_clamped(frame, offset, u, v);
                     count += 1;
                 }
@@ -229,16 +211,29 @@ mod tests {
     proptest! {
         #[test]
         fn the_fast_rows_are_the_definition(
-            n in 1usize..6, u in -9.0f32..9.0, v in -9.0f32..9.0, whole in any::<bool>(), nearest in any::<bool>(),
+            n in 1usize..6, u in -9.0f32..9.0, v in -9.0f32..9.0, whole in any::<bool>(), how in 0usize..3,
         ) {
             let slope = if whole { Slope::new(u.round(), v.round()) } else { Slope::new(u, v) };
-            let interpolation = if nearest { Interpolation::Nearest } else { Interpolation::Linear };
+            let interpolation = [Interpolation::Linear, Interpolation::Nearest, Interpolation::Truncated][how];
             let frames: Vec<Plane> = (0..n).map(texture).collect();
             let frames: Vec<&Plane> = frames.iter().collect();
             let fast = motion_stack(&frames, slope, interpolation, &Monitor::default()).expect("not cancelled");
             let slow = by_definition(&frames, slope, interpolation);
             for (a, b) in fast.data().iter().zip(slow.data()) {
                 prop_assert!((a - b).abs() < 1e-5, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn truncated_places_are_those_of_a_cast_to_an_integer() {
+        for offset_px in [-2.0, -1.5, -1.2, -1.0, -0.5, -0.3, 0.0, 0.4, 0.5, 1.0, 1.7f64] {
+            let offset = FrameOffset::new(offset_px, 0.0, Interpolation::Truncated);
+            for u in 0..8 {
+                let cast = (u as f64 + offset_px + 0.5) as i64;
+                let covers = (0..8).contains(&cast) && u as f64 + offset_px + 0.5 > -1.0;
+                assert_eq!(offset.covers(u, 0, (8, 8)), covers, "{offset_px} {u}");
+                assert!(!covers || (u as i64 + offset.whole_u).max(0) == cast, "{offset_px} {u}");
             }
         }
     }

@@ -68,7 +68,7 @@ enum KindKey {
 struct StackKey {
     slope_bits: (u32, u32),
     frames: (usize, usize),
-    nearest: bool,
+    interpolation: Interpolation,
 }
 
 impl PictureRequest {
@@ -77,11 +77,7 @@ impl PictureRequest {
             let used = self.params.used_frames(self.burst.burst.len());
             // Adding 0 makes −0 and 0 one slope.
             let slope_bits = ((slope.u + 0.0).to_bits(), (slope.v + 0.0).to_bits());
-            StackKey {
-                slope_bits,
-                frames: (used.start, used.end),
-                nearest: self.params.interpolation == Interpolation::Nearest,
-            }
+            StackKey { slope_bits, frames: (used.start, used.end), interpolation: self.params.interpolation }
         };
         let kind = match self.kind {
             PictureKind::Frame(index) => KindKey::Frame(index),

@@ -35,7 +35,8 @@ pub fn menu_bar_ui(
     });
 }
 
-fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
+/// One item of a menu.
+pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     let action = id.action();
     let mark = match checked(id, model) {
         Some(true) => "✔ ",

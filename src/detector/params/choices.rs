@@ -38,14 +38,16 @@ pub enum SlopeNeighbours {
 }
 
 /// How frames are sampled between pixels when they are shifted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {
     /// Bilinear.
     #[default]
     Linear,
-    /// The nearest pixel, as LiFF and the authors' code do.
+    /// The nearest pixel, as the authors' code does.
     Nearest,
+    /// The place plus a half without its fraction, as LiFF does: the nearest pixel, but what lies up to a pixel and a half before the first column or row counts as it.
+    Truncated,
 }
 
 /// How the place and slope of an extremum between the samples are found.

@@ -137,8 +137,8 @@ param_doc!(
     "interpolation",
     "Interpolation",
     "",
-    "How frames are sampled between pixels when they are shifted: linear or nearest.",
-    "Nearest reproduces the published implementations; linear is more accurate."
+    "How frames are sampled between pixels when they are shifted: linear, nearest or truncated.",
+    "Linear is the most accurate; nearest reproduces the authors' code, and truncated LiFF, which also counts what lies up to 1.5 px before the first column and row."
 );
 param_doc!(
     KERNEL_CUT,
