@@ -93,7 +93,7 @@ impl Monitor {
     pub fn part(&self, done: f32, share: f32) -> Self {
         let listener = self.listener.clone().map(|listener| -> Listener {
             Arc::new(move |p: Progress| {
-                listener(Progress { fraction: (done + share * p.fraction).clamp(0.0, 1.0), ..p })
+                listener(Progress { fraction: (done + share * p.fraction).clamp(0.0, 1.0), ..p });
             })
         });
         Self { cancel: self.cancel.clone(), listener }

@@ -20,6 +20,10 @@ pub enum Purpose {
     OpenDataset,
     /// A folder that keeps a dataset's features.
     FeatureFolder,
+    /// An estimated trajectory.
+    OpenEstimate,
+    /// A true trajectory.
+    OpenTruth,
     /// Any path of a burst, typed.
     OpenPath,
     /// A folder of frames, for the second burst.
@@ -91,6 +95,8 @@ impl Purpose {
             Self::OpenFiles => "Open image files",
             Self::OpenDataset => "Open a folder of bursts, or a long sequence",
             Self::FeatureFolder => "Choose a folder for the dataset's features",
+            Self::OpenEstimate => "Open an estimated trajectory",
+            Self::OpenTruth => "Open a true trajectory",
             Self::OpenPath => "Open a path",
             Self::OpenFolderB => "Open a folder of frames as B",
             Self::OpenFilesB => "Open image files as B",
@@ -118,6 +124,9 @@ impl Purpose {
             | Self::OpenFilesB
             | Self::OpenPathB => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
             Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
+            Self::OpenEstimate | Self::OpenTruth => {
+                "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
+            }
             Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
@@ -131,6 +140,8 @@ impl Purpose {
             Self::OpenFolder
             | Self::OpenDataset
             | Self::FeatureFolder
+            | Self::OpenEstimate
+            | Self::OpenTruth
             | Self::OpenPath
             | Self::OpenFolderB
             | Self::OpenPathB => Vec::new(),

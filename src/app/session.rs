@@ -4,7 +4,7 @@
 //! same bits. The selected feature is then found again by its place.
 
 use super::canvas::{View, overlay::ColourBy};
-use super::dataset::Dataset;
+use super::dataset::{Dataset, Trajectories};
 use super::state::filter::{Filter, Order};
 use super::state::look::Look;
 use super::state::pair::{Links, MatchLook, MatchOrder, SavedMatch, Side};
@@ -14,6 +14,7 @@ use super::state::{BottomTab, Model, SavedSelection};
 use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::BurstSource;
+use crate::evaluate::poses::Projection;
 use crate::matching::MatchParams;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -36,6 +37,21 @@ pub struct SavedDataset {
     #[allow(missing_docs)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub b: Option<usize>,
+}
+
+/// The trajectories of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedTrajectories {
+    /// Where the estimate is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<PathBuf>,
+    /// Where the truth is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<PathBuf>,
+    /// From which side they were seen.
+    #[serde(default)]
+    pub projection: Projection,
 }
 
 /// What a session file holds. A missing field has its default.
@@ -79,6 +95,9 @@ pub struct Session {
     /// The dataset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dataset: Option<SavedDataset>,
+    /// The trajectories.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trajectories: Option<SavedTrajectories>,
     /// The room that was open.
     #[serde(default)]
     pub room: Room,
@@ -165,6 +184,7 @@ impl Session {
             room: model.room,
             pair: PairSession::of(model, view_b),
             dataset: model.datasets.open.as_ref().map(saved_dataset),
+            trajectories: saved_trajectories(&model.trajectories),
         })
     }
 
@@ -221,6 +241,16 @@ fn absolute(source: &BurstSource) -> BurstSource {
 
 fn absolute_path(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.into())
+}
+
+fn saved_trajectories(trajectories: &Trajectories) -> Option<SavedTrajectories> {
+    let compared = &trajectories.compared;
+    let path = |read: &Option<(PathBuf, _)>| read.as_ref().map(|(path, _)| absolute_path(path));
+    (!trajectories.is_empty()).then(|| SavedTrajectories {
+        estimate: path(&compared.estimate),
+        truth: path(&compared.truth),
+        projection: trajectories.projection,
+    })
 }
 
 fn saved_dataset(dataset: &Dataset) -> SavedDataset {

@@ -29,7 +29,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
             open_burst = filmstrip::filmstrip_ui(ui, &mut app.model, &mut app.thumbnails, queue).open;
         });
     }
-    if app.model.burst.is_none() {
+    if app.model.burst.is_none() && app.model.room.needs_burst() {
         CentralPanel::default().show(ui, |ui| {
             panels::welcome::welcome_ui(ui, &app.model, app.remembered(), queue, &mut open_recent);
         });

@@ -291,6 +291,7 @@ impl BurstscopeApp {
                     Err(error) => self.model.messages.error(done.label, error.to_string()),
                 },
                 Update::Dataset(update) => self.take_dataset_update(ctx, update),
+                Update::Compared(answer) => self.take_compared(answer),
             }
         }
         self.model.busy = Busy {
@@ -299,6 +300,7 @@ impl BurstscopeApp {
             picture: self.engine.running(LaneKind::Picture).is_some(),
         };
         self.model.datasets.running = self.engine.datasets.running();
+        self.model.trajectories.running = self.engine.poses.running();
     }
 
     fn take_opened(&mut self, answer: JobAnswer<OpenBurst>) {
@@ -312,10 +314,7 @@ impl BurstscopeApp {
         match answer.result {
             Ok(mut burst) => {
                 self.engine.cancel(LaneKind::Detect);
-                match &self.model.datasets.open {
-                    Some(dataset) if dataset.place_of(Some(&burst)).is_some() => dataset.name_as_here(&mut burst),
-                    _ => self.settings.remember(&burst.source),
-                }
+                self.remember(&mut burst);
                 self.model.messages.resolved("Open");
                 self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
                 self.model.take_burst(burst);
@@ -324,6 +323,7 @@ impl BurstscopeApp {
                 if let Some(session) = session {
                     self.view = session.apply(&mut self.model);
                     self.restore_dataset(session.dataset.clone());
+                    self.restore_trajectories(session.trajectories.clone());
                     if session.detected && self.model.needs_detection() {
                         self.start_detection();
                     }
@@ -345,9 +345,12 @@ impl BurstscopeApp {
         (self.choice, self.choice_side) = (bursts, side);
     }
 
-    /// Puts a burst at the top of the recent ones.
-    pub(super) fn remember(&mut self, source: &BurstSource) {
-        self.settings.remember(source);
+    /// Puts a burst at the top of the recent ones. One of the dataset is remembered with it, and has the name that it has there.
+    pub(super) fn remember(&mut self, burst: &mut OpenBurst) {
+        match &self.model.datasets.open {
+            Some(dataset) if dataset.place_of(Some(burst)).is_some() => dataset.name_as_here(burst),
+            _ => self.settings.remember(&burst.source),
+        }
     }
 
     /// Forgets what was asked for A's burst: another one is open.

@@ -16,6 +16,7 @@ mod lane;
 mod pair;
 mod picture;
 mod picture_lane;
+mod poses;
 mod source;
 mod task;
 
@@ -27,6 +28,7 @@ pub use fault::JobError;
 pub use lane::{Answer, JobId, Lane};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
+pub use poses::{Compared, PoseWorker, PosesRequest, TrajectorySource};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
@@ -94,6 +96,8 @@ pub enum Update {
     Task(TaskDone),
     /// Something about a dataset.
     Dataset(DatasetUpdate),
+    /// Trajectories were read and compared.
+    Compared(Answer<Compared>),
 }
 
 /// How far a lane's running request is.
@@ -116,6 +120,8 @@ pub struct Engine {
     pair: PairWorkers,
     /// Work on many bursts.
     pub datasets: DatasetWorkers,
+    /// Work on trajectories.
+    pub poses: PoseWorker,
     tasks: task::Tasks,
     cache: SharedCache,
 }
@@ -138,6 +144,7 @@ impl Engine {
             detect: detect_lane("detect", &on_update),
             pair: PairWorkers::new(&cache, &on_update),
             datasets: DatasetWorkers::new(&on_update),
+            poses: PoseWorker::new(&on_update),
             tasks: task::Tasks::new(on_update),
             cache,
         }
@@ -187,6 +194,7 @@ impl Engine {
         updates.extend(self.patch.lane.take_answer().map(Update::Patch));
         updates.extend(self.detect.take_answer().map(Update::Detected));
         updates.extend(self.datasets.poll().into_iter().map(Update::Dataset));
+        updates.extend(self.poses.poll().map(Update::Compared));
         updates.extend(self.tasks.take_done().into_iter().map(Update::Task));
         updates
     }
@@ -219,6 +227,7 @@ impl Engine {
             && self.detect.is_idle()
             && self.pair.is_idle()
             && self.datasets.is_idle()
+            && self.poses.is_idle()
             && self.tasks.is_idle()
     }
 

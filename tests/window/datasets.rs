@@ -45,7 +45,7 @@ pub fn start(dataset: DatasetSource) -> Start {
     Start { size: [1280.0, 800.0], startup: Startup { settings, ..startup }, ..Start::default() }
 }
 
-fn dataset(window: &Window) -> &Dataset {
+pub fn dataset(window: &Window) -> &Dataset {
     window.app().model.datasets.open.as_ref().expect("a dataset is open")
 }
 
@@ -55,7 +55,7 @@ fn features(window: &Window) -> Vec<Option<usize>> {
 }
 
 /// Clicks on what is called so, whole or in part.
-fn click_burst(window: &mut Window, label: &str) {
+pub fn click_burst(window: &mut Window, label: &str) {
     window.harness.get_by_label_contains(label).click();
     window.harness.run_steps(2);
 }

@@ -25,16 +25,8 @@ pub enum Menu {
 
 impl Menu {
     /// All menus.
-    pub const ALL: [Self; 8] = [
-        Self::File,
-        Self::View,
-        Self::Scrub,
-        Self::Detect,
-        Self::Features,
-        Self::Pair,
-        Self::Dataset,
-        Self::Help,
-    ];
+    pub const ALL: [Self; 8] =
+        [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Pair, Self::Dataset, Self::Help];
 
     /// Its name.
     pub fn label(self) -> &'static str {
@@ -123,6 +115,8 @@ actions! {
 
     RoomBurst, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
     RoomPair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
+    RoomMatches, View 0, "Matches", [CTRL Num3], "Look at the matches of all pairs of a dataset";
+    RoomTrajectories, View 0, "Trajectories", [CTRL Num4], "Look at an estimated trajectory beside the true one";
     ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
@@ -196,10 +190,16 @@ actions! {
     NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one";
     BurstAsA, Dataset 1, "Use burst as A", [], "Make the burst that is open the first of a pair";
     BurstAsB, Dataset 1, "Use burst as B", [], "Make the burst that is open the second of a pair";
-    CutSequence, Dataset 2, "Cut into bursts…", [], "Cut the frames of the burst that is open into shorter bursts, as a dataset";
-    FeatureFolder, Dataset 2, "Choose feature folder…", [], "Keep the dataset's features elsewhere, such as in a folder that burstscope colmap wrote";
-    UseFolderParams, Dataset 2, "Use the folder's parameters", [], "Take the parameters with which the features in the dataset's folder were found";
-    CloseDataset, Dataset 3, "Close dataset", [], "Close the dataset; its features stay in their folder";
+    MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen";
+    MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts that are chosen as A and B";
+    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Look at the two bursts that are chosen as A and B, with their matches";
+    OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file";
+    OpenTruth, Dataset 3, "Open true trajectory…", [], "Open the true camera poses: a trajectory file, or a sparse model such as a gold standard's";
+    CloseTrajectories, Dataset 3, "Close trajectories", [], "Forget the estimated and the true trajectory";
+    CutSequence, Dataset 4, "Cut into bursts…", [], "Cut the frames of the burst that is open into shorter bursts, as a dataset";
+    FeatureFolder, Dataset 4, "Choose feature folder…", [], "Keep the dataset's features elsewhere, such as in a folder that burstscope colmap wrote";
+    UseFolderParams, Dataset 4, "Use the folder's parameters", [], "Take the parameters with which the features in the dataset's folder were found";
+    CloseDataset, Dataset 5, "Close dataset", [], "Close the dataset; its features stay in their folder";
 
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show all actions with their keys";

@@ -55,6 +55,13 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::BurstAsA | A::BurstAsB => {
             model.datasets.open.as_ref().is_some_and(|d| d.place_of(model.burst.as_ref()).is_some())
         }
+        A::MatchPairs => model.datasets.can_match(model.pair.params.validate().is_ok()),
+        A::MatchSelected => {
+            let chosen = model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some());
+            chosen && model.datasets.can_match(model.pair.params.validate().is_ok())
+        }
+        A::ShowPair => model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some()),
+        A::CloseTrajectories => !model.trajectories.is_empty(),
         A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
         A::CutSequence => {
             let in_files = model.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
@@ -72,6 +79,8 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     match id {
         A::RoomBurst => Some(model.room == Room::Burst),
         A::RoomPair => Some(model.room == Room::Pair),
+        A::RoomMatches => Some(model.room == Room::Matches),
+        A::RoomTrajectories => Some(model.room == Room::Trajectories),
         A::ShowFrame => kind(ViewKind::Frame),
         A::ShowStack => kind(ViewKind::Stack),
         A::ShowDog => kind(ViewKind::Dog),

@@ -83,6 +83,9 @@ fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::DetectAll, None);
         notice_ui(ui, model, dataset, queue);
     }
+    if dataset.selected().is_some() {
+        button_ui(ui, model, queue, ActionId::ShowPair, Some("A | B"));
+    }
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         short_button_ui(ui, model, queue, ActionId::CloseDataset, "✖");
         let place = dataset.folder.as_ref().map_or("no folder".to_owned(), |f| f.display().to_string());
@@ -132,7 +135,7 @@ fn summary(dataset: &Dataset) -> String {
 }
 
 /// How far the work is as a whole.
-fn working_ui(ui: &mut Ui, datasets: &Datasets) {
+pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
     let progress = datasets.running.and_then(|r| r.progress);
     let fraction = progress.map_or(0.0, |p| p.fraction);
@@ -144,7 +147,7 @@ fn working_ui(ui: &mut Ui, datasets: &Datasets) {
 }
 
 fn cell_ui(
-    ui: &mut Ui,
+    ui: &Ui,
     dataset: &mut Dataset,
     place: usize,
     rect: Rect,

@@ -1,9 +1,11 @@
 //! What the window knows of a dataset, as plain values.
 
+use super::matches::{Pair, PairTable, pair_of};
 use crate::burst::BurstSource;
-use crate::dataset::{DatasetSource, FinishedBurst};
+use crate::dataset::{DatasetSource, FinishedBurst, PairSelection};
 use crate::detector::DetectorParams;
 use crate::engine::{Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset, Running};
+use crate::matching::ImageCounts;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -53,6 +55,8 @@ pub enum Work {
     Opening,
     /// Features are being found.
     Detecting,
+    /// Pairs are being matched.
+    Matching,
 }
 
 impl Work {
@@ -61,6 +65,7 @@ impl Work {
         match self {
             Self::Opening => "Open dataset",
             Self::Detecting => "Detect all",
+            Self::Matching => "Match pairs",
         }
     }
 }
@@ -95,6 +100,8 @@ pub struct Dataset {
     pub states: Vec<BurstState>,
     /// The bursts chosen as A and B, by their places.
     pub pair: [Option<usize>; 2],
+    /// The matches of its pairs.
+    pub matches: PairTable,
 }
 
 impl Dataset {
@@ -110,14 +117,19 @@ impl Dataset {
             other_params: open.other_params,
             states,
             pair: [None; 2],
+            matches: PairTable::default(),
         }
     }
 
     /// Takes a newer look at the same bursts: another folder, other parameters. What was chosen stays chosen.
     pub fn look_again(&mut self, open: OpenDataset) {
-        let pair = self.pair;
+        let (pair, matches) = (self.pair, std::mem::take(&mut self.matches));
+        let same_features = self.folder == open.folder && self.params == open.params;
         *self = Self::new(open);
         self.pair = pair.map(|place| place.filter(|&p| p < self.bursts.len()));
+        if same_features {
+            self.matches = matches;
+        }
     }
 
     /// The place of the burst that is open in the inspector, if it is one of these.
@@ -171,9 +183,20 @@ impl Dataset {
         counts
     }
 
+    /// The numbers of all images in the paper's columns; `None` before pairs were matched.
+    pub fn image_counts(&self) -> Option<ImageCounts> {
+        let keypoints = |state: &BurstState| if let BurstState::Done(f) = state { f.features } else { 0 };
+        let keypoints: Vec<usize> = self.states.iter().map(keypoints).collect();
+        let pairs = self.matches.listed();
+        ImageCounts::of(&keypoints, &pairs).filter(|_| !pairs.is_empty())
+    }
+
     /// Prepares for finding features with `params`: with other ones nothing is finished any more.
     pub fn begin_detection(&mut self, params: &DetectorParams) {
         let others = self.params != *params;
+        if others {
+            self.matches.forget();
+        }
         self.params = params.clone();
         for state in &mut self.states {
             if others || !matches!(state, BurstState::Done(_)) {
@@ -191,14 +214,31 @@ impl Dataset {
             DatasetEvent::Done { index, finished } => {
                 // Features of other parameters are being replaced by these.
                 self.other_params = None;
+                if !matches!(self.states.get(*index), Some(BurstState::Done(_))) {
+                    self.matches.forget_burst(*index);
+                }
                 (*index, BurstState::Done(*finished))
             }
             DatasetEvent::Failed { index, error } => (*index, BurstState::Failed(error.clone())),
-            DatasetEvent::Matched { .. } => return,
+            DatasetEvent::Matched { pair, counts } => {
+                self.matches.take(*pair, *counts);
+                return;
+            }
         };
         if let Some(place) = self.states.get_mut(index) {
             *place = state;
         }
+    }
+
+    /// The pair of A and B, if both are chosen.
+    pub fn selected(&self) -> Option<Pair> {
+        let [a, b] = self.pair;
+        pair_of(a?, b?)
+    }
+
+    /// Makes the earlier burst of a pair A and the later one B.
+    pub fn select(&mut self, (a, b): Pair) {
+        self.pair = [Some(a), Some(b)];
     }
 
     /// Nothing runs any more: what was begun and not finished waits.
@@ -220,6 +260,28 @@ impl Dataset {
     }
 }
 
+/// Which pairs are matched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PairChoice {
+    /// Only each burst with the next few.
+    pub neighbours: bool,
+    /// How many those are, 1 or more.
+    pub overlap: usize,
+}
+
+impl Default for PairChoice {
+    fn default() -> Self {
+        Self { neighbours: false, overlap: 3 }
+    }
+}
+
+impl PairChoice {
+    /// The choice as the dataset's room knows it.
+    pub fn selection(self) -> PairSelection {
+        if self.neighbours { PairSelection::Sequential(self.overlap) } else { PairSelection::All }
+    }
+}
+
 /// Everything about datasets.
 #[derive(Debug, Default)]
 pub struct Datasets {
@@ -229,6 +291,8 @@ pub struct Datasets {
     pub work: Option<Work>,
     /// How far that is, as of this pass.
     pub running: Option<Running>,
+    /// Which pairs are matched.
+    pub choice: PairChoice,
     /// A and B of the session that the dataset being opened belongs to, if it belongs to one.
     pub restoring: Option<[Option<usize>; 2]>,
 }
@@ -238,6 +302,11 @@ impl Datasets {
     pub fn can_detect(&self, params_are_valid: bool) -> bool {
         let ready = |d: &Dataset| d.folder.is_some() && d.folder_error.is_none();
         self.work.is_none() && params_are_valid && self.open.as_ref().is_some_and(ready)
+    }
+
+    /// Whether pairs can be matched now.
+    pub fn can_match(&self, params_are_valid: bool) -> bool {
+        self.can_detect(params_are_valid) && self.open.as_ref().is_some_and(|d| d.counts().done > 1)
     }
 
     /// The share of the burst being worked on that is done, from the share of the whole.

@@ -1,11 +1,17 @@
 //! What the window asks the engine to do with a dataset, and what it does with the answers.
 
 use super::cut::CutDialog;
+use super::matches::Pair;
 use super::model::{Dataset, Work};
-use crate::app::session::SavedDataset;
+use super::trajectories::Which;
+use crate::app::session::{SavedDataset, SavedTrajectories};
+use crate::app::state::room::Room;
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
-use crate::engine::{Answer, BurstSource, DatasetAnswer, DatasetRequest, DatasetUpdate, JobError, OpenDataset};
+use crate::engine::{
+    Answer, BurstSource, Compared, DatasetAnswer, DatasetRequest, DatasetUpdate, JobError, OpenDataset, PosesRequest,
+    TrajectorySource,
+};
 use std::path::PathBuf;
 
 impl BurstscopeApp {
@@ -74,6 +80,48 @@ impl BurstscopeApp {
         }
     }
 
+    /// Matches the pairs that are chosen by rule.
+    pub(in crate::app) fn match_pairs(&mut self) {
+        if let Some(dataset) = &self.model.datasets.open {
+            self.start_matching_pairs(self.model.datasets.choice.selection().pairs(dataset.bursts.len()));
+        }
+    }
+
+    /// Matches A with B.
+    pub(in crate::app) fn match_selected(&mut self) {
+        if let Some(pair) = self.model.datasets.open.as_ref().and_then(Dataset::selected) {
+            self.start_matching_pairs(vec![pair]);
+        }
+    }
+
+    fn start_matching_pairs(&mut self, pairs: Vec<Pair>) {
+        let matching = self.model.pair.params.clone();
+        let Some(dataset) = &mut self.model.datasets.open else { return };
+        dataset.matches.begin(&matching);
+        if let Some(keeping) = dataset.keeping() {
+            let bursts = dataset.bursts.clone();
+            self.model.datasets.work = Some(Work::Matching);
+            self.model.messages.resolved(Work::Matching.title());
+            self.engine.datasets.submit(DatasetRequest::Match { bursts, keeping, pairs, matching });
+        }
+    }
+
+    /// Opens A and B side by side.
+    pub(in crate::app) fn show_selected_pair(&mut self) {
+        let Some(dataset) = &self.model.datasets.open else { return };
+        let [Some(a), Some(b)] = dataset.pair else { return };
+        let (Some(source_a), Some(source_b)) = (dataset.source_at(a), dataset.source_at(b)) else { return };
+        let a_is_open = dataset.place_of(self.model.burst.as_ref()) == Some(a);
+        let b_is_open = dataset.place_of(self.model.pair.b.burst.as_ref()) == Some(b);
+        if !a_is_open {
+            self.open(source_a);
+        }
+        if !b_is_open {
+            self.open_second(source_b);
+        }
+        self.model.room = Room::Pair;
+    }
+
     /// Opens the burst `by` places after the one that is open in the inspector.
     pub(in crate::app) fn step_burst(&mut self, by: isize) {
         let Some(dataset) = &self.model.datasets.open else { return };
@@ -134,9 +182,9 @@ impl BurstscopeApp {
                 self.take_dataset(*open);
             }
             Ok(DatasetAnswer::Detected) => self.say_what_was_found(answer.elapsed.as_secs_f64()),
-            Ok(DatasetAnswer::Matched { .. }) => {}
+            Ok(DatasetAnswer::Matched { left_out }) => self.say_what_matched(left_out, answer.elapsed.as_secs_f64()),
             Err(JobError::Cancelled) => {
-                self.model.messages.note(format!("{title}: cancelled; what is done stays done"))
+                self.model.messages.note(format!("{title}: cancelled; what is done stays done"));
             }
             Err(error) => self.model.messages.error(title, error.to_string()),
         }
@@ -190,5 +238,53 @@ impl BurstscopeApp {
             text += &format!("; {} failed, see the filmstrip", counts.failed);
         }
         self.model.messages.note(text);
+    }
+
+    fn say_what_matched(&mut self, left_out: usize, seconds: f64) {
+        let Some(dataset) = &self.model.datasets.open else { return };
+        let mut text = format!("{} pairs matched in {seconds:.1} s", dataset.matches.len());
+        if left_out > 0 {
+            text += &format!("; {left_out} left out, whose bursts have no features yet");
+        }
+        self.model.messages.note(text);
+    }
+}
+
+/// Trajectories.
+impl BurstscopeApp {
+    /// Reads a trajectory in the background, and compares it with the other one if that is there.
+    pub fn open_trajectory(&mut self, which: Which, path: PathBuf) {
+        self.engine.poses.submit(self.model.trajectories.request_with(which, path));
+        self.model.room = Room::Trajectories;
+    }
+
+    /// Compares the trajectories that are open as the study now says.
+    pub(in crate::app) fn compare_again(&self) {
+        self.engine.poses.submit(self.model.trajectories.request());
+    }
+
+    pub(in crate::app) fn take_compared(&mut self, answer: Answer<Compared>) {
+        const TITLE: &str = "Trajectories";
+        match answer.result {
+            Ok(compared) => {
+                self.model.messages.resolved(TITLE);
+                self.model.trajectories.take(compared);
+            }
+            Err(error) => {
+                self.model.trajectories.fail();
+                self.model.messages.error(TITLE, error.to_string());
+            }
+        }
+    }
+
+    /// Opens the trajectories of a session, or none.
+    pub(in crate::app) fn restore_trajectories(&mut self, saved: Option<SavedTrajectories>) {
+        self.model.trajectories.clear();
+        if let Some(SavedTrajectories { estimate, truth, projection }) = saved {
+            self.model.trajectories.projection = projection;
+            let study = self.model.trajectories.study;
+            let (estimate, truth) = (estimate.map(TrajectorySource::Path), truth.map(TrajectorySource::Path));
+            self.engine.poses.submit(PosesRequest { estimate, truth, study });
+        }
     }
 }

@@ -11,7 +11,7 @@ pub mod room;
 pub mod scrub;
 
 use super::canvas::overlay::ColourBy;
-use super::dataset::Datasets;
+use super::dataset::{Datasets, Trajectories};
 use crate::detector::{Detection, DetectorParams, Feature, ParamError, Slope};
 use crate::engine::{BurstId, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Running};
 use filter::{Filter, Order};
@@ -149,6 +149,8 @@ pub struct Model {
     pub busy: Busy,
     /// Many bursts.
     pub datasets: Datasets,
+    /// An estimated and a true trajectory.
+    pub trajectories: Trajectories,
     listed_for: Option<ListedFor>,
 }
 
