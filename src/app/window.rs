@@ -360,7 +360,7 @@ impl BurstscopeApp {
     }
 
     /// Stops what is being opened, detected and matched.
-    pub(super) fn cancel_all(&mut self) {
+    pub(super) fn cancel_all(&self) {
         self.engine.cancel(LaneKind::Detect);
         self.engine.cancel(LaneKind::Open);
         for lane in [PairLane::Open, PairLane::Detect, PairLane::Match] {

@@ -9,7 +9,7 @@ use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, RichText, Shape, Stroke, Ui, pos2};
 
 /// Draws the matches over the canvases of A and B and lets the pointer choose among them. Answers which one it is over; `None` while it is over neither canvas.
-pub fn lines_ui(ui: &mut Ui, model: &mut Model, outputs: &[CanvasOutput; 2]) -> Option<Option<usize>> {
+pub fn lines_ui(ui: &Ui, model: &mut Model, outputs: &[CanvasOutput; 2]) -> Option<Option<usize>> {
     let pointer = outputs.iter().find_map(|output| output.pointer_ui);
     let Some(matches) = model.pair.matches.clone() else {
         return pointer.map(|_| None);

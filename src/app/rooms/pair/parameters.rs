@@ -195,8 +195,7 @@ mod tests {
 
     #[test]
     fn a_camera_is_read_as_soon_as_it_is_whole_and_one_from_elsewhere_is_shown() {
-        let mut typed = CameraText::default();
-        typed.text = "PINHOLE 640 480 500".into();
+        let mut typed = CameraText { text: "PINHOLE 640 480 500".into(), ..CameraText::default() };
         typed.read();
         assert!(typed.problem.is_some() && typed.camera.is_none());
         typed.text = "PINHOLE 640 480 500 500 320 240".into();

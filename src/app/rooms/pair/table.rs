@@ -8,7 +8,7 @@ use egui_extras::{Column as TableColumn, TableBuilder};
 
 /// Draws the table; answers the match whose row is pointed at.
 pub fn table_ui(ui: &mut Ui, model: &mut Model) -> Option<usize> {
-    let Some(matches) = model.pair.matches.clone() else { return None };
+    let matches = model.pair.matches.clone()?;
     let pair = &mut model.pair;
     let selected_row = pair.selected.and_then(|s| pair.listed.iter().position(|&i| i == s));
     let scroll_id = ui.scope_id().with("match scrolled to");
