@@ -24,8 +24,11 @@ fn files(home: &Path) -> (PathBuf, PathBuf) {
         }
         let off = 0.05 * ((7 * k % 5) as f64 - 2.0);
         let (x, y, z) = (2.0 * x + off, 2.0 * y - off, 2.0 * z + 0.5 * off);
-        // A sparse model has the world in the camera: with no rotation that is the centre, turned round.
-        writeln!(images, "{} 1 0 0 0 {} {} {} 1 burst_{k:02}.png", k + 1, -x, -y, -z).unwrap();
+        // A sparse model has the world in the camera. The cameras nod a little more than they should.
+        let half = 0.002 * ((5 * k % 7) as f64 - 3.0);
+        let (sin, cos) = ((2.0 * half).sin(), (2.0 * half).cos());
+        let (x, y, z) = (-x, -(cos * y - sin * z), -(sin * y + cos * z));
+        writeln!(images, "{} {} {} 0 0 {x} {y} {z} 1 burst_{k:02}.png", k + 1, half.cos(), half.sin()).unwrap();
         let seen = 40 + 30 * (k % 4);
         let keypoints: Vec<String> = (0..seen).map(|i| format!("{i} {i} {}", i + 1)).collect();
         writeln!(images, "{}", keypoints.join(" ")).unwrap();

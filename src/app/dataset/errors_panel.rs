@@ -3,7 +3,7 @@
 use super::model::Dataset;
 use super::trajectories::Trajectories;
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panels::widgets::{number_row_ui, section_ui};
+use crate::app::panels::widgets::section_ui;
 use crate::app::state::Model;
 use crate::evaluate::poses::{Association, ErrorSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
@@ -130,13 +130,20 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
     });
 }
 
+/// A name and what it means, and a number.
+fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
+    ui.label(RichText::new(name).weak()).on_hover_text(help);
+    ui.label(RichText::new(value).monospace());
+    ui.end_row();
+}
+
 /// The columns of the paper's table, as far as they are known.
 fn reconstruction_ui(ui: &mut Ui, model: &Model) {
     let report = model.trajectories.report();
     let estimate = model.trajectories.compared.estimate.as_ref();
     let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());
     let none = || "–".to_owned();
-    Grid::new("reconstruction").num_columns(2).striped(true).min_col_width(150.0).show(ui, |ui| {
+    Grid::new("reconstruction").num_columns(2).striped(true).min_col_width(130.0).show(ui, |ui| {
         let registered = match (report, &summary) {
             (Some(r), _) => format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent()),
             (None, Some(s)) => s.registered_images.to_string(),

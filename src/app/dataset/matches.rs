@@ -40,8 +40,8 @@ impl PairColumn {
             Self::Pair => "pair",
             Self::Putative => "putative",
             Self::Inliers => "inliers",
-            Self::Ratio => "match ratio",
-            Self::Score => "match score",
+            Self::Ratio => "ratio",
+            Self::Score => "score",
             Self::Precision => "precision",
         }
     }
@@ -52,9 +52,9 @@ impl PairColumn {
             Self::Pair => "The two bursts",
             Self::Putative => "Matches by descriptors alone",
             Self::Inliers => "Matches that a common geometry explains",
-            Self::Ratio => "Putative matches over keypoints, mean of both bursts",
-            Self::Score => "Inliers over keypoints, mean of both bursts",
-            Self::Precision => "Inliers over putative matches",
+            Self::Ratio => "Match ratio: putative matches over keypoints, mean of both bursts",
+            Self::Score => "Match score: inliers over keypoints, mean of both bursts",
+            Self::Precision => "Precision: inliers over putative matches",
         }
     }
 

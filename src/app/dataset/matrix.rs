@@ -9,7 +9,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Strok
 /// Sizes of a cell, in points: below the smallest the matrix scrolls, above the largest it would only be large.
 const CELL_RANGE: std::ops::RangeInclusive<f32> = 7.0..=64.0;
 /// A number is written into cells of this size and larger, and names beside rows and columns.
-const CELL_WITH_NUMBER: f32 = 26.0;
+const CELL_WITH_NUMBER: f32 = 22.0;
 const CELL_WITH_NAMES: f32 = 11.0;
 /// Room for the names of rows, in points.
 const NAMES_WIDTH: f32 = 96.0;
@@ -154,8 +154,8 @@ impl CountColours {
 /// What the colours of the cells mean.
 pub fn legend_ui(ui: &mut Ui, most: usize) {
     const STEPS: usize = 48;
-    ui.label(RichText::new(most.to_string()).small());
-    let (rect, response) = ui.allocate_exact_size(vec2(96.0, 10.0), Sense::hover());
+    ui.label(RichText::new("inliers   0").small().weak());
+    let (rect, response) = ui.allocate_exact_size(vec2(160.0, 8.0), Sense::hover());
     let colours = CountColours::new(STEPS - 1);
     for step in 0..STEPS {
         let at = |k: usize| egui::lerp(rect.x_range(), k as f32 / STEPS as f32);
@@ -164,8 +164,7 @@ pub fn legend_ui(ui: &mut Ui, most: usize) {
         let part = Rect::from_x_y_ranges(at(step)..=at(step + 1), rect.y_range());
         ui.painter().rect_filled(part, 0.0, colours.of(count).0);
     }
-    ui.label(RichText::new("0").small());
-    ui.label(RichText::new("inliers").small().weak());
+    ui.label(RichText::new(most.to_string()).small().weak());
     response.on_hover_text("Inliers of a pair; the colour grows with the square root of their number");
 }
 

@@ -6,6 +6,7 @@ use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 const ROW_HEIGHT: f32 = 18.0;
+const COLUMN_WIDTH: f32 = 50.0;
 
 /// Draws the list. Answers the pair that was clicked twice.
 pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<Pair> {
@@ -18,13 +19,14 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<Pair> {
     let (mut order, mut clicked, mut opened) = (dataset.matches.order, None, None);
     let scroll_id = ui.scope_id().with("scrolled to");
     let scrolled_to: Option<Pair> = ui.data(|d| d.get_temp(scroll_id)).flatten();
+    ui.spacing_mut().item_spacing.x = 2.0;
     let mut table = TableBuilder::new(ui)
         .striped(true)
         .sense(Sense::click())
         .cell_layout(Layout::left_to_right(Align::Center))
         .auto_shrink(false)
         .column(Column::remainder().at_least(120.0))
-        .columns(Column::exact(84.0), PairColumn::ALL.len() - 1);
+        .columns(Column::exact(COLUMN_WIDTH), PairColumn::ALL.len() - 1);
     // Follow the selection when it was made elsewhere, and only then.
     if let Some(row) = rows.iter().position(|(p, _)| Some(*p) == selected).filter(|_| selected != scrolled_to) {
         table = table.scroll_to_row(row, None);

@@ -162,14 +162,14 @@ fn frame_ui(
     let width = (length * points_per_unit) as f32;
     let from = rect.left_bottom() + vec2(12.0, -14.0);
     painter.line_segment([from, from + vec2(width, 0.0)], Stroke::new(2.0, ui.visuals().text_color()));
-    let unit = if scene.truth.is_empty() { "of the estimate's unit" } else { "of the truth's unit" };
-    let text = format!("{} {unit}", crate::app::canvas::number(length as f32, 3));
+    let whose = if scene.truth.is_empty() { "estimate" } else { "truth" };
+    let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
     let [right, up] = trajectories.projection.axis_names();
     painter.text(
         rect.right_bottom() + vec2(-10.0, -8.0),
         Align2::RIGHT_BOTTOM,
-        format!("→ {right},  ↑ {up}"),
+        format!("{right}: to the right,  {up}: up"),
         font,
         weak,
     );

@@ -18,6 +18,9 @@ pub enum Which {
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
 const PLANE_UNITS: f64 = 1000.0;
 
+/// Room around the cameras, as a part of the longer side.
+const MARGIN: f64 = 0.06;
+
 /// A place of a camera in the plane on show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot {
@@ -182,7 +185,8 @@ impl PlaneScene {
         let scale = if extent.is_finite() && extent > 0.0 { PLANE_UNITS / extent } else { 1.0 };
         // Where cameras stand on a line or in one place there is still a plane around them.
         let side = |extent: f64| if extent.is_finite() { (extent * scale).max(0.3 * PLANE_UNITS) } else { PLANE_UNITS };
-        let (width, height) = (side(right - left), side(up - down));
+        let margin = 2.0 * MARGIN * PLANE_UNITS;
+        let (width, height) = (side(right - left) + margin, side(up - down) + margin);
         let middle = |low: f64, high: f64| if (low + high).is_finite() { 0.5 * (low + high) } else { 0.0 };
         let (mid_right, mid_up) = (middle(left, right), middle(down, up));
         let place = |p: &[f64; 2]| {
@@ -240,13 +244,13 @@ mod tests {
             report: Some(Ok(Arc::new(report))),
         };
         let scene = PlaneScene::of(&compared, Projection::Xy);
-        assert_eq!((scene.truth.len(), scene.estimate.len(), scene.size), (4, 3, (1000, 500)));
+        assert_eq!((scene.truth.len(), scene.estimate.len(), scene.size), (4, 3, (1120, 620)));
         for (k, spot) in scene.estimate.iter().enumerate() {
             assert!((spot.pos - scene.truth[k].pos).length() < 1e-2, "{spot:?} {:?}", scene.truth[k]);
             assert_eq!((spot.pair, scene.truth[k].pair), (Some(k), Some(k)));
         }
         assert_eq!(scene.truth[3].pair, None);
-        assert_eq!(scene.truth[0].pos, egui::pos2(0.0, 500.0), "up is up");
+        assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
         // Alone, each is drawn in its own world; together without a comparison only the truth.
         let alone = Compared { truth: None, report: None, ..compared.clone() };
         assert_eq!(PlaneScene::of(&alone, Projection::Xy).estimate.len(), 3);

@@ -1,6 +1,6 @@
-//! The matches of a whole dataset: which pairs and how left, the matrix in the middle with the list of pairs below it.
+//! The matches of a whole dataset: which pairs and how left, the matrix in the middle, the list of pairs right.
 
-use super::{bottom_frame, side_frame, side_width};
+use super::{side_frame, side_width};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::filmstrip::working_ui;
 use crate::app::dataset::{matrix, pair_list};
@@ -32,19 +32,18 @@ pub fn matches_room_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Queue) 
         );
     }
     let mut opened = None;
-    if app.model.panels.bottom {
-        Panel::bottom("matches bottom")
-            .frame(bottom_frame(ui))
-            .resizable(true)
-            .default_size(170.0)
-            .size_range(90.0..=500.0)
-            .show(ui, |ui| {
+    if app.model.panels.right {
+        Panel::right("matches right").frame(side_frame(ui)).default_size(392.0).size_range(280.0..=640.0).show(
+            ui,
+            |ui| {
                 if let Some(dataset) = &mut app.model.datasets.open {
                     opened = pair_list::pair_list_ui(ui, dataset);
                 }
-            });
+            },
+        );
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+    let ground = ui.visuals().panel_fill;
+    CentralPanel::default().frame(Frame::new().fill(ground)).show(ui, |ui| {
         let header = Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(ui.visuals().panel_fill);
         header.show(ui, |ui| header_ui(ui, &app.model));
         Frame::new().inner_margin(Margin::same(8)).show(ui, |ui| {
@@ -131,14 +130,13 @@ fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn header_ui(ui: &mut Ui, model: &Model) {
+    let Some(dataset) = &model.datasets.open else { return };
+    let matches = &dataset.matches;
+    let verified = matches.listed().iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count();
     ui.horizontal(|ui| {
-        let Some(dataset) = &model.datasets.open else { return };
-        let matches = &dataset.matches;
-        let verified = matches.listed().iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count();
         ui.label(RichText::new(format!("Matches of {}", dataset.source.label())).strong());
-        ui.weak(format!("{} pairs matched, {verified} of them verified", matches.len()));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            matrix::legend_ui(ui, matches.strongest());
-        });
+        let text = format!("{} pairs matched, {verified} of them verified", matches.len());
+        ui.add(Label::new(RichText::new(text).weak()).truncate());
     });
+    ui.horizontal(|ui| matrix::legend_ui(ui, matches.strongest()));
 }
