@@ -6,6 +6,10 @@ mod common;
 #[path = "window/support.rs"]
 mod support;
 
+#[path = "window/dataset_matches.rs"]
+mod dataset_matches;
+#[path = "window/datasets.rs"]
+mod datasets;
 #[path = "window/detecting.rs"]
 mod detecting;
 #[path = "window/finding_ones_way.rs"]
@@ -20,3 +24,5 @@ mod opening;
 mod pairs;
 #[path = "window/scrubbing.rs"]
 mod scrubbing;
+#[path = "window/trajectories.rs"]
+mod trajectories;

@@ -16,6 +16,14 @@ pub enum Purpose {
     OpenFolder,
     /// Image files.
     OpenFiles,
+    /// A folder of bursts, or a long sequence.
+    OpenDataset,
+    /// A folder that keeps a dataset's features.
+    FeatureFolder,
+    /// An estimated trajectory.
+    OpenEstimate,
+    /// A true trajectory.
+    OpenTruth,
     /// Any path of a burst, typed.
     OpenPath,
     /// A folder of frames, for the second burst.
@@ -85,6 +93,10 @@ impl Purpose {
         match self {
             Self::OpenFolder => "Open a folder of frames",
             Self::OpenFiles => "Open image files",
+            Self::OpenDataset => "Open a folder of bursts, or a long sequence",
+            Self::FeatureFolder => "Choose a folder for the dataset's features",
+            Self::OpenEstimate => "Open an estimated trajectory",
+            Self::OpenTruth => "Open a true trajectory",
             Self::OpenPath => "Open a path",
             Self::OpenFolderB => "Open a folder of frames as B",
             Self::OpenFilesB => "Open image files as B",
@@ -111,6 +123,11 @@ impl Purpose {
             | Self::OpenFolderB
             | Self::OpenFilesB
             | Self::OpenPathB => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
+            Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
+            Self::OpenEstimate | Self::OpenTruth => {
+                "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
+            }
+            Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
             Self::Export(_) => "The file to write",
@@ -120,7 +137,14 @@ impl Purpose {
     /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::OpenFolder | Self::OpenPath | Self::OpenFolderB | Self::OpenPathB => Vec::new(),
+            Self::OpenFolder
+            | Self::OpenDataset
+            | Self::FeatureFolder
+            | Self::OpenEstimate
+            | Self::OpenTruth
+            | Self::OpenPath
+            | Self::OpenFolderB
+            | Self::OpenPathB => Vec::new(),
             Self::OpenFiles | Self::OpenFilesB => crate::burst::supported_extensions().to_vec(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::Export(kind) => vec![kind.extension()],
@@ -160,7 +184,9 @@ impl FileDialogs for SystemDialogs {
             dialog = dialog.add_filter(question.purpose.title(), &extensions).add_filter("All files", &["*"]);
         }
         match question.purpose {
-            Purpose::OpenFolder | Purpose::OpenFolderB => dialog.pick_folder().map(|p| vec![p]),
+            Purpose::OpenFolder | Purpose::OpenFolderB | Purpose::OpenDataset | Purpose::FeatureFolder => {
+                dialog.pick_folder().map(|p| vec![p])
+            }
             Purpose::OpenFiles | Purpose::OpenFilesB => dialog.pick_files(),
             purpose if purpose.saves() => dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p]),
             _ => dialog.pick_file().map(|p| vec![p]),

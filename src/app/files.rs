@@ -1,10 +1,12 @@
 //! What the window does with files: asks for them, opens, restores, loads and writes them.
 
+use super::dataset::Which;
 use super::dialogs::{Answer, ExportKind, PathField, Purpose, Question};
 use super::session::Session;
 use super::state::room::Room;
 use super::state::scrub::ViewKind;
 use super::window::BurstscopeApp;
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::BurstSource;
 use std::path::PathBuf;
@@ -32,6 +34,12 @@ impl BurstscopeApp {
             [one] if one.extension().is_some_and(|e| e == "toml") => {
                 let is_session = std::fs::read_to_string(one).is_ok_and(|text| Session::from_toml(&text).is_ok());
                 self.use_files(if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }, paths);
+            }
+            [one] if self.model.room == Room::Trajectories => {
+                // The first that comes is the estimate, the second the truth; a third takes the place of the estimate.
+                let compared = &self.model.trajectories.compared;
+                let truth = compared.estimate.is_some() && compared.truth.is_none();
+                self.open_trajectory(if truth { Which::Truth } else { Which::Estimate }, one.clone());
             }
             _ if self.is_dropped_on_b(ctx) => self.open_second(BurstSource::Paths(paths)),
             _ => self.open(BurstSource::Paths(paths)),
@@ -87,6 +95,10 @@ impl BurstscopeApp {
         let Some(first) = paths.first().cloned() else { return };
         match purpose {
             Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => self.open(BurstSource::Paths(paths)),
+            Purpose::OpenDataset => self.open_dataset(DatasetSource::of_bursts(paths)),
+            Purpose::OpenEstimate => self.open_trajectory(Which::Estimate, first),
+            Purpose::OpenTruth => self.open_trajectory(Which::Truth, first),
+            Purpose::FeatureFolder => self.use_feature_folder(first),
             Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
                 self.open_second(BurstSource::Paths(paths));
             }

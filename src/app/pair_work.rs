@@ -137,10 +137,10 @@ impl BurstscopeApp {
             }
         };
         match answer.result {
-            Ok(burst) => {
+            Ok(mut burst) => {
                 self.engine.pair().cancel(PairLane::Detect);
                 self.engine.pair().cancel(PairLane::Match);
-                self.remember(&burst.source);
+                self.remember(&mut burst);
                 self.model.messages.resolved("Open B");
                 self.model.messages.note(format!("Opened as B: {}", super::window::describe_burst(&burst)));
                 self.model.take_second_burst(burst);

@@ -4,6 +4,7 @@ use super::offscreen::{OffscreenError, render_offscreen};
 use super::settings::Settings;
 use super::state::scrub::ViewKind;
 use super::window::{BurstscopeApp, Startup};
+use crate::dataset::DatasetSource;
 use crate::detector::{DetectorParams, Slope};
 use crate::engine::BurstSource;
 use crate::export::{ExportError, Picture, write_png};
@@ -17,6 +18,8 @@ pub struct RenderOptions {
     pub source: BurstSource,
     /// A second burst beside it.
     pub second: Option<BurstSource>,
+    /// A dataset that is drawn instead, on its first burst.
+    pub dataset: Option<DatasetSource>,
     /// The detector's parameters.
     pub params: DetectorParams,
     /// Columns and rows of the window, in points.
@@ -48,6 +51,7 @@ impl Default for RenderOptions {
         Self {
             source: BurstSource::Demo,
             second: None,
+            dataset: None,
             params: DetectorParams::default(),
             size_points: (1280.0, 800.0),
             scale: 1.0,
@@ -94,6 +98,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     let startup = Startup {
         source: Some(options.source.clone()),
         second: options.second.clone(),
+        dataset: options.dataset.clone(),
         params: options.params.clone(),
         settings,
         ..Startup::default()
@@ -125,16 +130,12 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
                 .errors()
                 .first()
                 .map(|m| m.text.clone())
-                .or_else(|| several(app.choice()))
                 .or_else(|| app.model.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string));
         },
         |app| {
-            let answered =
-                app.model.burst.is_some() || !app.model.messages.errors().is_empty() || !app.choice().is_empty();
-            let second = options.second.is_none()
-                || app.model.pair.b.burst.is_some()
-                || !app.model.messages.errors().is_empty()
-                || !app.choice().is_empty();
+            let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
+            let answered = app.model.burst.is_some() || failed;
+            let second = options.second.is_none() || app.model.pair.b.burst.is_some() || failed;
             app.is_settled() && answered && second
         },
     )?;
@@ -147,13 +148,6 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     let (width, height) = rendered.image.dimensions();
     write_png(path, Picture::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
     Ok(())
-}
-
-/// What to say when there are several bursts where one was asked for.
-fn several(bursts: &[BurstSource]) -> Option<String> {
-    let names: Vec<String> = bursts.iter().map(BurstSource::label).collect();
-    (!names.is_empty())
-        .then(|| format!("there are {} bursts here, give one of them: {}", names.len(), names.join(", ")))
 }
 
 /// Puts the hand where the options say.

@@ -4,19 +4,55 @@
 //! same bits. The selected feature is then found again by its place.
 
 use super::canvas::{View, overlay::ColourBy};
+use super::dataset::{Dataset, Trajectories};
 use super::state::filter::{Filter, Order};
 use super::state::look::Look;
 use super::state::pair::{Links, MatchLook, MatchOrder, SavedMatch, Side};
 use super::state::room::Room;
 use super::state::scrub::Scrub;
 use super::state::{BottomTab, Model, SavedSelection};
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::BurstSource;
+use crate::evaluate::poses::Projection;
 use crate::matching::MatchParams;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// The version that this program writes; it reads this and older ones.
 const VERSION: u32 = 1;
+
+/// The dataset of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedDataset {
+    /// Where its bursts come from.
+    pub source: DatasetSource,
+    /// Where its features are kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
+    /// The places of the bursts that were A and B.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub a: Option<usize>,
+    #[allow(missing_docs)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub b: Option<usize>,
+}
+
+/// The trajectories of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedTrajectories {
+    /// Where the estimate is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<PathBuf>,
+    /// Where the truth is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<PathBuf>,
+    /// From which side they were seen.
+    #[serde(default)]
+    pub projection: Projection,
+}
 
 /// What a session file holds. A missing field has its default.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,6 +92,12 @@ pub struct Session {
     /// The selected feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
+    /// The dataset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dataset: Option<SavedDataset>,
+    /// The trajectories.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trajectories: Option<SavedTrajectories>,
     /// The room that was open.
     #[serde(default)]
     pub room: Room,
@@ -141,6 +183,8 @@ impl Session {
             selection: model.saved_selection(),
             room: model.room,
             pair: PairSession::of(model, view_b),
+            dataset: model.datasets.open.as_ref().map(saved_dataset),
+            trajectories: saved_trajectories(&model.trajectories),
         })
     }
 
@@ -191,10 +235,29 @@ impl Session {
 fn absolute(source: &BurstSource) -> BurstSource {
     match source {
         BurstSource::Demo | BurstSource::DemoLater => source.clone(),
-        BurstSource::Paths(paths) => {
-            BurstSource::Paths(paths.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect())
-        }
+        BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
     }
+}
+
+fn absolute_path(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.into())
+}
+
+fn saved_trajectories(trajectories: &Trajectories) -> Option<SavedTrajectories> {
+    let compared = &trajectories.compared;
+    let path = |read: &Option<(PathBuf, _)>| read.as_ref().map(|(path, _)| absolute_path(path));
+    (!trajectories.is_empty()).then(|| SavedTrajectories {
+        estimate: path(&compared.estimate),
+        truth: path(&compared.truth),
+        projection: trajectories.projection,
+    })
+}
+
+fn saved_dataset(dataset: &Dataset) -> SavedDataset {
+    let mut source = dataset.source.clone();
+    source.paths.iter_mut().for_each(|p| *p = absolute_path(p));
+    let [a, b] = dataset.pair;
+    SavedDataset { source, folder: dataset.folder.as_deref().map(absolute_path), a, b }
 }
 
 #[cfg(test)]

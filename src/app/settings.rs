@@ -2,6 +2,7 @@
 
 use super::state::pair::{Links, MatchLook};
 use super::state::{Model, Panels};
+use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,10 @@ const MOST_RECENT: usize = 12;
 pub struct Settings {
     /// Bursts that were opened, the latest first.
     pub recent: Vec<BurstSource>,
+    /// Datasets that were opened, the latest first.
+    pub datasets: Vec<DatasetSource>,
+    /// Frames of a burst when a sequence was last cut.
+    pub burst_length: usize,
     /// Light, dark, or as the system.
     pub theme: egui::ThemePreference,
     /// Open parts of the window.
@@ -33,6 +38,8 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             recent: Vec::new(),
+            datasets: Vec::new(),
+            burst_length: 10,
             theme: egui::ThemePreference::Dark,
             panels: Panels::default(),
             auto_detect: true,
@@ -58,10 +65,14 @@ impl Settings {
     /// Puts `source` at the top of the recent list. The demo has a menu item of its own.
     pub fn remember(&mut self, source: &BurstSource) {
         if matches!(source, BurstSource::Paths(_)) {
-            self.recent.retain(|s| s != source);
-            self.recent.insert(0, source.clone());
-            self.recent.truncate(MOST_RECENT);
+            put_first(&mut self.recent, source);
         }
+    }
+
+    /// Puts `source` at the top of the list of datasets.
+    pub fn remember_dataset(&mut self, source: &DatasetSource) {
+        put_first(&mut self.datasets, source);
+        self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
     /// Takes over what the model has of them.
@@ -69,6 +80,21 @@ impl Settings {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
         (self.links, self.match_look) = (model.pair.links, model.pair.look);
     }
+}
+
+fn put_first<T: Clone + PartialEq>(list: &mut Vec<T>, item: &T) {
+    list.retain(|other| other != item);
+    list.insert(0, item.clone());
+    list.truncate(MOST_RECENT);
+}
+
+/// What was opened before and is to be opened again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Recent {
+    /// One burst.
+    Burst(BurstSource),
+    /// Many.
+    Dataset(DatasetSource),
 }
 
 #[cfg(test)]

@@ -1,18 +1,21 @@
 //! Where everything is: menus and toolbar above, the open room in the middle, the status below.
 
 use super::actions::{Queue, menu::menu_bar_ui};
+use super::dataset::filmstrip;
 use super::panels;
+use super::settings::Recent;
 use super::window::BurstscopeApp;
 use egui::{CentralPanel, Frame, Margin, Panel};
 
 /// Draws the whole window except what floats over it.
 pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     let mut open_recent = None;
+    let mut open_burst = None;
     let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
 
     Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
         ui.horizontal(|ui| {
-            menu_bar_ui(ui, &app.model, app.recent(), queue, &mut open_recent);
+            menu_bar_ui(ui, &app.model, app.remembered(), queue, &mut open_recent);
             super::rooms::switch_ui(ui, &app.model, queue);
         });
     });
@@ -21,15 +24,25 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
         .frame(bar(ui))
         .show(ui, |ui| panels::status::status_ui(ui, &app.model, app.readout(), queue));
 
-    if app.model.burst.is_none() {
+    if app.model.datasets.open.is_some() && app.model.panels.filmstrip {
+        Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
+            open_burst = filmstrip::filmstrip_ui(ui, &mut app.model, &mut app.thumbnails, queue).open;
+        });
+    }
+    if app.model.burst.is_none() && app.model.room.needs_burst() {
         CentralPanel::default().show(ui, |ui| {
-            panels::welcome::welcome_ui(ui, &app.model, app.recent(), queue, &mut open_recent);
+            panels::welcome::welcome_ui(ui, &app.model, app.remembered(), queue, &mut open_recent);
         });
     } else {
         super::rooms::room_ui(app, ui, queue);
     }
     panels::welcome::drop_hint_ui(ui.ctx());
-    if let Some(source) = open_recent {
-        app.open(source);
+    if let Some(place) = open_burst {
+        app.open_burst_at(place);
+    }
+    match open_recent {
+        Some(Recent::Burst(source)) => app.open(source),
+        Some(Recent::Dataset(source)) => app.open_dataset(source),
+        None => {}
     }
 }

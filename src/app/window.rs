@@ -2,6 +2,8 @@
 
 use super::actions::{self, ActionId, Queue, palette::Palette};
 use super::canvas::{Readout, View};
+use super::dataset::CutDialog;
+use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, PathField, SystemDialogs};
 use super::pair_work::PairAsked;
 use super::panels::display::DisplayState;
@@ -14,6 +16,7 @@ use super::state::pair::Side;
 use super::state::room::Room;
 use super::state::scrub::{ViewKind, played};
 use super::state::{Busy, Model};
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::{
     Answer as JobAnswer, BurstSource, DetectRequest, Engine, JobError, JobId, LaneKind, OnUpdate, OpenBurst, PairLane,
@@ -29,6 +32,8 @@ pub struct Startup {
     pub source: Option<BurstSource>,
     /// What is opened beside it, as the second burst.
     pub second: Option<BurstSource>,
+    /// A dataset that is opened instead.
+    pub dataset: Option<DatasetSource>,
     /// The detector's parameters.
     pub params: DetectorParams,
     /// A session file that is restored instead.
@@ -46,6 +51,7 @@ impl Default for Startup {
         Self {
             source: Some(BurstSource::Demo),
             second: None,
+            dataset: None,
             params: DetectorParams::default(),
             session: None,
             settings: Settings::default(),
@@ -85,6 +91,11 @@ pub struct BurstscopeApp {
     /// Bursts of a folder, of which one is to be chosen.
     choice: Vec<BurstSource>,
     choice_side: Side,
+    /// How a sequence is to be cut, while that is being asked.
+    pub(super) cut: Option<CutDialog>,
+    pub(super) thumbnails: Thumbnails,
+    /// What is being opened.
+    opening: Option<(JobId, BurstSource)>,
     pub(super) restoring: Option<(JobId, Box<Session>)>,
     asked_picture: Option<PictureRequest>,
     asked_patch: Option<PictureRequest>,
@@ -127,6 +138,9 @@ impl BurstscopeApp {
             path_field: None,
             choice: Vec::new(),
             choice_side: Side::A,
+            cut: None,
+            thumbnails: Thumbnails::default(),
+            opening: None,
             restoring: None,
             asked_picture: None,
             asked_patch: None,
@@ -135,6 +149,8 @@ impl BurstscopeApp {
         };
         if let Some(path) = startup.session {
             app.restore_session(&path);
+        } else if let Some(dataset) = startup.dataset {
+            app.open_dataset(dataset);
         } else if let Some(source) = startup.source {
             app.open(source);
         }
@@ -147,7 +163,7 @@ impl BurstscopeApp {
     /// Opens a burst in the background; the one that is open stays until the new one is there.
     pub fn open(&mut self, source: BurstSource) {
         self.restoring = None;
-        self.engine.open(source);
+        self.opening = Some((self.engine.open(source.clone()), source));
     }
 
     /// Whether everything that is wanted is there and nothing runs.
@@ -155,6 +171,7 @@ impl BurstscopeApp {
         self.engine.is_idle()
             && !self.desk.is_asking()
             && self.model.picture_is_current()
+            && !self.thumbnails.is_waiting()
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
     }
@@ -169,7 +186,7 @@ impl BurstscopeApp {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
         let hands = [self.model.scrub, self.model.pair.b.scrub];
-        self.take_updates();
+        self.take_updates(&ctx);
         self.take_pair_updates();
         self.take_answers();
         self.take_dropped_files(&ctx);
@@ -201,6 +218,7 @@ impl BurstscopeApp {
             || self.sheet_open
             || self.about_open
             || self.path_field.is_some()
+            || self.cut.is_some()
             || !self.choice.is_empty()
     }
 
@@ -224,11 +242,20 @@ impl BurstscopeApp {
                 Side::B => self.open_second(burst),
             }
         }
+        if let Some(dialog) = &mut self.cut {
+            let (source, stay) = dialog.ui(ctx);
+            if !stay {
+                self.cut = None;
+            }
+            if let Some(source) = source {
+                self.open_dataset(source);
+            }
+        }
         super::panels::messages::messages_ui(ctx, &mut self.model.messages);
     }
 
     /// Takes what the engine published.
-    fn take_updates(&mut self) {
+    fn take_updates(&mut self, ctx: &egui::Context) {
         for update in self.engine.poll() {
             match update {
                 Update::Opened(answer) => self.take_opened(answer),
@@ -263,6 +290,8 @@ impl BurstscopeApp {
                     Ok(text) => self.model.messages.note(text),
                     Err(error) => self.model.messages.error(done.label, error.to_string()),
                 },
+                Update::Dataset(update) => self.take_dataset_update(ctx, update),
+                Update::Compared(answer) => self.take_compared(answer),
             }
         }
         self.model.busy = Busy {
@@ -270,6 +299,8 @@ impl BurstscopeApp {
             detecting: self.engine.running(LaneKind::Detect),
             picture: self.engine.running(LaneKind::Picture).is_some(),
         };
+        self.model.datasets.running = self.engine.datasets.running();
+        self.model.trajectories.running = self.engine.poses.running();
     }
 
     fn take_opened(&mut self, answer: JobAnswer<OpenBurst>) {
@@ -281,9 +312,9 @@ impl BurstscopeApp {
             }
         };
         match answer.result {
-            Ok(burst) => {
+            Ok(mut burst) => {
                 self.engine.cancel(LaneKind::Detect);
-                self.settings.remember(&burst.source);
+                self.remember(&mut burst);
                 self.model.messages.resolved("Open");
                 self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
                 self.model.take_burst(burst);
@@ -291,6 +322,8 @@ impl BurstscopeApp {
                 self.forget_asked();
                 if let Some(session) = session {
                     self.view = session.apply(&mut self.model);
+                    self.restore_dataset(session.dataset.clone());
+                    self.restore_trajectories(session.trajectories.clone());
                     if session.detected && self.model.needs_detection() {
                         self.start_detection();
                     }
@@ -298,7 +331,11 @@ impl BurstscopeApp {
                 }
             }
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
-            Err(JobError::Several(bursts)) if session.is_none() => self.choose_among(bursts, Side::A),
+            Err(JobError::Several(_)) if session.is_none() => {
+                if let Some((_, BurstSource::Paths(paths))) = self.opening.take_if(|(id, _)| *id == answer.id) {
+                    self.open_dataset(DatasetSource::of_bursts(paths));
+                }
+            }
             Err(error) => self.model.messages.error("Open", error.to_string()),
         }
     }
@@ -308,9 +345,12 @@ impl BurstscopeApp {
         (self.choice, self.choice_side) = (bursts, side);
     }
 
-    /// Puts a burst at the top of the recent ones.
-    pub(super) fn remember(&mut self, source: &BurstSource) {
-        self.settings.remember(source);
+    /// Puts a burst at the top of the recent ones. One of the dataset is remembered with it, and has the name that it has there.
+    pub(super) fn remember(&mut self, burst: &mut OpenBurst) {
+        match &self.model.datasets.open {
+            Some(dataset) if dataset.place_of(Some(burst)).is_some() => dataset.name_as_here(burst),
+            _ => self.settings.remember(&burst.source),
+        }
     }
 
     /// Forgets what was asked for A's burst: another one is open.
@@ -398,6 +438,7 @@ impl BurstscopeApp {
             self.start_detection();
         }
         self.request_for_pair(dragging);
+        self.thumbnails.request(&self.engine.datasets);
     }
 }
 
@@ -430,6 +471,19 @@ impl BurstscopeApp {
     pub(super) fn readout(&self) -> Option<&Readout> {
         let in_b = self.pair_panels.pictures_b.readout.as_ref().filter(|_| self.model.room == Room::Pair);
         self.pictures.readout.as_ref().or(in_b)
+    }
+
+    /// What is remembered from the last time.
+    pub fn remembered(&self) -> &Settings {
+        &self.settings
+    }
+
+    pub(super) fn remember_dataset(&mut self, source: &DatasetSource) {
+        self.settings.remember_dataset(source);
+    }
+
+    pub(super) fn burst_length(&self) -> usize {
+        self.settings.burst_length
     }
 
     /// Bursts that were opened before, the latest first.

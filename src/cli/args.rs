@@ -27,6 +27,8 @@ pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, i
     after_long_help = "Examples:\n  burstscope                                       open the window on the demo burst\n  \
         burstscope night/                                open the window on a folder of frames\n  \
         burstscope night/ later/                         two bursts side by side, with their matches\n  \
+        burstscope nights/                               a folder of bursts: a dataset\n  \
+        burstscope film/ --burst-length 7                a long sequence, cut into bursts\n  \
         burstscope detect night/ --out found             features of a burst as CSV\n  \
         burstscope detect nights/ --slopes-u -6:6:25 --out found --format csv,npz\n  \
         burstscope stack night/ --slope -2.1,0 --out sign.tiff\n  \
@@ -34,9 +36,13 @@ pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, i
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
 )]
 pub struct Cli {
-    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'; two of them side by side.
+    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'; two of them side by side; or a
+    /// folder of bursts, or several, as a dataset.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     /// The parameter file to begin with.
     #[command(flatten)]
     pub params: ParamsFileArg,
@@ -203,8 +209,8 @@ pub struct MergeArgs {
 
 /// Draw the window into a PNG file, without a display.
 ///
-/// Of two bursts the window shows both side by side, with the matches between them. The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the
-/// picture is taken at the slope with the most features.
+/// Of two bursts the window shows both side by side, with the matches between them; of a dataset it shows the first. The window is drawn as it is on a
+/// screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the picture is taken at the slope with the most features.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
@@ -246,6 +252,9 @@ pub struct RenderArgs {
     /// Give up after this many seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,

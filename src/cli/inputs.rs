@@ -5,11 +5,13 @@
 
 use super::args::SequenceArgs;
 use super::failure::Failure;
-use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts};
-use crate::export::safe_file_name;
+use crate::burst::{
+    Burst, BurstSource, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, name_among_several,
+};
+use crate::dataset::DatasetSource;
+use crate::export::make_file_names_unique;
 use crate::monitor::Monitor;
 use crate::synth::{demo_burst, later_demo_burst};
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// The word that names the built-in burst; a folder of that name is `./demo`.
@@ -85,7 +87,7 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
             inputs.extend(resolve_files(&files));
         }
     }
-    make_names_unique(&mut inputs);
+    make_file_names_unique(inputs.iter_mut().map(|i| &mut i.name));
     inputs
 }
 
@@ -113,12 +115,12 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
         match cut_sequence(&BurstSource { name: input.name.clone(), paths }, cut) {
             Err(error) => bursts.push(Input { name: input.name, place: Place::Broken(error) }),
             Ok(sources) => bursts.extend(sources.into_iter().map(found).map(|burst| {
-                let name = if several { format!("{}_{}", input.name, burst.name) } else { burst.name };
+                let name = if several { name_among_several(&input.name, &burst.name) } else { burst.name };
                 Input { name, ..burst }
             })),
         }
     }
-    make_names_unique(&mut bursts);
+    make_file_names_unique(bursts.iter_mut().map(|i| &mut i.name));
     Ok(bursts)
 }
 
@@ -153,20 +155,6 @@ fn look(paths: &[PathBuf]) -> Vec<Input> {
 
 fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-}
-
-/// Numbers names that would make the same file name, also where upper and lower case are the same.
-fn make_names_unique(inputs: &mut [Input]) {
-    let key = |name: &str| safe_file_name(name).to_lowercase();
-    let mut taken: HashSet<String> = HashSet::new();
-    for input in inputs {
-        if !taken.insert(key(&input.name)) {
-            let number =
-                (2..).find(|n| !taken.contains(&key(&format!("{}_{n}", input.name)))).expect("numbers never end");
-            input.name = format!("{}_{number}", input.name);
-            taken.insert(key(&input.name));
-        }
-    }
 }
 
 /// The one burst that `arguments` name.
@@ -205,6 +193,47 @@ pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
     let mut inputs = vec![one(a)?, one(b)?];
     make_names_unique(&mut inputs);
     Ok(inputs)
+}
+
+/// What the window opens.
+#[derive(Debug)]
+pub(super) enum Opening {
+    /// One burst.
+    Burst(Input),
+    /// Two side by side.
+    Two([Input; 2]),
+    /// Many.
+    Dataset(DatasetSource),
+}
+
+/// What `arguments` name: one burst, two if each argument is one, or a dataset if there are more or a sequence is cut.
+///
+/// # Errors
+/// A cut that makes no sense; the demo among others; several bursts of which one was not found.
+pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
+    let SequenceArgs { burst_length, burst_step } = sequence;
+    let inputs = resolve(arguments);
+    if inputs.len() < 2 && burst_length.is_none() {
+        return Ok(Opening::Burst(resolve_one(arguments, "the window")?));
+    }
+    if let Some(two) = two_of(arguments).filter(|_| burst_length.is_none()) {
+        return Ok(Opening::Two(two));
+    }
+    if let Some(length) = burst_length {
+        SequenceCut::new(length, burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
+    }
+    for input in inputs {
+        match input.place {
+            Place::Paths(_) => {}
+            Place::Broken(error) => return Err(error.into()),
+            Place::Demo { .. } => {
+                return Err(Failure::usage(
+                    "the demo is a burst alone: open it without a cut, and beside one other burst at most",
+                ));
+            }
+        }
+    }
+    Ok(Opening::Dataset(DatasetSource { paths: arguments.to_vec(), burst_length, burst_step }))
 }
 
 /// How to open bursts with this bias frame.
@@ -260,6 +289,30 @@ mod tests {
     }
 
     #[test]
+    fn several_bursts_are_a_dataset_for_the_window() {
+        let home = tempfile::tempdir().expect("a folder");
+        let film = |name: &str| home.path().join(name);
+        for name in ["a", "b"] {
+            std::fs::create_dir(film(name)).expect("made");
+            (0..4).for_each(|t| picture(&film(name).join(format!("{t}.png"))));
+        }
+        let open =
+            |paths: &[PathBuf], burst_length| what_to_open(paths, SequenceArgs { burst_length, burst_step: None });
+        let dataset = |opening: Result<Opening, Failure>| match opening.expect("found") {
+            Opening::Dataset(source) => source.bursts().expect("bursts").into_iter().map(|b| b.name).collect(),
+            Opening::Burst(_) | Opening::Two(_) => Vec::new(),
+        };
+        assert!(matches!(open(&[film("a")], None), Ok(Opening::Burst(_))));
+        assert!(matches!(open(&[DEMO.into()], None), Ok(Opening::Burst(_))));
+        assert_eq!(dataset(open(&[home.path().into()], None)), ["a", "b"]);
+        assert_eq!(dataset(open(&[film("a")], Some(2))), ["1", "3"]);
+        assert_eq!(dataset(open(&[home.path().into()], Some(4))), ["a_2", "b_2"]);
+        assert!(matches!(open(&[DEMO.into(), film("a")], None), Ok(Opening::Two(_))));
+        assert!(open(&[DEMO.into(), home.path().into()], None).is_err() && open(&[DEMO.into()], Some(2)).is_err());
+        assert!(open(&[film("a"), film("b"), film("gone")], None).is_err() && open(&[film("a")], Some(0)).is_err());
+    }
+
+    #[test]
     fn sequences_are_cut_and_their_bursts_named_apart() {
         let home = tempfile::tempdir().expect("a folder");
         for (film, frames) in [("day", 5), ("night", 4), ("dusk", 1)] {
@@ -278,14 +331,5 @@ mod tests {
         assert!(resolve_bursts(&[film("day")], args(0, None)).is_err());
         assert!(resolve_bursts(&[DEMO.into()], args(2, None)).is_err());
         assert_eq!(resolve_bursts(&[film("day")], SequenceArgs::default()).expect("whole").len(), 1);
-    }
-
-    #[test]
-    fn names_that_would_share_a_file_are_numbered() {
-        let input = |name: &str| Input { name: name.to_owned(), place: Place::Demo { later: false } };
-        let mut inputs = [input("a"), input("A"), input("a_2"), input("a:"), input("a?")];
-        make_names_unique(&mut inputs);
-        let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();
-        assert_eq!(names, ["a", "A_2", "a_2_2", "a:", "a?_2"]);
     }
 }

@@ -3,36 +3,35 @@
 use super::args::{Cli, OutputArgs};
 use super::console::{Console, print};
 use super::failure::Failure;
-use super::inputs::{Input, resolve_one, two_of};
-use super::render::{source_of, sources_of};
+use super::inputs::{DEMO, Input, Opening, what_to_open};
+use super::render::{Sources, source_of, sources_of};
 use super::table::feature_table;
 use crate::app::{RenderOptions, Startup, render_to_png};
 use crate::baseline::detect;
 use crate::burst::OpenOptions;
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::export::safe_file_name;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Features that the table shows.
 const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let params = cli.params.read()?;
-    if has_display() {
-        let (source, second) = match cli.inputs.as_slice() {
-            [] => (source_of(Input::demo(false))?, None),
-            inputs => sources_of(inputs, "the window")?,
+    let demo = [PathBuf::from(DEMO)];
+    let inputs = if cli.inputs.is_empty() { &demo[..] } else { &cli.inputs };
+    let opening = what_to_open(inputs, cli.sequence)?;
+    if !has_display() {
+        return match opening {
+            Opening::Burst(input) => without_display(input, None, params),
+            Opening::Two([a, b]) => without_display(a, Some(b), params),
+            Opening::Dataset(source) => dataset_without_display(source, params),
         };
-        let startup = Startup { source: Some(source), second, params, ..Startup::default() };
-        return crate::app::run(startup).map_err(Failure::Failed);
     }
-    match cli.inputs.as_slice() {
-        [] => without_display(Input::demo(false), None, params),
-        inputs => match two_of(inputs) {
-            Some([a, b]) => without_display(a, Some(b), params),
-            None => without_display(resolve_one(inputs, "the window")?, None, params),
-        },
-    }
+    let Sources { source, second, dataset } = sources_of(opening)?;
+    let startup = Startup { source, second, dataset, params, ..Startup::default() };
+    crate::app::run(startup).map_err(Failure::Failed)
 }
 
 /// Whether a window can be shown. Systems other than free Unix ones always have a display.
@@ -41,14 +40,34 @@ fn has_display() -> bool {
     !cfg!(all(unix, not(target_os = "macos"))) || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(set)
 }
 
-/// The features listed are those of `input`; the picture shows `second` beside it, if there is one.
-fn without_display(input: Input, second: Option<Input>, params: DetectorParams) -> Result<(), Failure> {
-    let file = PathBuf::from(format!("burstscope-{}.png", safe_file_name(&input.name)));
+/// Says that the window becomes a picture, and what `else_is_done`. Answers the picture's file and the console.
+fn begin_without_display(name: &str, else_is_done: &str) -> Result<(PathBuf, Console), Failure> {
+    let file = PathBuf::from(format!("burstscope-{}.png", safe_file_name(name)));
     print(&format!(
-        "There is no display here (neither DISPLAY nor WAYLAND_DISPLAY is set).\nThe window is drawn into {} instead, and the strongest features are listed.\n\n",
+        "There is no display here (neither DISPLAY nor WAYLAND_DISPLAY is set).\nThe window is drawn into {} instead, and {else_is_done}.\n\n",
         file.display()
     ))?;
-    let console = Console::new(&OutputArgs { json: false, quiet: false, threads: None })?;
+    Ok((file, Console::new(&OutputArgs { json: false, quiet: false, threads: None })?))
+}
+
+fn draw(options: &RenderOptions, file: &Path, console: &Console) -> Result<(), Failure> {
+    render_to_png(options, file)
+        .map_err(|e| Failure::Failed(anyhow::Error::new(e).context("the window cannot be drawn")))?;
+    console.say(&format!("wrote {}\n", file.display()))
+}
+
+fn dataset_without_display(source: DatasetSource, params: DetectorParams) -> Result<(), Failure> {
+    let (file, console) = begin_without_display(&source.label(), "the bursts are listed")?;
+    for burst in source.bursts()? {
+        let frames = burst.files()?.len();
+        console.say(&format!("{}: {frames} {}\n", burst.name, if frames == 1 { "file" } else { "files" }))?;
+    }
+    draw(&RenderOptions { dataset: Some(source), params, ..RenderOptions::default() }, &file, &console)
+}
+
+/// The features listed are those of `input`; the picture shows `second` beside it, if there is one.
+fn without_display(input: Input, second: Option<Input>, params: DetectorParams) -> Result<(), Failure> {
+    let (file, console) = begin_without_display(&input.name, "the strongest features are listed")?;
     let name = input.name.clone();
     console.begin(format!("{name}: "));
     let burst = input.open(&OpenOptions::default(), &console.monitor)?;
@@ -63,7 +82,5 @@ fn without_display(input: Input, second: Option<Input>, params: DetectorParams) 
     ))?;
     let second = second.map(source_of).transpose()?;
     let options = RenderOptions { source: source_of(input)?, second, params, ..RenderOptions::default() };
-    render_to_png(&options, &file)
-        .map_err(|e| Failure::Failed(anyhow::Error::new(e).context("the window cannot be drawn")))?;
-    console.say(&format!("wrote {}\n", file.display()))
+    draw(&options, &file, &console)
 }

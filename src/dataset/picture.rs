@@ -77,7 +77,7 @@ pub(super) fn write_picture(
 }
 
 /// The range that shows nearly all pixels.
-fn stretched(plane: &Plane) -> Display {
+pub(super) fn stretched(plane: &Plane) -> Display {
     match percentiles(plane, &Region::whole(plane), &BLACK_WHITE_PERCENT).as_deref() {
         Some([black, white]) => Display::default().with_range(*black, *white),
         _ => Display::default(),

@@ -1,7 +1,8 @@
 //! Background workers: requests in, answers out, so that whoever asks never waits.
 //!
 //! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the picture on show, the patch of the selected
-//! feature, a detection; and, beside them, those of a second burst and of the matches between the two. A lane is a named thread with a single-slot mailbox: a new request replaces one that still waits, and
+//! feature, a detection; and, beside them, those of a second burst and of the matches between the two, and those of a [dataset](DatasetWorkers). A lane is
+//! a named thread with a single-slot mailbox: a new request replaces one that still waits, and
 //! the one that runs is cancelled. So the latest request wins, and scrubbing stays live while a detection runs. Each
 //! request is an immutable snapshot with an id. An answer is published first; only then is `on_update` called, so that
 //! whoever wakes up finds it. A panic in the work becomes an error with its place, and the lane lives on.
@@ -9,19 +10,25 @@
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
 mod cache;
+mod dataset;
 mod fault;
 mod lane;
 mod pair;
 mod picture;
 mod picture_lane;
+mod poses;
 mod source;
 mod task;
 
 pub use cache::PictureCache;
+pub use dataset::{
+    Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
+};
 pub use fault::JobError;
 pub use lane::{Answer, JobId, Lane};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
+pub use poses::{Compared, PoseWorker, PosesRequest, TrajectorySource};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
@@ -88,6 +95,10 @@ pub enum Update {
     Detected(Answer<Detected>),
     /// A task ended.
     Task(TaskDone),
+    /// Something about a dataset.
+    Dataset(DatasetUpdate),
+    /// Trajectories were read and compared.
+    Compared(Answer<Compared>),
 }
 
 /// How far a lane's running request is.
@@ -108,6 +119,10 @@ pub struct Engine {
     patch: PictureLane,
     detect: Lane<DetectRequest, Detected>,
     pair: PairWorkers,
+    /// Work on many bursts.
+    pub datasets: DatasetWorkers,
+    /// Work on trajectories.
+    pub poses: PoseWorker,
     tasks: task::Tasks,
     cache: SharedCache,
 }
@@ -129,6 +144,8 @@ impl Engine {
             patch: PictureLane::new("patch", &cache, on_update.clone()),
             detect: detect_lane("detect", &on_update),
             pair: PairWorkers::new(&cache, &on_update),
+            datasets: DatasetWorkers::new(&on_update),
+            poses: PoseWorker::new(&on_update),
             tasks: task::Tasks::new(on_update),
             cache,
         }
@@ -177,6 +194,8 @@ impl Engine {
         updates.extend(self.picture.lane.take_answer().map(Update::Picture));
         updates.extend(self.patch.lane.take_answer().map(Update::Patch));
         updates.extend(self.detect.take_answer().map(Update::Detected));
+        updates.extend(self.datasets.poll().into_iter().map(Update::Dataset));
+        updates.extend(self.poses.poll().map(Update::Compared));
         updates.extend(self.tasks.take_done().into_iter().map(Update::Task));
         updates
     }
@@ -208,6 +227,8 @@ impl Engine {
             && self.patch.lane.is_idle()
             && self.detect.is_idle()
             && self.pair.is_idle()
+            && self.datasets.is_idle()
+            && self.poses.is_idle()
             && self.tasks.is_idle()
     }
 

@@ -25,7 +25,7 @@ pub use colmap::{
 pub use columns::{COLUMNS, FeatureRow};
 pub use csv::{read_features_csv, write_csv};
 pub use error::ExportError;
-pub use format::{ExportFormat, UnknownFormat, safe_file_name, write_detection};
+pub use format::{ExportFormat, UnknownFormat, make_file_names_unique, safe_file_name, write_detection};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use matches::{MATCH_COLUMNS, MatchRow, write_matches_csv};
 pub use npz::write_npz;

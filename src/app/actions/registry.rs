@@ -17,14 +17,16 @@ pub enum Menu {
     Features,
     /// A second burst, and the matches with it.
     Pair,
+    /// Many bursts.
+    Dataset,
     /// Finding one's way.
     Help,
 }
 
 impl Menu {
     /// All menus.
-    pub const ALL: [Self; 7] =
-        [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Pair, Self::Help];
+    pub const ALL: [Self; 8] =
+        [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Pair, Self::Dataset, Self::Help];
 
     /// Its name.
     pub fn label(self) -> &'static str {
@@ -35,6 +37,7 @@ impl Menu {
             Self::Detect => "Detection",
             Self::Features => "Features",
             Self::Pair => "Pair",
+            Self::Dataset => "Dataset",
             Self::Help => "Help",
         }
     }
@@ -95,6 +98,7 @@ macro_rules! actions {
 actions! {
     OpenFolder, File 0, "Open folder…", [CTRL O], "Open a folder of frames";
     OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack";
+    OpenDataset, File 0, "Open dataset…", [CTRL_SHIFT D], "Open a folder of bursts, or a long sequence that is cut into bursts";
     OpenPath, File 0, "Open path…", [CTRL L], "Type or paste the path of a burst";
     OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program";
     RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file";
@@ -111,6 +115,8 @@ actions! {
 
     RoomBurst, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
     RoomPair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
+    RoomMatches, View 0, "Matches", [CTRL Num3], "Look at the matches of all pairs of a dataset";
+    RoomTrajectories, View 0, "Trajectories", [CTRL Num4], "Look at an estimated trajectory beside the true one";
     ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
@@ -126,6 +132,7 @@ actions! {
     ToggleLeft, View 4, "Scrub and parameters", [CTRL B], "Show or hide the panel on the left";
     ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right";
     ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below";
+    ToggleFilmstrip, View 4, "Filmstrip", [CTRL K], "Show or hide the bursts of the dataset";
     ThemeSystem, View 5, "Theme as the system", [], "Follow the system's light or dark theme";
     ThemeLight, View 5, "Light theme", [], "Dark text on a light ground";
     ThemeDark, View 5, "Dark theme", [], "Light text on a dark ground";
@@ -177,6 +184,23 @@ actions! {
     ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others";
     ToggleEpipolar, Pair 3, "Epipolar lines", [NONE E], "Show or hide where in the other picture the point of a match can be";
 
+    DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts with these parameters; what is finished is not done again";
+    CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop what is done with all bursts; what is finished stays";
+    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one";
+    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one";
+    BurstAsA, Dataset 1, "Use burst as A", [], "Make the burst that is open the first of a pair";
+    BurstAsB, Dataset 1, "Use burst as B", [], "Make the burst that is open the second of a pair";
+    MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen";
+    MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts that are chosen as A and B";
+    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Look at the two bursts that are chosen as A and B, with their matches";
+    OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file";
+    OpenTruth, Dataset 3, "Open true trajectory…", [], "Open the true camera poses: a trajectory file, or a sparse model such as a gold standard's";
+    CloseTrajectories, Dataset 3, "Close trajectories", [], "Forget the estimated and the true trajectory";
+    CutSequence, Dataset 4, "Cut into bursts…", [], "Cut the frames of the burst that is open into shorter bursts, as a dataset";
+    FeatureFolder, Dataset 4, "Choose feature folder…", [], "Keep the dataset's features elsewhere, such as in a folder that burstscope colmap wrote";
+    UseFolderParams, Dataset 4, "Use the folder's parameters", [], "Take the parameters with which the features in the dataset's folder were found";
+    CloseDataset, Dataset 5, "Close dataset", [], "Close the dataset; its features stay in their folder";
+
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show all actions with their keys";
     About, Help 0, "About Burstscope", [], "What this is and which version";
@@ -215,8 +239,9 @@ mod tests {
     #[test]
     fn what_asks_first_ends_in_an_ellipsis() {
         for action in ACTIONS {
-            let asks = ["Open ", "Save ", "Load ", "Export "].iter().any(|p| action.label.starts_with(p))
-                && action.id != ActionId::OpenDemo;
+            let asks =
+                ["Open ", "Save ", "Load ", "Export ", "Choose ", "Cut "].iter().any(|p| action.label.starts_with(p))
+                    && action.id != ActionId::OpenDemo;
             let asks = asks || action.id == ActionId::Palette;
             assert_eq!(action.label.ends_with('…'), asks, "{}", action.label);
         }

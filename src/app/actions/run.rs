@@ -22,6 +22,7 @@ impl BurstscopeApp {
         match id {
             A::OpenFolder => self.ask(Purpose::OpenFolder),
             A::OpenFiles => self.ask(Purpose::OpenFiles),
+            A::OpenDataset => self.ask(Purpose::OpenDataset),
             A::OpenPath => self.open_path_field(Purpose::OpenPath, false),
             A::OpenDemo => self.open(BurstSource::Demo),
             A::RestoreSession => self.ask(Purpose::RestoreSession),
@@ -50,6 +51,22 @@ impl BurstscopeApp {
                     self.start_second_detection();
                 }
             }
+            A::DetectAll => self.detect_all(),
+            A::CancelDataset => self.engine.datasets.cancel(),
+            A::PreviousBurst => self.step_burst(-1),
+            A::NextBurst => self.step_burst(1),
+            A::BurstAsA => self.choose_open_burst(0),
+            A::BurstAsB => self.choose_open_burst(1),
+            A::MatchPairs => self.match_pairs(),
+            A::MatchSelected => self.match_selected(),
+            A::ShowPair => self.show_selected_pair(),
+            A::OpenEstimate => self.ask(Purpose::OpenEstimate),
+            A::OpenTruth => self.ask(Purpose::OpenTruth),
+            A::CloseTrajectories => self.model.trajectories.clear(),
+            A::CutSequence => self.ask_for_cut(),
+            A::FeatureFolder => self.ask(Purpose::FeatureFolder),
+            A::UseFolderParams => self.use_folder_params(),
+            A::CloseDataset => self.close_dataset(),
             A::Cancel => self.cancel_all(),
             A::GoToFeature if self.model.room == Room::Pair => self.go_to_match(),
             A::GoToFeature => self.go_to_selected(),
@@ -86,6 +103,8 @@ fn change_model(model: &mut Model, id: ActionId) {
     match id {
         A::RoomBurst => model.room = Room::Burst,
         A::RoomPair => model.room = Room::Pair,
+        A::RoomMatches => model.room = Room::Matches,
+        A::RoomTrajectories => model.room = Room::Trajectories,
         A::ToggleOverlay if model.room == Room::Pair => model.pair.look.features ^= true,
         A::ToggleOverlay => model.look.overlay ^= true,
         A::ToggleMotion => model.look.motion_vectors ^= true,
@@ -98,6 +117,7 @@ fn change_model(model: &mut Model, id: ActionId) {
         A::ToggleLeft => model.panels.left ^= true,
         A::ToggleRight => model.panels.right ^= true,
         A::ToggleBottom => model.panels.bottom ^= true,
+        A::ToggleFilmstrip => model.panels.filmstrip ^= true,
         A::ThemeSystem => model.theme = egui::ThemePreference::System,
         A::ThemeLight => model.theme = egui::ThemePreference::Light,
         A::ThemeDark => model.theme = egui::ThemePreference::Dark,

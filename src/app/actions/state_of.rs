@@ -5,6 +5,7 @@ use crate::app::state::Model;
 use crate::app::state::room::Room;
 use crate::app::state::scrub::ViewKind;
 use crate::detector::{DetectorParams, Method};
+use crate::engine::BurstSource;
 use crate::matching::MatchParams;
 
 /// Whether the action can be done now.
@@ -46,6 +47,26 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
         A::GoToFeature | A::ClearSelection => model.selected_feature().is_some(),
         A::ClearFilter => !model.filter.is_open(),
+        A::DetectAll => model.datasets.can_detect(model.params.validate().is_ok()),
+        A::CancelDataset => model.datasets.work.is_some(),
+        A::ToggleFilmstrip | A::PreviousBurst | A::NextBurst | A::FeatureFolder | A::CloseDataset => {
+            model.datasets.open.is_some()
+        }
+        A::BurstAsA | A::BurstAsB => {
+            model.datasets.open.as_ref().is_some_and(|d| d.place_of(model.burst.as_ref()).is_some())
+        }
+        A::MatchPairs => model.datasets.can_match(model.pair.params.validate().is_ok()),
+        A::MatchSelected => {
+            let chosen = model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some());
+            chosen && model.datasets.can_match(model.pair.params.validate().is_ok())
+        }
+        A::ShowPair => model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some()),
+        A::CloseTrajectories => !model.trajectories.is_empty(),
+        A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
+        A::CutSequence => {
+            let in_files = model.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
+            in_files && model.frame_count() > 1
+        }
         _ => true,
     }
 }
@@ -58,6 +79,8 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     match id {
         A::RoomBurst => Some(model.room == Room::Burst),
         A::RoomPair => Some(model.room == Room::Pair),
+        A::RoomMatches => Some(model.room == Room::Matches),
+        A::RoomTrajectories => Some(model.room == Room::Trajectories),
         A::ShowFrame => kind(ViewKind::Frame),
         A::ShowStack => kind(ViewKind::Stack),
         A::ShowDog => kind(ViewKind::Dog),
@@ -76,6 +99,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ToggleLeft => Some(model.panels.left),
         A::ToggleRight => Some(model.panels.right),
         A::ToggleBottom => Some(model.panels.bottom),
+        A::ToggleFilmstrip => Some(model.panels.filmstrip),
         A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),

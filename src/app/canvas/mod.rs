@@ -226,12 +226,12 @@ impl<'a> Canvas<'a> {
 }
 
 /// A neutral grey around the picture, so that the surround does not tint what one sees.
-fn backdrop(ui: &Ui) -> Color32 {
+pub fn backdrop(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_gray(20) } else { Color32::from_gray(206) }
 }
 
 /// A sentence in the middle of the canvas.
-fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
+pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
     let font = TextStyle::Body.resolve(ui.style());
     let width = (rect.width() - 32.0).clamp(40.0, 460.0);
     let mut job = egui::text::LayoutJob::simple(text.to_owned(), font, ui.visuals().weak_text_color(), width);
@@ -242,7 +242,7 @@ fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
 }
 
 /// Lets the pointer move the view.
-fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View) {
+pub fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View) {
     if response.double_clicked() {
         view.set_fit();
     }

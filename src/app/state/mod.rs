@@ -11,6 +11,7 @@ pub mod room;
 pub mod scrub;
 
 use super::canvas::overlay::ColourBy;
+use super::dataset::{Datasets, Trajectories};
 use crate::detector::{Detection, DetectorParams, Feature, ParamError, Slope};
 use crate::engine::{BurstId, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Running};
 use filter::{Filter, Order};
@@ -44,11 +45,13 @@ pub struct Panels {
     pub right: bool,
     /// Table and tally.
     pub bottom: bool,
+    /// The bursts of a dataset, while one is open.
+    pub filmstrip: bool,
 }
 
 impl Default for Panels {
     fn default() -> Self {
-        Self { left: true, right: true, bottom: true }
+        Self { left: true, right: true, bottom: true, filmstrip: true }
     }
 }
 
@@ -144,6 +147,10 @@ pub struct Model {
     pub messages: Messages,
     /// What the engine is doing.
     pub busy: Busy,
+    /// Many bursts.
+    pub datasets: Datasets,
+    /// An estimated and a true trajectory.
+    pub trajectories: Trajectories,
     listed_for: Option<ListedFor>,
 }
 

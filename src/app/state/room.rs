@@ -11,4 +11,15 @@ pub enum Room {
     Burst,
     /// Two bursts side by side, and the matches between them.
     Pair,
+    /// The matches of a dataset's pairs.
+    Matches,
+    /// An estimated and a true trajectory.
+    Trajectories,
+}
+
+impl Room {
+    /// Whether it shows a burst, and has nothing to show while none is open.
+    pub fn needs_burst(self) -> bool {
+        matches!(self, Self::Burst | Self::Pair)
+    }
 }

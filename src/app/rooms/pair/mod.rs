@@ -6,7 +6,7 @@ mod empty;
 mod lines;
 mod numbers;
 mod panes;
-mod parameters;
+pub mod parameters;
 mod sides;
 mod switches;
 mod table;
@@ -36,7 +36,8 @@ pub struct PairPanels {
     pub patches: Option<Patches>,
     display_b: DisplayState,
     patch_textures: [PatchTexture; 2],
-    camera_text: parameters::CameraText,
+    /// The camera as it is being typed.
+    pub camera_text: parameters::CameraText,
 }
 
 impl PairPanels {

@@ -52,13 +52,26 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, qu
             });
         });
         ui.add_space(4.0);
-        let size = model.burst_of(Side::A).map(|open| open.burst.size());
-        let error = model.pair.param_error.clone();
-        let p = &mut model.pair.params;
-        let table = ParamTable { error: error.as_ref(), defaults: MatchParams::default() };
-        rows_ui(ui, &table, p);
-        camera_ui(ui, &table, p, camera, size);
+        all_rows_ui(ui, model, camera);
     });
+}
+
+/// The same for a whole dataset, whose pairs are matched with the same parameters.
+pub fn dataset_parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
+    section_ui(ui, "Matching", |ui| {
+        button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+        ui.add_space(4.0);
+        all_rows_ui(ui, model, camera);
+    });
+}
+
+fn all_rows_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText) {
+    let size = model.burst_of(Side::A).map(|open| open.burst.size());
+    let error = model.pair.param_error.clone();
+    let p = &mut model.pair.params;
+    let table = ParamTable { error: error.as_ref(), defaults: MatchParams::default() };
+    rows_ui(ui, &table, p);
+    camera_ui(ui, &table, p, camera, size);
 }
 
 fn geometry_label(geometry: Geometry) -> &'static str {
