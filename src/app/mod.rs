@@ -2,11 +2,13 @@
 //!
 //! [`window::BurstscopeApp`] holds the [`state::Model`] (plain values), the workers of [`crate::engine`], and what the widgets remember. Each
 //! pass takes what the workers have published, runs the [`actions`] that were asked for, draws the [`panels`], and asks the workers for what is
-//! wanted and not there. What lies between toolbar and status bar is a room: one burst, or two. [`canvas`] is the picture's widget, [`gpu`] draws its
+//! wanted and not there. What lies between toolbar and status bar is a room: one burst, two,
+//! or several methods. [`canvas`] is the picture's widget, [`gpu`] draws its
 //! pixels, [`histogram`] sets their range.
 
 pub mod actions;
 pub mod canvas;
+mod compare_work;
 pub mod dialogs;
 mod files;
 pub mod gpu;

@@ -2,11 +2,13 @@
 
 use super::actions::{self, ActionId, Queue, palette::Palette};
 use super::canvas::{Readout, View};
+use super::compare_work::CompareAsked;
 use super::dialogs::{Desk, FileDialogs, PathField, SystemDialogs};
 use super::pair_work::PairAsked;
 use super::panels::display::DisplayState;
 use super::panels::picture::PictureState;
 use super::panels::selection::SelectionState;
+use super::rooms::compare::ComparePictures;
 use super::rooms::pair::PairPanels;
 use super::session::Session;
 use super::settings::Settings;
@@ -77,6 +79,9 @@ pub struct BurstscopeApp {
     /// What the room of two bursts keeps.
     pub pair_panels: PairPanels,
     pub(super) pair_asked: PairAsked,
+    /// What the room of methods keeps.
+    pub compare_pictures: ComparePictures,
+    pub(super) compare_asked: CompareAsked,
     /// Whether both hands were set, each to its own place, so that neither follows the other.
     pub(super) hands_set: bool,
     settings: Settings,
@@ -121,6 +126,8 @@ impl BurstscopeApp {
             selection: SelectionState::default(),
             pair_panels: PairPanels::default(),
             pair_asked: PairAsked::default(),
+            compare_pictures: ComparePictures::default(),
+            compare_asked: CompareAsked::default(),
             hands_set: false,
             settings: startup.settings,
             desk: Desk::new(startup.dialogs, on_update),
@@ -157,6 +164,7 @@ impl BurstscopeApp {
             && self.model.picture_is_current()
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
+            && self.compare_is_settled()
     }
 
     /// Bursts of which a person has to choose one before anything is opened; mostly none.
@@ -171,6 +179,7 @@ impl BurstscopeApp {
         let hands = [self.model.scrub, self.model.pair.b.scrub];
         self.take_updates();
         self.take_pair_updates();
+        self.take_compare_updates();
         self.take_answers();
         self.take_dropped_files(&ctx);
         let mut queue = Queue::new();
@@ -294,6 +303,9 @@ impl BurstscopeApp {
                     if session.detected && self.model.needs_detection() {
                         self.start_detection();
                     }
+                    if let Some(gold) = session.gold {
+                        self.open_gold(gold, Side::A);
+                    }
                     self.restore_pair(session.pair);
                 }
             }
@@ -326,6 +338,7 @@ impl BurstscopeApp {
         for lane in [PairLane::Open, PairLane::Detect, PairLane::Match] {
             self.engine.pair().cancel(lane);
         }
+        self.engine.comparer().cancel();
     }
 
     fn wants_detection(&self) -> bool {
@@ -398,6 +411,7 @@ impl BurstscopeApp {
             self.start_detection();
         }
         self.request_for_pair(dragging);
+        self.request_for_compare(dragging);
     }
 }
 

@@ -9,6 +9,7 @@
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
 mod cache;
+mod compare;
 mod fault;
 mod lane;
 mod pair;
@@ -18,6 +19,7 @@ mod source;
 mod task;
 
 pub use cache::PictureCache;
+pub use compare::{CompareRequest, Compared, Comparer};
 pub use fault::JobError;
 pub use lane::{Answer, JobId, Lane};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
@@ -107,6 +109,7 @@ pub struct Engine {
     patch: PictureLane,
     detect: Lane<DetectRequest, Detected>,
     pair: PairWorkers,
+    comparer: Comparer,
     tasks: task::Tasks,
     cache: SharedCache,
 }
@@ -128,6 +131,7 @@ impl Engine {
             patch: PictureLane::new("patch", &cache, on_update.clone()),
             detect: detect_lane("detect", &on_update),
             pair: PairWorkers::new(&cache, &on_update),
+            comparer: Comparer::new(&on_update),
             tasks: task::Tasks::new(on_update),
             cache,
         }
@@ -136,6 +140,11 @@ impl Engine {
     /// The workers of a second burst and of the matches. What they publish is polled there.
     pub fn pair(&self) -> &PairWorkers {
         &self.pair
+    }
+
+    /// The worker that compares methods. What it publishes is polled there.
+    pub fn comparer(&self) -> &Comparer {
+        &self.comparer
     }
 
     /// Opens a burst in the background.
@@ -207,6 +216,7 @@ impl Engine {
             && self.patch.lane.is_idle()
             && self.detect.is_idle()
             && self.pair.is_idle()
+            && self.comparer.is_idle()
             && self.tasks.is_idle()
     }
 

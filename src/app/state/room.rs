@@ -11,4 +11,6 @@ pub enum Room {
     Burst,
     /// Two bursts side by side, and the matches between them.
     Pair,
+    /// Several methods on the same burst.
+    Methods,
 }
