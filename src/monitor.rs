@@ -26,6 +26,8 @@ pub struct Progress {
 pub enum Stage {
     /// Reading and decoding files.
     Open,
+    /// Aligning frames and averaging them.
+    Merge,
     /// Estimating the noise of a frame.
     Noise,
     /// Smoothing and stacking frames, filtering over scales and searching one octave.
@@ -49,6 +51,7 @@ impl std::fmt::Display for Stage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Open => f.write_str("Opening frames"),
+            Self::Merge => f.write_str("Merging frames"),
             Self::Noise => f.write_str("Estimating noise"),
             Self::Search { octave } => write!(f, "Searching octave {octave}"),
             Self::Describe => f.write_str("Describing features"),

@@ -34,8 +34,10 @@ fn found(report: &ChartReport, method: ChartMethod) -> f64 {
 #[test]
 fn the_burst_search_finds_in_the_dark_what_one_frame_does_not_show() {
     let report = small_study().run(&Monitor::default()).expect("a report");
-    let [frame, mean, one_d, two_d] = ChartMethod::ALL.map(|method| found(&report, method));
-    println!("of 14 discs at SNR 0.6: one frame {frame}, plain mean {mean}, BuFF 1D {one_d}, BuFF 2D {two_d}");
+    let [frame, mean, merge, one_d, two_d] = ChartMethod::ALL.map(|method| found(&report, method));
+    println!(
+        "of 14 discs at SNR 0.6: one frame {frame}, plain mean {mean}, merge {merge}, BuFF 1D {one_d}, BuFF 2D {two_d}"
+    );
     assert!(one_d >= 12.0 && two_d >= 10.0, "{one_d} {two_d}");
     assert!(frame + 4.0 <= one_d && frame < mean && mean < one_d, "{frame} {mean}");
     for method in &report.rows[0].methods {

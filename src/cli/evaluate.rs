@@ -134,6 +134,7 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     };
     let searches = match (detector.method, slopes) {
         (Method::Sift, _) => one("SIFT"),
+        (Method::Merge, _) => one("SIFT, merged"),
         (Method::Buff, Some(slopes)) => one(if slopes.is_plane() { "BuFF 2D" } else { "BuFF 1D" }),
         (Method::Buff, None) => NoiseStudy::searches(&detector),
     };

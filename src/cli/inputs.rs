@@ -196,6 +196,17 @@ pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
     (each(first) && each(second)).then_some(two)
 }
 
+/// The bursts A and B, one each, with different names.
+///
+/// # Errors
+/// When either argument names several.
+pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
+    let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match");
+    let mut inputs = vec![one(a)?, one(b)?];
+    make_names_unique(&mut inputs);
+    Ok(inputs)
+}
+
 /// How to open bursts with this bias frame.
 ///
 /// # Errors
@@ -241,7 +252,11 @@ mod tests {
             Some(["night".into(), "demo-later".into()])
         );
         assert!(two_of(&[file(0), file(1)]).is_none(), "two pictures are frames of one burst");
-        assert!(two_of(&[folder]).is_none());
+        assert!(two_of(std::slice::from_ref(&folder)).is_none());
+        // Two pictures are two bursts of one frame each, not the frames of one.
+        let pair = resolve_pair(&file(0), &folder).expect("two bursts");
+        assert_eq!((pair[0].name.as_str(), pair[1].name.as_str()), ("f0", "night"));
+        assert_eq!(resolve_pair(&folder, &folder).expect("two bursts")[1].name, "night_2");
     }
 
     #[test]

@@ -7,8 +7,9 @@ use super::inputs::{Input, resolve_one, two_of};
 use super::render::{source_of, sources_of};
 use super::table::feature_table;
 use crate::app::{RenderOptions, Startup, render_to_png};
+use crate::baseline::detect;
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, detect};
+use crate::detector::DetectorParams;
 use crate::export::safe_file_name;
 use std::path::PathBuf;
 

@@ -3,8 +3,9 @@
 use super::manifest::{FileStamp, Finished, Manifest};
 use super::picture::{ImageKind, write_picture};
 use super::{CameraChoice, DatasetError};
+use crate::baseline::detect;
 use crate::burst::{Burst, BurstSource, OpenOptions};
-use crate::detector::{Descriptor, DetectorParams, detect};
+use crate::detector::{Descriptor, DetectorParams};
 use crate::export::{ColmapKeypoint, read_colmap, safe_file_name, write_colmap_keypoints};
 use crate::monitor::Monitor;
 use serde_json::json;

@@ -17,4 +17,4 @@ pub use colmap::{ColmapJob, ColmapReport, Event, ImageReport, PairReport, export
 pub use error::DatasetError;
 pub use features::{BurstFeatures, FeatureJob};
 pub use pairs::PairSelection;
-pub use picture::ImageKind;
+pub use picture::{BurstPicture, ImageKind, burst_picture};

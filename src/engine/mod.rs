@@ -27,7 +27,8 @@ pub use picture::{Picture, PictureKind, PictureRequest};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
-use crate::detector::{Detection, DetectorParams, detect};
+use crate::baseline::detect;
+use crate::detector::{Detection, DetectorParams};
 use crate::monitor::Progress;
 use picture_lane::{PictureLane, SharedCache};
 use std::sync::Arc;

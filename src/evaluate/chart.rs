@@ -8,8 +8,8 @@ use super::jobs::run_jobs;
 use super::score::{Curve, Ranking, judge, mean_curve};
 use super::statistics::Mean;
 use super::{EvaluateError, check_lists, motion_name};
-use crate::baseline::plain_mean;
-use crate::detector::{Detection, DetectorParams, Method, SlopeGrid, detect};
+use crate::baseline::{detect, plain_mean};
+use crate::detector::{Detection, DetectorParams, Method, SlopeGrid};
 use crate::monitor::Monitor;
 use crate::synth::{ChartParams, synth_chart};
 use crate::{Burst, synth::Truth};
@@ -23,6 +23,8 @@ pub enum ChartMethod {
     SiftFrame,
     /// SIFT on the plain mean of all frames.
     SiftMean,
+    /// SIFT on the aligned and merged burst.
+    SiftMerge,
     /// The burst search over a line of slopes.
     #[serde(rename = "buff-1d")]
     Buff1d,
@@ -33,13 +35,14 @@ pub enum ChartMethod {
 
 impl ChartMethod {
     /// All methods, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::SiftFrame, Self::SiftMean, Self::Buff1d, Self::Buff2d];
+    pub const ALL: [Self; 5] = [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
 
     /// The word for it on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::SiftFrame => "sift-frame",
             Self::SiftMean => "sift-mean",
+            Self::SiftMerge => "sift-merge",
             Self::Buff1d => "buff-1d",
             Self::Buff2d => "buff-2d",
         }
@@ -50,6 +53,7 @@ impl ChartMethod {
         match self {
             Self::SiftFrame => "SIFT, one frame",
             Self::SiftMean => "SIFT, plain mean",
+            Self::SiftMerge => "SIFT, merge",
             Self::Buff1d => "BuFF 1D",
             Self::Buff2d => "BuFF 2D",
         }
@@ -60,10 +64,9 @@ impl std::str::FromStr for ChartMethod {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|method| method.name() == text)
-            .ok_or_else(|| format!("'{text}' is not a method; give sift-frame, sift-mean, buff-1d or buff-2d"))
+        Self::ALL.into_iter().find(|method| method.name() == text).ok_or_else(|| {
+            format!("'{text}' is not a method; give sift-frame, sift-mean, sift-merge, buff-1d or buff-2d")
+        })
     }
 }
 
@@ -195,7 +198,7 @@ pub struct MethodReport {
     pub default_true_positives: Mean,
     /// False features among all that the detector returned.
     pub default_false_features: Mean,
-    /// The detector's estimate of a frame's noise over the true one at the background; absent for the mean image and for charts without noise.
+    /// The detector's estimate of a frame's noise over the true one at the background; absent for mean and merged images and for charts without noise.
     pub noise_estimate_ratio: Option<Mean>,
     /// Mean count of discs found with at most 0, 1, 2 … false features.
     pub roc: Vec<f64>,
@@ -245,6 +248,7 @@ impl ChartStudy {
     fn params(&self, method: ChartMethod) -> DetectorParams {
         let (method, slopes) = match method {
             ChartMethod::SiftFrame | ChartMethod::SiftMean => (Method::Sift, self.detector.slopes),
+            ChartMethod::SiftMerge => (Method::Merge, self.detector.slopes),
             ChartMethod::Buff1d => (Method::Buff, self.slopes_1d),
             ChartMethod::Buff2d => (Method::Buff, self.slopes_2d),
         };
@@ -306,7 +310,7 @@ impl ChartStudy {
 
     fn score(&self, method: ChartMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {
         let curve = Curve::of(&judge(&detection.features, truth, self.ranking));
-        let of_one_frame = method != ChartMethod::SiftMean;
+        let of_one_frame = !matches!(method, ChartMethod::SiftMean | ChartMethod::SiftMerge);
         ChartScore {
             seed,
             true_positives: curve.at_false_fraction(self.false_fraction).true_positives,

@@ -12,6 +12,7 @@ fn style(method: ChartMethod) -> (&'static str, &'static str, f64) {
     match method {
         ChartMethod::SiftFrame => ("#666666", "1.5 4", 2.0),
         ChartMethod::SiftMean => ("#d55e00", "9 3 2 3", 2.0),
+        ChartMethod::SiftMerge => ("#cc79a7", "5 3", 2.0),
         ChartMethod::Buff1d => ("#0072b2", "", 2.4),
         ChartMethod::Buff2d => ("#007a58", "7 4", 2.4),
     }
@@ -38,8 +39,8 @@ pub fn roc_svg(report: &ChartReport) -> String {
 
 fn write_figure(out: &mut String, report: &ChartReport) -> std::fmt::Result {
     let panel_width = SIDES.0 + PLOT.0 + SIDES.1;
-    // A single panel is as wide as two, so that caption and legend fit.
-    let width = panel_width * (report.rows.len() as f64).max(2.0);
+    // A single panel is as wide as more than two, so that caption and legend fit.
+    let width = panel_width * (report.rows.len() as f64).max(2.2);
     let height = ABOVE + PLOT.1 + BELOW;
     writeln!(
         out,

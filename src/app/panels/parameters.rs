@@ -33,11 +33,12 @@ fn method_label(method: Method) -> &'static str {
     match method {
         Method::Buff => "BuFF",
         Method::Sift => "SIFT",
+        Method::Merge => "Merge + SIFT",
     }
 }
 
 fn all_rows_ui(ui: &mut Ui, table: &rows::ParamTable<'_, DetectorParams>, p: &mut DetectorParams, frame_count: usize) {
-    let sift = p.method == Method::Sift;
+    let sift = p.method != Method::Buff;
     let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
     let interpolation = [
         (Interpolation::Linear, "Linear"),
