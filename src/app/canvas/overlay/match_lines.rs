@@ -1,6 +1,6 @@
 //! Lines from features of one picture to those of another: drawn, and found under the pointer.
 //!
-//! Inliers are solid and blue, outliers dashed and orange: two signs each, so that nobody depends on telling the colours apart. A line is drawn
+//! Inliers are solid and yellow, outliers dashed and vermilion: two signs each, so that nobody depends on telling the colours apart. A line is drawn
 //! where both its ends are in sight; an end whose other end is outside its pane is marked by a small ring.
 
 use super::super::RectTransform;
@@ -31,8 +31,8 @@ impl LineKind {
     /// Its colour, which can be seen over dark and bright pictures.
     pub fn colour(self) -> Color32 {
         match self {
-            Self::Inlier => Color32::from_rgb(86, 190, 245),
-            Self::Outlier => Color32::from_rgb(245, 150, 30),
+            Self::Inlier => Color32::from_rgb(240, 228, 66),
+            Self::Outlier => Color32::from_rgb(213, 94, 0),
             Self::Unverified => Color32::from_rgb(226, 150, 200),
         }
     }

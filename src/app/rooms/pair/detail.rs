@@ -101,8 +101,7 @@ fn patches_ui(
 }
 
 fn descriptors_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>, width: f32) {
-    let colour = LineKind::of(row.inlier).colour();
-    let colour = if ui.visuals().dark_mode { colour } else { colour.gamma_multiply(0.8) };
+    let colour = ui.visuals().hyperlink_color;
     ui.horizontal(|ui| {
         for (side, index) in [(Side::A, row.found.a), (Side::B, row.found.b)] {
             if let Some(descriptor) = matches.detection(side).descriptors.get(index) {

@@ -3,7 +3,7 @@
 use crate::app::canvas::overlay::LineKind;
 use crate::app::panels::widgets::section_ui;
 use crate::app::state::Model;
-use egui::{Sense, Stroke, Ui, pos2, vec2};
+use egui::{Color32, Sense, Stroke, Ui, vec2};
 
 /// Draws the section.
 pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
@@ -47,8 +47,10 @@ pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
 fn kind_ui(ui: &mut Ui, on: &mut bool, kind: LineKind, label: &str, count: Option<usize>, tip: &str) {
     ui.horizontal(|ui| {
         ui.checkbox(on, label).on_hover_text(tip);
-        let (rect, _) = ui.allocate_exact_size(vec2(34.0, 12.0), Sense::hover());
-        let (from, to) = (pos2(rect.left(), rect.center().y), pos2(rect.right(), rect.center().y));
+        let (rect, _) = ui.allocate_exact_size(vec2(42.0, 14.0), Sense::hover());
+        // Dark as the pictures are, so that it looks the same in the light theme.
+        ui.painter().rect_filled(rect, 3.0, Color32::from_gray(40));
+        let (from, to) = (rect.left_center() + vec2(4.0, 0.0), rect.right_center() - vec2(4.0, 0.0));
         let stroke = Stroke::new(2.0, kind.colour());
         if kind.is_dashed() {
             ui.painter().extend(egui::Shape::dashed_line(&[from, to], stroke, 6.0, 4.5));
