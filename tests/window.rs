@@ -18,6 +18,8 @@ mod finding_ones_way;
 mod keeping;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/methods.rs"]
+mod methods;
 #[path = "window/opening.rs"]
 mod opening;
 #[path = "window/pairs.rs"]

@@ -4,6 +4,7 @@
 //! person. On a Linux desktop without a portal the system's dialog answers "nothing chosen" at once; nobody cancels that quickly, so then the
 //! path field opens instead.
 
+use super::state::pair::Side;
 use crate::engine::OnUpdate;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
@@ -32,6 +33,8 @@ pub enum Purpose {
     OpenFilesB,
     /// Any path of a burst, typed, for the second burst.
     OpenPathB,
+    /// A sharp image of the view of a side: its gold standard.
+    OpenGold(Side),
     /// A session file to restore.
     RestoreSession,
     /// A session file to write.
@@ -101,6 +104,8 @@ impl Purpose {
             Self::OpenFolderB => "Open a folder of frames as B",
             Self::OpenFilesB => "Open image files as B",
             Self::OpenPathB => "Open a path as B",
+            Self::OpenGold(Side::A) => "Open the gold standard of A",
+            Self::OpenGold(Side::B) => "Open the gold standard of B",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
             Self::LoadParams => "Load parameters",
@@ -145,7 +150,7 @@ impl Purpose {
             | Self::OpenPath
             | Self::OpenFolderB
             | Self::OpenPathB => Vec::new(),
-            Self::OpenFiles | Self::OpenFilesB => crate::burst::supported_extensions().to_vec(),
+            Self::OpenFiles | Self::OpenFilesB | Self::OpenGold(_) => crate::burst::supported_extensions().to_vec(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::Export(kind) => vec![kind.extension()],
         }

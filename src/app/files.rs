@@ -102,6 +102,7 @@ impl BurstscopeApp {
             Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
                 self.open_second(BurstSource::Paths(paths));
             }
+            Purpose::OpenGold(side) => self.open_gold(BurstSource::Paths(paths), side),
             Purpose::RestoreSession => self.restore_session(&first),
             Purpose::LoadParams => self.load_params(&first),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => self.write(purpose, first),

@@ -2,11 +2,12 @@
 //!
 //! [`window::BurstscopeApp`] holds the [`state::Model`] (plain values), the workers of [`crate::engine`], and what the widgets remember. Each
 //! pass takes what the workers have published, runs the [`actions`] that were asked for, draws the [`panels`], and asks the workers for what is
-//! wanted and not there. What lies between toolbar and status bar is a room: one burst, or two. [`dataset`] shows many bursts. [`canvas`] is the picture's
-//! widget, [`gpu`] draws its pixels, [`histogram`] sets their range.
+//! wanted and not there. What lies between toolbar and status bar is a room: one burst, two, several methods, or many bursts ([`dataset`]).
+//! [`canvas`] is the picture's widget, [`gpu`] draws its pixels, [`histogram`] sets their range.
 
 pub mod actions;
 pub mod canvas;
+mod compare_work;
 pub mod dataset;
 pub mod dialogs;
 mod files;

@@ -57,6 +57,7 @@ impl BurstscopeApp {
     pub(super) fn close_second(&mut self) {
         PairLane::ALL.into_iter().for_each(|lane| self.engine.pair().cancel(lane));
         self.model.pair.b = Default::default();
+        self.model.compare.gold[1] = None;
         self.model.pair.forget_matches();
         self.pair_asked = PairAsked::default();
         self.pair_panels.patches = None;
@@ -148,7 +149,12 @@ impl BurstscopeApp {
                 self.pair_panels.view_b = if self.model.pair.links.views { self.view } else { View::fit() };
                 self.hands_set = true;
                 match session {
-                    Some(session) => self.pair_panels.view_b = session.apply(&mut self.model),
+                    Some(session) => {
+                        self.pair_panels.view_b = session.apply(&mut self.model);
+                        if let Some(gold) = session.gold {
+                            self.open_gold(gold, Side::B);
+                        }
+                    }
                     None => self.model.room = Room::Pair,
                 }
             }
@@ -212,8 +218,14 @@ impl BurstscopeApp {
 
     /// Whether everything that the pair wants is there.
     pub(super) fn pair_is_settled(&self) -> bool {
-        if self.model.room != Room::Pair || self.model.burst.is_none() || self.model.pair.b.burst.is_none() {
+        if self.model.burst.is_none() || self.model.pair.b.burst.is_none() {
             return true;
+        }
+        match self.model.room {
+            Room::Pair => {}
+            // Of the pair only B's picture is wanted there.
+            Room::Methods => return self.model.second_picture_is_current(),
+            _ => return true,
         }
         let patches = self.model.wanted_patches().is_none_or(|wanted| {
             self.pair_panels
@@ -229,7 +241,7 @@ impl BurstscopeApp {
 
     /// Asks the engine for what the pair wants and does not have. `dragging` says whether a hand still drags something.
     pub(super) fn request_for_pair(&mut self, dragging: bool) {
-        if self.model.room != Room::Pair || self.model.pair.b.burst.is_none() {
+        if self.model.room == Room::Burst || self.model.pair.b.burst.is_none() {
             return;
         }
         if let Some(wanted) = self.model.wanted_picture_of(Side::B)
@@ -237,6 +249,9 @@ impl BurstscopeApp {
         {
             self.engine.pair().request_picture(wanted.clone());
             self.pair_asked.picture = Some(wanted);
+        }
+        if self.model.room != Room::Pair {
+            return;
         }
         if let Some(wanted) = self.model.wanted_patches()
             && !self.pair_asked.patches.as_ref().is_some_and(|asked| asked.same_pictures(&wanted))

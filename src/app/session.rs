@@ -5,6 +5,7 @@
 
 use super::canvas::{View, overlay::ColourBy};
 use super::dataset::{Dataset, Trajectories};
+use super::state::compare::CompareLook;
 use super::state::filter::{Filter, Order};
 use super::state::look::Look;
 use super::state::pair::{Links, MatchLook, MatchOrder, SavedMatch, Side};
@@ -104,6 +105,12 @@ pub struct Session {
     /// The second burst and the matches.
     #[serde(default)]
     pub pair: PairSession,
+    /// Which methods were compared, and how.
+    #[serde(default)]
+    pub methods: CompareLook,
+    /// Where the gold standard comes from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gold: Option<BurstSource>,
 }
 
 /// What a session file holds of the second burst and the matches.
@@ -113,6 +120,9 @@ pub struct PairSession {
     /// Where the second burst comes from, if one was open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<BurstSource>,
+    /// Where its gold standard comes from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gold: Option<BurstSource>,
     /// Whose slope and scale the hand moved.
     pub active: Side,
     /// What moved together.
@@ -140,6 +150,7 @@ impl PairSession {
         let pair = &model.pair;
         Self {
             burst: pair.b.burst.as_ref().map(|open| absolute(&open.source)),
+            gold: gold_source(model, Side::B),
             active: pair.active,
             links: pair.links,
             params: pair.params.clone(),
@@ -183,6 +194,8 @@ impl Session {
             selection: model.saved_selection(),
             room: model.room,
             pair: PairSession::of(model, view_b),
+            methods: model.compare.look.clone(),
+            gold: gold_source(model, Side::A),
             dataset: model.datasets.open.as_ref().map(saved_dataset),
             trajectories: saved_trajectories(&model.trajectories),
         })
@@ -226,9 +239,14 @@ impl Session {
         model.bottom_tab = self.bottom_tab;
         model.reselect = self.selection;
         model.room = self.room;
+        model.compare.look = self.methods.clone().sanitised();
         model.check_params();
         self.view
     }
+}
+
+fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
+    model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.open.source))
 }
 
 /// The same source with absolute paths, so that the session can be opened from any folder.

@@ -4,6 +4,7 @@ use super::actions::{Queue, menu::menu_bar_ui};
 use super::dataset::filmstrip;
 use super::panels;
 use super::settings::Recent;
+use super::state::room::Room;
 use super::window::BurstscopeApp;
 use egui::{CentralPanel, Frame, Margin, Panel};
 
@@ -36,7 +37,14 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     } else {
         super::rooms::room_ui(app, ui, queue);
     }
-    panels::welcome::drop_hint_ui(ui.ctx());
+    let whole = ui.ctx().content_rect();
+    match app.pair_panels.rect_b.filter(|_| app.model.room == Room::Pair && app.model.burst.is_some()) {
+        Some(b) => {
+            let a = b.translate(egui::vec2(-b.width(), 0.0));
+            panels::welcome::drop_hint_ui(ui.ctx(), &[(a, "Let go to open as A"), (b, "Let go to open as B")]);
+        }
+        None => panels::welcome::drop_hint_ui(ui.ctx(), &[(whole, "Let go to open")]),
+    }
     if let Some(place) = open_burst {
         app.open_burst_at(place);
     }

@@ -2,6 +2,7 @@
 
 use super::actions::{self, ActionId, Queue, palette::Palette};
 use super::canvas::{Readout, View};
+use super::compare_work::CompareAsked;
 use super::dataset::CutDialog;
 use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, PathField, SystemDialogs};
@@ -9,6 +10,7 @@ use super::pair_work::PairAsked;
 use super::panels::display::DisplayState;
 use super::panels::picture::PictureState;
 use super::panels::selection::SelectionState;
+use super::rooms::compare::ComparePictures;
 use super::rooms::pair::PairPanels;
 use super::session::Session;
 use super::settings::Settings;
@@ -83,6 +85,9 @@ pub struct BurstscopeApp {
     /// What the room of two bursts keeps.
     pub pair_panels: PairPanels,
     pub(super) pair_asked: PairAsked,
+    /// What the room of methods keeps.
+    pub compare_pictures: ComparePictures,
+    pub(super) compare_asked: CompareAsked,
     /// Whether both hands were set, each to its own place, so that neither follows the other.
     pub(super) hands_set: bool,
     settings: Settings,
@@ -132,6 +137,8 @@ impl BurstscopeApp {
             selection: SelectionState::default(),
             pair_panels: PairPanels::default(),
             pair_asked: PairAsked::default(),
+            compare_pictures: ComparePictures::default(),
+            compare_asked: CompareAsked::default(),
             hands_set: false,
             settings: startup.settings,
             desk: Desk::new(startup.dialogs, on_update),
@@ -174,6 +181,7 @@ impl BurstscopeApp {
             && !self.thumbnails.is_waiting()
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
+            && self.compare_is_settled()
     }
 
     /// Bursts of which a person has to choose one before anything is opened; mostly none.
@@ -188,6 +196,7 @@ impl BurstscopeApp {
         let hands = [self.model.scrub, self.model.pair.b.scrub];
         self.take_updates(&ctx);
         self.take_pair_updates();
+        self.take_compare_updates();
         self.take_answers();
         self.take_dropped_files(&ctx);
         let mut queue = Queue::new();
@@ -291,7 +300,7 @@ impl BurstscopeApp {
                     Err(error) => self.model.messages.error(done.label, error.to_string()),
                 },
                 Update::Dataset(update) => self.take_dataset_update(ctx, update),
-                Update::Compared(answer) => self.take_compared(answer),
+                Update::ComparedPoses(answer) => self.take_compared(answer),
             }
         }
         self.model.busy = Busy {
@@ -326,6 +335,9 @@ impl BurstscopeApp {
                     self.restore_trajectories(session.trajectories.clone());
                     if session.detected && self.model.needs_detection() {
                         self.start_detection();
+                    }
+                    if let Some(gold) = session.gold {
+                        self.open_gold(gold, Side::A);
                     }
                     self.restore_pair(session.pair);
                 }
@@ -366,6 +378,7 @@ impl BurstscopeApp {
         for lane in [PairLane::Open, PairLane::Detect, PairLane::Match] {
             self.engine.pair().cancel(lane);
         }
+        self.engine.comparer().cancel();
     }
 
     fn wants_detection(&self) -> bool {
@@ -438,6 +451,7 @@ impl BurstscopeApp {
             self.start_detection();
         }
         self.request_for_pair(dragging);
+        self.request_for_compare(dragging);
         self.thumbnails.request(&self.engine.datasets);
     }
 }

@@ -10,6 +10,7 @@
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
 mod cache;
+mod compare;
 mod dataset;
 mod fault;
 mod lane;
@@ -21,6 +22,7 @@ mod source;
 mod task;
 
 pub use cache::PictureCache;
+pub use compare::{CompareRequest, Compared, Comparer};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
 };
@@ -28,7 +30,7 @@ pub use fault::JobError;
 pub use lane::{Answer, JobId, Lane};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
-pub use poses::{Compared, PoseWorker, PosesRequest, TrajectorySource};
+pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
@@ -98,7 +100,7 @@ pub enum Update {
     /// Something about a dataset.
     Dataset(DatasetUpdate),
     /// Trajectories were read and compared.
-    Compared(Answer<Compared>),
+    ComparedPoses(Answer<ComparedPoses>),
 }
 
 /// How far a lane's running request is.
@@ -119,6 +121,7 @@ pub struct Engine {
     patch: PictureLane,
     detect: Lane<DetectRequest, Detected>,
     pair: PairWorkers,
+    comparer: Comparer,
     /// Work on many bursts.
     pub datasets: DatasetWorkers,
     /// Work on trajectories.
@@ -144,6 +147,7 @@ impl Engine {
             patch: PictureLane::new("patch", &cache, on_update.clone()),
             detect: detect_lane("detect", &on_update),
             pair: PairWorkers::new(&cache, &on_update),
+            comparer: Comparer::new(&on_update),
             datasets: DatasetWorkers::new(&on_update),
             poses: PoseWorker::new(&on_update),
             tasks: task::Tasks::new(on_update),
@@ -154,6 +158,11 @@ impl Engine {
     /// The workers of a second burst and of the matches. What they publish is polled there.
     pub fn pair(&self) -> &PairWorkers {
         &self.pair
+    }
+
+    /// The worker that compares methods. What it publishes is polled there.
+    pub fn comparer(&self) -> &Comparer {
+        &self.comparer
     }
 
     /// Opens a burst in the background.
@@ -195,7 +204,7 @@ impl Engine {
         updates.extend(self.patch.lane.take_answer().map(Update::Patch));
         updates.extend(self.detect.take_answer().map(Update::Detected));
         updates.extend(self.datasets.poll().into_iter().map(Update::Dataset));
-        updates.extend(self.poses.poll().map(Update::Compared));
+        updates.extend(self.poses.poll().map(Update::ComparedPoses));
         updates.extend(self.tasks.take_done().into_iter().map(Update::Task));
         updates
     }
@@ -227,6 +236,7 @@ impl Engine {
             && self.patch.lane.is_idle()
             && self.detect.is_idle()
             && self.pair.is_idle()
+            && self.comparer.is_idle()
             && self.datasets.is_idle()
             && self.poses.is_idle()
             && self.tasks.is_idle()

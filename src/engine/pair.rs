@@ -10,6 +10,7 @@ use super::source::{BurstSource, OpenBurst};
 use super::{DetectRequest, Detected, OnUpdate, PICTURE_GRACE, Running, detect_lane, open_lane};
 use crate::detector::Detection;
 use crate::matching::{MatchError, MatchParams, MatchResult, match_detections};
+use crate::monitor::Monitor;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -120,10 +121,7 @@ impl PairWorkers {
                 Ok(Patches { a, b })
             }),
             detect: detect_lane("detect-b", on_update),
-            matching: Lane::new("match", Duration::ZERO, on_update.clone(), |request: MatchRequest, monitor| {
-                let result = match_detections(&request.a, &request.b, &request.params, monitor).map_err(job_error)?;
-                Ok(Matched { request, result: Arc::new(result) })
-            }),
+            matching: Lane::new("match", Duration::ZERO, on_update.clone(), match_now),
         }
     }
 
@@ -191,6 +189,12 @@ impl PairWorkers {
     pub fn is_idle(&self) -> bool {
         PairLane::ALL.into_iter().all(|lane| self.running(lane).is_none())
     }
+}
+
+/// Matches on the calling thread and its pool.
+pub(super) fn match_now(request: MatchRequest, monitor: &Monitor) -> Result<Matched, JobError> {
+    let result = match_detections(&request.a, &request.b, &request.params, monitor).map_err(job_error)?;
+    Ok(Matched { request, result: Arc::new(result) })
 }
 
 fn job_error(error: MatchError) -> JobError {

@@ -50,7 +50,7 @@ pub struct PosesRequest {
 
 /// What was read and what came of the comparison.
 #[derive(Debug, Clone, Default)]
-pub struct Compared {
+pub struct ComparedPoses {
     /// The estimate and where it is from.
     pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
     /// The truth and where it is from.
@@ -61,7 +61,7 @@ pub struct Compared {
 
 /// The worker that compares trajectories.
 pub struct PoseWorker {
-    lane: Lane<PosesRequest, Compared>,
+    lane: Lane<PosesRequest, ComparedPoses>,
 }
 
 impl PoseWorker {
@@ -84,12 +84,12 @@ impl PoseWorker {
         self.lane.is_idle()
     }
 
-    pub(super) fn poll(&self) -> Option<Answer<Compared>> {
+    pub(super) fn poll(&self) -> Option<Answer<ComparedPoses>> {
         self.lane.take_answer()
     }
 }
 
-fn compare(request: PosesRequest, monitor: &Monitor) -> Result<Compared, JobError> {
+fn compare(request: PosesRequest, monitor: &Monitor) -> Result<ComparedPoses, JobError> {
     monitor.report(Stage::Open, 0.0);
     let estimate = request.estimate.map(TrajectorySource::read).transpose()?;
     monitor.check()?;
@@ -103,5 +103,5 @@ fn compare(request: PosesRequest, monitor: &Monitor) -> Result<Compared, JobErro
         }
         _ => None,
     };
-    Ok(Compared { estimate, truth, report })
+    Ok(ComparedPoses { estimate, truth, report })
 }

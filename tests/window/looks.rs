@@ -126,3 +126,27 @@ fn single_match() {
     window.key(Key::Home);
     window.snapshot("single_match");
 }
+
+#[test]
+fn methods() {
+    let mut window = open_pair([1400.0, 900.0]);
+    window.click("Methods");
+    window.snapshot("methods");
+}
+
+#[test]
+fn methods_matches() {
+    let mut window = open_pair([1400.0, 1000.0]);
+    window.click("Methods");
+    window.settle();
+    window.click("Matches");
+    window.snapshot("methods_matches");
+}
+
+#[test]
+fn wipe() {
+    let mut window = open();
+    window.click("Methods");
+    window.key(Key::W);
+    window.snapshot("wipe");
+}

@@ -203,6 +203,9 @@ impl Window {
         if let Some(matches) = &mut self.app_mut().model.pair.matches {
             matches.elapsed = Duration::from_millis(10);
         }
+        for found in self.app_mut().model.compare.all_found_mut() {
+            found.elapsed = Duration::from_millis(120);
+        }
         self.harness.run_steps(2);
         self.harness.snapshot(name);
     }

@@ -115,8 +115,9 @@ actions! {
 
     RoomBurst, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
     RoomPair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
-    RoomMatches, View 0, "Matches", [CTRL Num3], "Look at the matches of all pairs of a dataset";
-    RoomTrajectories, View 0, "Trajectories", [CTRL Num4], "Look at an estimated trajectory beside the true one";
+    RoomMethods, View 0, "Methods", [CTRL Num3], "Compare several methods on the same burst: panes, a wipe, a flip, their matches, and their numbers";
+    RoomMatches, View 0, "Matches", [CTRL Num4], "Look at the matches of all pairs of a dataset";
+    RoomTrajectories, View 0, "Trajectories", [CTRL Num5], "Look at an estimated trajectory beside the true one";
     ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
@@ -158,7 +159,12 @@ actions! {
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame";
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search 7 × 7 slopes over ±3 px/frame in both directions";
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline";
-    ResetParams, Detect 2, "Reset parameters", [], "Give every parameter its default";
+    NextLayout, Detect 2, "Next layout of methods", [NONE W], "Lay the methods out as panes, a wipe, a flip or rows of matches in turn";
+    Flip, Detect 2, "Flip", [NONE Y], "Show the other of two methods in the same place";
+    CompareAgain, Detect 2, "Compare again", [], "Run the methods again that failed or were cancelled";
+    OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light";
+    OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light";
+    ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default";
 
     NextFeature, Features 0, "Next feature or match", [NONE N], "Select the next feature (or match, with two bursts) of the table";
     PreviousFeature, Features 0, "Previous feature or match", [NONE P], "Select the previous feature (or match, with two bursts) of the table";
@@ -242,7 +248,7 @@ mod tests {
             let asks =
                 ["Open ", "Save ", "Load ", "Export ", "Choose ", "Cut "].iter().any(|p| action.label.starts_with(p))
                     && action.id != ActionId::OpenDemo;
-            let asks = asks || action.id == ActionId::Palette;
+            let asks = asks || matches!(action.id, ActionId::Palette | ActionId::OpenGoldA | ActionId::OpenGoldB);
             assert_eq!(action.label.ends_with('…'), asks, "{}", action.label);
         }
     }

@@ -2,6 +2,7 @@
 
 use super::registry::ActionId;
 use crate::app::state::Model;
+use crate::app::state::compare::Layout;
 use crate::app::state::room::Room;
 use crate::app::state::scrub::ViewKind;
 use crate::detector::{DetectorParams, Method};
@@ -13,10 +14,16 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     use ActionId as A;
     let has_burst = model.burst.is_some();
     let in_pair = model.room == Room::Pair;
+    let in_methods = model.room == Room::Methods;
     let has_second = model.pair.b.burst.is_some();
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
         A::GoToFeature | A::ClearSelection if in_pair => model.pair.selected.is_some(),
+        A::NextLayout => in_methods,
+        A::Flip => in_methods && model.compare.look.layout == Layout::Flip,
+        A::CompareAgain => in_methods,
+        A::OpenGoldA => has_burst,
+        A::OpenGoldB => has_burst && has_second,
         A::OpenFolderB | A::OpenFilesB | A::OpenPathB | A::OpenDemoB => has_burst,
         A::CloseB | A::SwapSides => has_burst && has_second,
         A::OtherSide => in_pair && has_second,
@@ -41,7 +48,8 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         }
         A::Cancel => {
             let (a, b) = (&model.busy, &model.pair.busy);
-            [a.detecting, a.opening, b.detecting, b.opening, b.matching].iter().any(Option::is_some)
+            let comparing = model.compare.busy.map(|busy| busy.running);
+            [a.detecting, a.opening, b.detecting, b.opening, b.matching, comparing].iter().any(Option::is_some)
         }
         A::ResetParams => model.params != DetectorParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
@@ -81,6 +89,8 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::RoomPair => Some(model.room == Room::Pair),
         A::RoomMatches => Some(model.room == Room::Matches),
         A::RoomTrajectories => Some(model.room == Room::Trajectories),
+        A::RoomMethods => Some(model.room == Room::Methods),
+        A::ToggleOverlay if model.room == Room::Methods => Some(model.compare.look.features),
         A::ShowFrame => kind(ViewKind::Frame),
         A::ShowStack => kind(ViewKind::Stack),
         A::ShowDog => kind(ViewKind::Dog),

@@ -1,7 +1,7 @@
 //! An estimated and a true trajectory, as plain values.
 
 use crate::app::canvas::View;
-use crate::engine::{Compared, PosesRequest, Running, TrajectorySource};
+use crate::engine::{ComparedPoses, PosesRequest, Running, TrajectorySource};
 use crate::evaluate::poses::{PlaneAxes, PoseReport, PoseStudy, Projection, Trajectory};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ pub struct PlaneScene {
 #[derive(Debug, Default)]
 pub struct Trajectories {
     /// What was read and compared.
-    pub compared: Compared,
+    pub compared: ComparedPoses,
     /// How they are compared.
     pub study: PoseStudy,
     /// From which side they are seen.
@@ -98,7 +98,7 @@ impl Trajectories {
     }
 
     /// Takes what was read and compared.
-    pub fn take(&mut self, compared: Compared) {
+    pub fn take(&mut self, compared: ComparedPoses) {
         let same = |a: &Option<(PathBuf, Arc<Trajectory>)>, b: &Option<(PathBuf, Arc<Trajectory>)>| match (a, b) {
             (Some((_, a)), Some((_, b))) => Arc::ptr_eq(a, b),
             (None, None) => true,
@@ -113,7 +113,7 @@ impl Trajectories {
 
     /// Forgets both.
     pub fn clear(&mut self) {
-        self.take(Compared::default());
+        self.take(ComparedPoses::default());
     }
 
     /// Whether neither is there.
@@ -146,7 +146,7 @@ impl Trajectories {
 
 impl PlaneScene {
     /// Both trajectories seen from one side. An estimate that cannot be compared is drawn only where there is no truth: its world is another.
-    pub fn of(compared: &Compared, projection: Projection) -> Self {
+    pub fn of(compared: &ComparedPoses, projection: Projection) -> Self {
         let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
         let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
             trajectory.poses.iter().map(|p| move_to(&p.world_from_camera)).collect::<Vec<_>>()
@@ -238,7 +238,7 @@ mod tests {
         let estimate = truth.map(|c| c.map(|x| 10.0 * x + 3.0));
         let (truth, estimate) = (trajectory(&truth), trajectory(&estimate[..3]));
         let report = evaluate_poses(&estimate, &truth, &PoseStudy::default()).expect("compared");
-        let compared = Compared {
+        let compared = ComparedPoses {
             estimate: Some(("e".into(), estimate)),
             truth: Some(("t".into(), truth)),
             report: Some(Ok(Arc::new(report))),
@@ -252,9 +252,9 @@ mod tests {
         assert_eq!(scene.truth[3].pair, None);
         assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
         // Alone, each is drawn in its own world; together without a comparison only the truth.
-        let alone = Compared { truth: None, report: None, ..compared.clone() };
+        let alone = ComparedPoses { truth: None, report: None, ..compared.clone() };
         assert_eq!(PlaneScene::of(&alone, Projection::Xy).estimate.len(), 3);
-        let apart = Compared { report: Some(Err("no".into())), ..compared };
+        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
         assert_eq!(PlaneScene::of(&apart, Projection::Xy).estimate.len(), 0);
     }
 
@@ -262,7 +262,7 @@ mod tests {
     fn cameras_in_one_place_or_on_a_line_have_a_plane() {
         for centres in [&[][..], &[[1.0, 1.0, 1.0]; 2], &[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]] {
             let truth = Some(("t".into(), trajectory(centres)));
-            let scene = PlaneScene::of(&Compared { truth, ..Compared::default() }, Projection::Principal);
+            let scene = PlaneScene::of(&ComparedPoses { truth, ..ComparedPoses::default() }, Projection::Principal);
             assert!(scene.size.0 >= 300 && scene.size.1 >= 300, "{:?}", scene.size);
             assert!(scene.truth.iter().all(|s| s.pos.is_finite()));
         }

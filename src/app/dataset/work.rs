@@ -9,8 +9,8 @@ use crate::app::state::room::Room;
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
 use crate::engine::{
-    Answer, BurstSource, Compared, DatasetAnswer, DatasetRequest, DatasetUpdate, JobError, OpenDataset, PosesRequest,
-    TrajectorySource,
+    Answer, BurstSource, ComparedPoses, DatasetAnswer, DatasetRequest, DatasetUpdate, JobError, OpenDataset,
+    PosesRequest, TrajectorySource,
 };
 use std::path::PathBuf;
 
@@ -263,7 +263,7 @@ impl BurstscopeApp {
         self.engine.poses.submit(self.model.trajectories.request());
     }
 
-    pub(in crate::app) fn take_compared(&mut self, answer: Answer<Compared>) {
+    pub(in crate::app) fn take_compared(&mut self, answer: Answer<ComparedPoses>) {
         const TITLE: &str = "Trajectories";
         match answer.result {
             Ok(compared) => {

@@ -4,7 +4,7 @@ use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
 use crate::app::settings::{Recent, Settings};
 use crate::app::state::Model;
-use egui::{Align2, Color32, ProgressBar, RichText, Ui, vec2};
+use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui, vec2};
 
 /// Draws the first page: what this is, how to open a burst, what was open before.
 pub fn welcome_ui(
@@ -57,14 +57,15 @@ pub fn welcome_ui(
     });
 }
 
-/// Says that files can be let go while they are held over the window.
-pub fn drop_hint_ui(ctx: &egui::Context) {
+/// Says that files can be let go while they are held over the window; `panes` are the places where what is dropped opens, with what is said there.
+pub fn drop_hint_ui(ctx: &egui::Context, panes: &[(Rect, &str)]) {
     if ctx.input(|i| i.raw.hovered_files.is_empty()) {
         return;
     }
-    let rect = ctx.content_rect();
     let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint")));
-    painter.rect_filled(rect, 0.0, Color32::from_black_alpha(170));
+    painter.rect_filled(ctx.content_rect(), 0.0, Color32::from_black_alpha(170));
     let font = egui::FontId::proportional(22.0);
-    painter.text(rect.center(), Align2::CENTER_CENTER, "Let go to open", font, Color32::WHITE);
+    for (rect, text) in panes {
+        painter.text(rect.center(), Align2::CENTER_CENTER, *text, font.clone(), Color32::WHITE);
+    }
 }

@@ -1,6 +1,7 @@
 //! The rooms of the window: each lays out its panels between the toolbar above and the status bar below.
 
 pub mod burst;
+pub mod compare;
 pub mod matches;
 pub mod pair;
 pub mod trajectories;
@@ -11,8 +12,8 @@ use super::state::room::Room;
 use super::window::BurstscopeApp;
 
 /// The actions that lead to the rooms, in the order of the switch.
-const DOORS: [ActionId; 4] =
-    [ActionId::RoomBurst, ActionId::RoomPair, ActionId::RoomMatches, ActionId::RoomTrajectories];
+const DOORS: [ActionId; 5] =
+    [ActionId::RoomBurst, ActionId::RoomPair, ActionId::RoomMethods, ActionId::RoomMatches, ActionId::RoomTrajectories];
 
 /// Draws the switch between the rooms, from the right end of a line.
 pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
@@ -29,6 +30,7 @@ pub fn room_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     match app.model.room {
         Room::Burst => burst::burst_room_ui(app, ui, queue),
         Room::Pair => pair::pair_room_ui(app, ui, queue),
+        Room::Methods => compare::compare_room_ui(app, ui, queue),
         Room::Matches => matches::matches_room_ui(app, ui, queue),
         Room::Trajectories => trajectories::trajectories_room_ui(app, ui, queue),
     }

@@ -3,6 +3,7 @@
 //! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what is wanted with
 //! what is there and asks the engine for the difference.
 
+pub mod compare;
 pub mod filter;
 pub mod look;
 pub mod messages;
@@ -14,6 +15,7 @@ use super::canvas::overlay::ColourBy;
 use super::dataset::{Datasets, Trajectories};
 use crate::detector::{Detection, DetectorParams, Feature, ParamError, Slope};
 use crate::engine::{BurstId, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Running};
+use compare::Compare;
 use filter::{Filter, Order};
 use look::Look;
 use messages::Messages;
@@ -143,6 +145,8 @@ pub struct Model {
     pub bottom_tab: BottomTab,
     /// The second burst, and the matches with it.
     pub pair: Pair,
+    /// Several methods on the same burst.
+    pub compare: Compare,
     /// Errors and the last note.
     pub messages: Messages,
     /// What the engine is doing.
@@ -190,6 +194,7 @@ impl Model {
         (self.selected, self.hovered, self.playing, self.slope_chosen) = (None, None, false, false);
         self.look.forget_ranges();
         self.pair.forget_matches();
+        self.compare.gold[0] = None;
         self.scrub = Scrub { kind: self.scrub.kind, frame: middle, ..Scrub::default() };
         self.check_params();
     }

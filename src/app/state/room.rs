@@ -11,6 +11,8 @@ pub enum Room {
     Burst,
     /// Two bursts side by side, and the matches between them.
     Pair,
+    /// Several methods on the same burst.
+    Methods,
     /// The matches of a dataset's pairs.
     Matches,
     /// An estimated and a true trajectory.
@@ -20,6 +22,6 @@ pub enum Room {
 impl Room {
     /// Whether it shows a burst, and has nothing to show while none is open.
     pub fn needs_burst(self) -> bool {
-        matches!(self, Self::Burst | Self::Pair)
+        matches!(self, Self::Burst | Self::Pair | Self::Methods)
     }
 }

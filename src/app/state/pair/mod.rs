@@ -215,6 +215,7 @@ impl Model {
     /// Makes A of B and B of A. The matches are made anew.
     pub fn swap_sides(&mut self) {
         self.exchange_sides();
+        self.compare.gold.swap(0, 1);
         // Where A alone was looked at, nothing of it is selected any more.
         (self.patch, self.selected, self.hovered, self.playing) = (None, None, None, false);
         self.pair.forget_matches();
@@ -338,6 +339,7 @@ impl Model {
         let slope_chosen = self.pair.links.hands;
         self.pair.b = SecondBurst { burst: Some(burst), scrub, slope_chosen, ..SecondBurst::default() };
         self.pair.forget_matches();
+        self.compare.gold[1] = None;
         self.on_side(Side::B, Self::check_params);
     }
 
@@ -423,4 +425,4 @@ fn followed(hand: Scrub, before: Scrub, after: Scrub) -> Scrub {
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::app::state) mod tests;

@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 use std::sync::Arc;
 
 /// A model with two bursts and the features of both; B's are A's, moved by (2, 0).
-fn pair() -> Model {
+pub(in crate::app::state) fn pair() -> Model {
     let mut model = Model { room: Room::Pair, ..Model::default() };
     let (a, b) = (open((64, 48), 5), open((64, 48), 5));
     model.take_burst(a.clone());
