@@ -62,17 +62,21 @@ pub enum ExportKind {
     Png,
     /// The picture with the features over it.
     Svg,
+    /// The matches as CSV.
+    Matches,
+    /// Both pictures with the matches between them.
+    MatchPicture,
 }
 
 impl ExportKind {
     /// Its file name extension.
     pub fn extension(self) -> &'static str {
         match self {
-            Self::Csv => "csv",
+            Self::Csv | Self::Matches => "csv",
             Self::Colmap => "txt",
             Self::Npz => "npz",
             Self::Tiff => "tiff",
-            Self::Png => "png",
+            Self::Png | Self::MatchPicture => "png",
             Self::Svg => "svg",
         }
     }
@@ -86,6 +90,8 @@ impl ExportKind {
             Self::Tiff => "Export picture as TIFF",
             Self::Png => "Export picture as PNG",
             Self::Svg => "Export figure as SVG",
+            Self::Matches => "Export matches as CSV",
+            Self::MatchPicture => "Export match picture as PNG",
         }
     }
 }
@@ -127,7 +133,8 @@ impl Purpose {
             | Self::OpenPath
             | Self::OpenFolderB
             | Self::OpenFilesB
-            | Self::OpenPathB => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
+            | Self::OpenPathB
+            | Self::OpenGold(_) => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
             Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
             Self::OpenEstimate | Self::OpenTruth => {
                 "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"

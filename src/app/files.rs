@@ -74,6 +74,7 @@ impl BurstscopeApp {
             Purpose::Export(kind) => {
                 let what = match (kind, self.model.scrub.kind) {
                     (ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz, _) => "features",
+                    (ExportKind::Matches | ExportKind::MatchPicture, _) => "matches",
                     (_, ViewKind::Frame) => "frame",
                     (_, ViewKind::Stack) => "stack",
                     (_, ViewKind::Dog) => "dog",

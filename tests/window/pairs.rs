@@ -274,3 +274,21 @@ fn a_second_burst_that_cannot_be_opened_is_named_and_the_pair_stays() {
     assert!(window.shows("burst-of-frames"));
     assert_eq!(window.app().model.burst_of(Side::B).unwrap().id, before);
 }
+
+#[test]
+fn matches_are_exported_as_a_table_and_as_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = pair();
+    for (action, name) in [("matches as csv", "m.csv"), ("match picture", "m.png")] {
+        window.dialogs.will_choose(folder.path().join(name));
+        window.run_action(action);
+        window.settle();
+        assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
+    }
+    let counts = window.app().model.pair.matches.as_ref().unwrap().result.counts;
+    let csv = std::fs::read_to_string(folder.path().join("m.csv")).unwrap();
+    assert_eq!(csv.lines().count(), counts.putative + 1);
+    let gap = burstscope::export::PICTURE_GAP_PX as u32;
+    let picture = image::open(folder.path().join("m.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (480 + gap + 480, 360));
+}

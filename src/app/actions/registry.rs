@@ -111,7 +111,9 @@ actions! {
     ExportTiff, File 4, "Export picture as 32-bit TIFF…", [], "Write the picture's values as they are";
     ExportPng, File 4, "Export picture as PNG…", [CTRL_SHIFT E], "Write the picture as it is shown, in its range and colours";
     ExportSvg, File 4, "Export figure as SVG…", [], "Write the picture with the features over it as vectors, for papers";
-    Quit, File 5, "Quit", [CTRL Q], "Close the window";
+    ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
+    ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";
+    Quit, File 6, "Quit", [CTRL Q], "Close the window";
 
     RoomBurst, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
     RoomPair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";

@@ -35,6 +35,8 @@ impl BurstscopeApp {
             A::ExportTiff => self.ask(Purpose::Export(ExportKind::Tiff)),
             A::ExportPng => self.ask(Purpose::Export(ExportKind::Png)),
             A::ExportSvg => self.ask(Purpose::Export(ExportKind::Svg)),
+            A::ExportMatches => self.ask(Purpose::Export(ExportKind::Matches)),
+            A::ExportMatchPicture => self.ask(Purpose::Export(ExportKind::MatchPicture)),
             A::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             A::Fit => self.change_views(View::set_fit),
             A::OneToOne => self.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),

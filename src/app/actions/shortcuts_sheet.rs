@@ -42,10 +42,10 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
 
 /// Which menus go into which column: about the same number of rows in each.
 const COLUMNS: [&[Menu]; 4] = [
-    &[Menu::File, Menu::Detect, Menu::Help],
+    &[Menu::File, Menu::Help],
     &[Menu::View, Menu::Features],
-    &[Menu::Scrub, Menu::Pair],
-    &[Menu::Dataset],
+    &[Menu::Scrub, Menu::Detect, Menu::Dataset],
+    &[Menu::Pair],
 ];
 
 fn menu_ui(ui: &mut egui::Ui, menu: Menu) {

@@ -35,6 +35,8 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
             has_burst
         }
         A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => model.found.is_some(),
+        A::ExportMatches => model.pair.matches.is_some(),
+        A::ExportMatchPicture => model.pair.matches.is_some() && model.pair.b.picture.is_some(),
         A::ExportTiff | A::ExportPng | A::ExportSvg => model.picture.is_some(),
         A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope => has_burst,
         A::Play => has_burst && model.usable_params.slopes.len() > 1,

@@ -5,6 +5,7 @@
 
 use super::super::RectTransform;
 use super::strokes::Strokes;
+use crate::export::{INLIER_COLOR, OUTLIER_COLOR};
 use egui::{Color32, Painter, Pos2, Rect, Shape};
 
 /// What is known of a match.
@@ -31,8 +32,8 @@ impl LineKind {
     /// Its colour, which can be seen over dark and bright pictures.
     pub fn colour(self) -> Color32 {
         match self {
-            Self::Inlier => Color32::from_rgb(240, 228, 66),
-            Self::Outlier => Color32::from_rgb(213, 94, 0),
+            Self::Inlier => rgb(INLIER_COLOR),
+            Self::Outlier => rgb(OUTLIER_COLOR),
             Self::Unverified => Color32::from_rgb(226, 150, 200),
         }
     }
@@ -157,6 +158,10 @@ pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<
         }
     }
     best.map(|(_, _, index)| index)
+}
+
+fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
 }
 
 fn distance_to_segment(pos: Pos2, from: Pos2, to: Pos2) -> f32 {

@@ -82,7 +82,7 @@ fn wipe_ui(ui: &mut Ui, app: &mut BurstscopeApp) {
 }
 
 /// The line of the wipe, which can be dragged.
-fn handle_ui(ui: &mut Ui, wipe: &mut f32, rect: Rect) {
+fn handle_ui(ui: &Ui, wipe: &mut f32, rect: Rect) {
     let x = egui::lerp(rect.x_range(), *wipe);
     let line = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
     let response = ui.interact(line, ui.scope_id().with("wipe handle"), Sense::drag());

@@ -176,7 +176,7 @@ impl Model {
         let burst = self.method_burst(method, side)?.clone();
         let params = self.method_params(method, side);
         let usable = params.validate_for(burst.burst.len(), burst.burst.size()).is_ok();
-        (usable && self.method_found(method, side).is_none()).then(|| Job {
+        (usable && self.method_found(method, side).is_none()).then_some(Job {
             method,
             side,
             request: CompareRequest::Detect(DetectRequest { burst, params }),
@@ -185,7 +185,7 @@ impl Model {
 
     fn missing_matching(&self, method: Contender) -> Option<Job> {
         let wanted = self.wanted_method_matches(method)?;
-        (self.pair.param_error.is_none() && self.method_matches(method).is_none()).then(|| Job {
+        (self.pair.param_error.is_none() && self.method_matches(method).is_none()).then_some(Job {
             method,
             side: Side::B,
             request: CompareRequest::Match(wanted),
