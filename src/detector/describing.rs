@@ -53,8 +53,8 @@ pub(super) struct Describing<'a> {
     pub monitor: &'a Monitor,
 }
 
-/// Keypoints are described in bands of this many rows, each from left to right: the frames' rows that their patches share are then still in the cache.
-const BAND_ROWS: f32 = 96.0;
+/// Keypoints are described in strips of this many columns, each from top to bottom: what their patches share of the frames is then still in the cache.
+const STRIP_COLUMNS: f32 = 200.0;
 /// Keypoints that one thread describes in a row.
 const TOGETHER: usize = 32;
 
@@ -104,8 +104,8 @@ impl Describing<'_> {
     /// [`Cancelled`] once the monitor was cancelled.
     pub fn describe(&self, keypoints: &[Keypoint]) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
         let mut order: Vec<&Keypoint> = keypoints.iter().collect();
-        let band = |keypoint: &Keypoint| (keypoint.y / BAND_ROWS) as i64;
-        order.sort_by(|a, b| band(a).cmp(&band(b)).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));
+        let strip = |keypoint: &Keypoint| (keypoint.x / STRIP_COLUMNS) as i64;
+        order.sort_by(|a, b| strip(a).cmp(&strip(b)).then(a.y.total_cmp(&b.y)).then(a.x.total_cmp(&b.x)));
         let kernels: Vec<GaussianKernel> = (0..self.space.levels as i32).map(|level| self.kernel(level)).collect();
         let described: Vec<Vec<(Feature, Descriptor)>> = order
             .par_chunks(TOGETHER)

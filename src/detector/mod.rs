@@ -1,9 +1,9 @@
 //! The core: from the frames of a burst to features.
 //!
 //! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
-//! (Gaussian levels and their differences D, strip by strip) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
-//! samples) → [`locate`] (on the continuous D) → [`orientation`] and [`descriptor`]
-//! (on [`patch`]es of the Gaussian level). [`noise_estimate`] says how noisy a frame is, and
+//! (Gaussian levels and their differences D, tile by tile) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
+//! samples) → [`locate`] (on the continuous D) → [`orientation`] and [`descriptor`] (on a [`patch`] of the Gaussian level). [`noise_estimate`] says how
+//! noisy a frame is, and
 //! [`noise`] how large D must then be. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
@@ -27,6 +27,8 @@ pub mod search;
 pub mod slope_grid;
 mod slope_window;
 mod stack_patch;
+mod stack_rows;
+mod vectors;
 pub mod view;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};

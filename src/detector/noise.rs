@@ -82,7 +82,9 @@ mod tests {
 
     #[test]
     fn propagated_noise_is_what_the_filters_leave() {
-        use super::super::octave::{Base, DogStrip, StripScratch};
+        use super::super::octave::{DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+        use crate::plane::bank::FilterScratch;
+        use crate::plane::tile::Region;
         let mut noise = Stream::new(7, 0);
         let frames = [(); 4].map(|()| Plane::from_fn(300, 200, |_, _| noise.normal() as f32));
         let frames: Vec<&Plane> = frames.iter().collect();
@@ -90,9 +92,13 @@ mod tests {
             for slope in [Slope::new(0.0, 0.0), Slope::new(0.5, 0.0), Slope::new(1.25, -0.75)] {
                 let space = ScaleSpace::new(3, first_octave, 4.0);
                 let offsets = frame_offsets(4, slope, Interpolation::Linear);
-                let base = Base::Frames { frames: &frames, offsets: &offsets, octave: first_octave };
-                let (mut scratch, mut dog) = (StripScratch::default(), DogStrip::default());
-                base.dog_strip(&space, size, &(0..size.1), &mut scratch, &mut dog);
+                let whole = Region { columns: 0..size.0, rows: 0..size.1 };
+                let bank = space.bank(true, space.all_levels());
+                let filters = OctaveFilters::new(&space, &bank, &space.all_levels(), size);
+                let (mut stacked, mut dog) = (Vec::new(), DogTile::default());
+                stack_tiles(&frames, &[&offsets], first_octave, &whole, &mut stacked);
+                let pixels = Pixels::Stacked(&stacked[0]);
+                dog_tile(&filters, pixels, &whole, &mut FilterScratch::default(), &mut dog, None, &mut |_, _| ());
                 for level_index in [1, 3] {
                     let data: Vec<f64> = (30..size.1 - 30)
                         .flat_map(|v| dog.levels[level_index].row(v)[30..size.0 - 30].iter().map(|&x| f64::from(x)))

@@ -6,52 +6,11 @@
 
 use super::octave::Base;
 use super::stack_patch::stack_patch;
-use bytemuck::{Pod, Zeroable};
+use crate::plane::aligned::Aligned;
 use std::ops::Range;
 
 /// Values that one vector instruction takes. Loops over a patch's rows take whole vectors; what lies beyond the row's end is computed and dropped.
 pub(super) const LANES: usize = 16;
-
-/// The unit in which patches are stored, so that their rows begin at whole vectors.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C, align(64))]
-pub(super) struct Block([f32; LANES]);
-
-/// Makes `buffer` hold at least `values` values and returns it as such.
-pub(super) fn room(buffer: &mut Vec<Block>, values: usize) -> &mut [f32] {
-    let blocks = values.div_ceil(LANES);
-    if buffer.len() < blocks {
-        buffer.resize(blocks, Block::zeroed());
-    }
-    bytemuck::cast_slice_mut(buffer)
-}
-
-/// Does `$body` for blocks of `$size` vectors from value `$at` on, which together cover `0 … $n`: as few as possible, of up to three vectors, whose sums stay in
-/// registers and hide each other's latency. The last one overlaps the one before, and goes beyond `$n` only where that is less than a block.
-macro_rules! in_blocks {
-    ($at:ident, $n:expr, $size:ident, $body:expr) => {
-        let (n, mut done) = ($n, 0usize);
-        while done < n {
-            if n - done > 2 * LANES {
-                const $size: usize = 3;
-                let $at = done.min(n.saturating_sub(3 * LANES));
-                $body;
-                done = $at + 3 * LANES;
-            } else if n - done > LANES {
-                const $size: usize = 2;
-                let $at = done.min(n.saturating_sub(2 * LANES));
-                $body;
-                done = $at + 2 * LANES;
-            } else {
-                const $size: usize = 1;
-                let $at = done.min(n.saturating_sub(LANES));
-                $body;
-                done = $at + LANES;
-            }
-        }
-    };
-}
-pub(super) use in_blocks;
 
 /// A rectangle of pixels of an octave, at its place. The buffer keeps its capacity when it is reset.
 #[derive(Debug, Default)]
@@ -60,7 +19,7 @@ pub struct Patch {
     rows: Range<i64>,
     /// Values from row to row, a multiple of [`LANES`].
     stride: usize,
-    data: Vec<Block>,
+    data: Aligned,
 }
 
 /// Space that making patches needs; reused from patch to patch.
@@ -68,7 +27,7 @@ pub struct Patch {
 pub struct PatchScratch {
     narrow: Patch,
     row: Vec<f32>,
-    shifted: Vec<Block>,
+    shifted: Aligned,
 }
 
 /// The pixels within `radius` of the one in which `place` lies.
@@ -88,7 +47,7 @@ impl Patch {
     pub fn reset(&mut self, columns: Range<i64>, rows: Range<i64>) {
         self.stride = columns.clone().count().next_multiple_of(LANES);
         // Vectors may begin at any pixel of a row and at the one after it.
-        room(&mut self.data, self.stride * rows.clone().count() + 2 * LANES);
+        self.data.grow(self.stride * rows.clone().count() + 2 * LANES);
         (self.columns, self.rows) = (columns, rows);
     }
 
@@ -115,14 +74,14 @@ impl Patch {
     pub(super) fn from(&self, u: i64, v: i64) -> &[f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
         let at = (v - self.rows.start) as usize * self.stride + (u - self.columns.start) as usize;
-        &bytemuck::cast_slice(&self.data)[at..]
+        &self.data[at..]
     }
 
     /// The same, to be written.
     pub(super) fn from_mut(&mut self, u: i64, v: i64) -> &mut [f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
         let at = (v - self.rows.start) as usize * self.stride + (u - self.columns.start) as usize;
-        &mut bytemuck::cast_slice_mut(&mut self.data)[at..]
+        &mut self.data[at..]
     }
 
     /// Row `v`, one value a held column.
@@ -155,7 +114,7 @@ impl Patch {
         let stride = self.stride;
         let (above, below) = (rows.start as i64 - self.rows.start, self.rows.end - rows.end as i64);
         let last = (rows.end as i64 - 1 - self.rows.start) as usize;
-        let data: &mut [f32] = bytemuck::cast_slice_mut(&mut self.data);
+        let data = &mut *self.data;
         let first = above as usize;
         (0..first).for_each(|v| data.copy_within(first * stride..(first + 1) * stride, v * stride));
         (1..=below as usize).for_each(|v| data.copy_within(last * stride..(last + 1) * stride, (last + v) * stride));
@@ -166,7 +125,7 @@ impl Patch {
         let (columns, rows) = (self.columns(), self.rows());
         let middle = self.from((columns.start + columns.end) / 2, (rows.start + rows.end) / 2)[0];
         let held = self.stride * rows.count();
-        bytemuck::cast_slice_mut::<_, f32>(&mut self.data)[..held].iter_mut().for_each(|x| *x -= middle);
+        self.data[..held].iter_mut().for_each(|x| *x -= middle);
     }
 }
 

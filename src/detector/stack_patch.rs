@@ -5,21 +5,24 @@
 //! sums are made of the frames, both from the same loads and in registers, and the second is shifted by a pixel at last. At the image's sides
 //! rows are made one by one as those of whole images.
 
-use super::motion::{FrameOffset, stack_row};
-use super::patch::{Block, LANES, Patch, in_blocks, inside, room};
+use super::motion::FrameOffset;
+use super::patch::{LANES, Patch, inside};
+use super::stack_rows::RowStacker;
+use super::vectors::{MOST_VECTORS, in_vectors, load, store};
 use crate::plane::Plane;
-use multiversion::multiversion;
+use crate::plane::aligned::Aligned;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, of one size, at their [`super::motion::frame_offsets`].
-pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, shifted: &mut Vec<Block>) {
+pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, shifted: &mut Aligned) {
     let size = frames[0].size();
     let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
     let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
     if columns.len() < LANES || !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
+        let mut stacker = RowStacker::new(frames, vec![offsets]);
         for v in rows {
-            let out = &mut patch.from_mut(left, v as i64)[..columns.len()];
-            stack_row(frames, offsets, v, columns.clone(), out);
+            stacker.row(v, columns.clone(), &mut [&mut patch.from_mut(left, v as i64)[..columns.len()]]);
         }
         return;
     }
@@ -33,9 +36,9 @@ pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
             }
         }
     }
-    let shifted = room(shifted, columns.len() + 1);
-    let rows_of = (columns.len(), rows.len());
-    weighted_rows(&taps, size.0, rows_of, shifted, patch.from_mut(left, top), stride);
+    shifted.grow(columns.len() + LANES);
+    let (columns, rows, out) = (columns.len(), rows.len(), patch.from_mut(left, top));
+    Arch::new().dispatch(WeightedRows { taps: &taps, width: size.0, columns, rows, shifted, out, stride });
 }
 
 /// Pixels of a frame from where a patch reads them, and their weights at their own place and a pixel to the left.
@@ -49,43 +52,62 @@ fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, si
     covers(columns, offset.whole_u, true, size.0) && covers(rows, offset.whole_v, offset.part_v > 0.0, size.1)
 }
 
-/// `V` vectors of both weighted sums, `at` values from where the taps begin.
-#[inline(always)]
-fn weighted_block<const V: usize>(taps: &[(&[f32], [f32; 2])], at: usize, here: &mut [f32], shifted: &mut [f32]) {
-    let mut sums = [[[0.0f32; LANES]; V]; 2];
-    for &(pixels, weights) in taps {
-        let pixels: &[[f32; LANES]] = pixels[at..at + V * LANES].as_chunks().0;
-        for j in 0..V {
-            for i in 0..LANES {
-                sums[0][j][i] = weights[0].mul_add(pixels[j][i], sums[0][j][i]);
-            }
-            for i in 0..LANES {
-                sums[1][j][i] = weights[1].mul_add(pixels[j][i], sums[1][j][i]);
+/// Rows of the weighted sum of the taps, which begin at the first row's first pixel and have rows `width` apart.
+struct WeightedRows<'a> {
+    taps: &'a [Tap<'a>],
+    width: usize,
+    /// At least [`LANES`].
+    columns: usize,
+    rows: usize,
+    /// Room for a row of the second sum.
+    shifted: &'a mut [f32],
+    /// Rows `stride` apart.
+    out: &'a mut [f32],
+    stride: usize,
+}
+
+impl WithSimd for WeightedRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for v in 0..self.rows {
+            let (out, row) = (&mut self.out[v * self.stride..], v * self.width);
+            // Of the second sum one more is needed.
+            in_vectors!(S, self.columns + 1, |V, places| {
+                weighted::<S, V>(simd, self.taps, row, places, out, self.shifted);
+            });
+            for (out, shifted) in out[..self.columns].chunks_mut(LANES).zip(self.shifted[1..].chunks(LANES)) {
+                out.iter_mut().zip(shifted).for_each(|(out, shifted)| *out += shifted);
             }
         }
     }
-    here[..V * LANES].copy_from_slice(sums[0].as_flattened());
-    shifted[..V * LANES].copy_from_slice(sums[1].as_flattened());
 }
 
-/// Rows of the weighted sum of the taps, which begin at the first row's first pixel and have rows `width` apart; `columns` is at least [`LANES`].
-/// The rows of `out` lie `stride` apart; `shifted` has room for a pixel more than a row.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn weighted_rows(
-    taps: &[(&[f32], [f32; 2])],
-    width: usize,
-    (columns, rows): (usize, usize),
+/// Vectors of both weighted sums at `places` of the row that begins `row` values after the taps.
+#[inline(always)]
+fn weighted<S: Simd, const V: usize>(
+    simd: S,
+    taps: &[Tap<'_>],
+    row: usize,
+    places: [usize; V],
+    here: &mut [f32],
     shifted: &mut [f32],
-    out: &mut [f32],
-    stride: usize,
 ) {
-    for v in 0..rows {
-        let (out, row) = (&mut out[v * stride..], v * width);
-        // Of the second sum one more is needed; the last block overlaps the one before.
-        in_blocks!(u, columns + 1, V, weighted_block::<V>(taps, row + u, &mut out[u..], &mut shifted[u..]));
-        for (out, shifted) in out[..columns].iter_mut().zip(&shifted[1..]) {
-            *out += shifted;
+    let zero = simd.splat_f32s(0.0);
+    let mut sums = [[zero; V]; 2];
+    for &(pixels, weights) in taps {
+        let weights = [simd.splat_f32s(weights[0]), simd.splat_f32s(weights[1])];
+        let pixels = &pixels[row..];
+        for i in 0..V {
+            let pixels = load::<S>(pixels, places[i]);
+            sums[0][i] = simd.mul_add_f32s(weights[0], pixels, sums[0][i]);
+            sums[1][i] = simd.mul_add_f32s(weights[1], pixels, sums[1][i]);
         }
+    }
+    for i in 0..V {
+        store::<S>(here, places[i], sums[0][i]);
+        store::<S>(shifted, places[i], sums[1][i]);
     }
 }
 
