@@ -16,5 +16,7 @@ mod keeping;
 mod looks;
 #[path = "window/opening.rs"]
 mod opening;
+#[path = "window/pairs.rs"]
+mod pairs;
 #[path = "window/scrubbing.rs"]
 mod scrubbing;

@@ -18,6 +18,12 @@ pub enum Purpose {
     OpenFiles,
     /// Any path of a burst, typed.
     OpenPath,
+    /// A folder of frames, for the second burst.
+    OpenFolderB,
+    /// Image files, for the second burst.
+    OpenFilesB,
+    /// Any path of a burst, typed, for the second burst.
+    OpenPathB,
     /// A session file to restore.
     RestoreSession,
     /// A session file to write.
@@ -80,6 +86,9 @@ impl Purpose {
             Self::OpenFolder => "Open a folder of frames",
             Self::OpenFiles => "Open image files",
             Self::OpenPath => "Open a path",
+            Self::OpenFolderB => "Open a folder of frames as B",
+            Self::OpenFilesB => "Open image files as B",
+            Self::OpenPathB => "Open a path as B",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
             Self::LoadParams => "Load parameters",
@@ -96,9 +105,12 @@ impl Purpose {
     /// What the path field says about itself.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::OpenFolder | Self::OpenFiles | Self::OpenPath => {
-                "A folder of frames, an image, a multi-page TIFF or a .npy stack"
-            }
+            Self::OpenFolder
+            | Self::OpenFiles
+            | Self::OpenPath
+            | Self::OpenFolderB
+            | Self::OpenFilesB
+            | Self::OpenPathB => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
             Self::Export(_) => "The file to write",
@@ -108,8 +120,8 @@ impl Purpose {
     /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::OpenFolder | Self::OpenPath => Vec::new(),
-            Self::OpenFiles => crate::burst::supported_extensions().to_vec(),
+            Self::OpenFolder | Self::OpenPath | Self::OpenFolderB | Self::OpenPathB => Vec::new(),
+            Self::OpenFiles | Self::OpenFilesB => crate::burst::supported_extensions().to_vec(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::Export(kind) => vec![kind.extension()],
         }
@@ -148,8 +160,8 @@ impl FileDialogs for SystemDialogs {
             dialog = dialog.add_filter(question.purpose.title(), &extensions).add_filter("All files", &["*"]);
         }
         match question.purpose {
-            Purpose::OpenFolder => dialog.pick_folder().map(|p| vec![p]),
-            Purpose::OpenFiles => dialog.pick_files(),
+            Purpose::OpenFolder | Purpose::OpenFolderB => dialog.pick_folder().map(|p| vec![p]),
+            Purpose::OpenFiles | Purpose::OpenFilesB => dialog.pick_files(),
             purpose if purpose.saves() => dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p]),
             _ => dialog.pick_file().map(|p| vec![p]),
         }

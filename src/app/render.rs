@@ -15,6 +15,8 @@ use std::time::Duration;
 pub struct RenderOptions {
     /// The burst.
     pub source: BurstSource,
+    /// A second burst beside it.
+    pub second: Option<BurstSource>,
     /// The detector's parameters.
     pub params: DetectorParams,
     /// Columns and rows of the window, in points.
@@ -35,7 +37,7 @@ pub struct RenderOptions {
     pub level: i32,
     /// Whether features are detected and drawn.
     pub detect: bool,
-    /// Whether the strongest feature is selected.
+    /// Whether the strongest feature, or of two bursts its match, is selected.
     pub select_strongest: bool,
     /// How long it may take to open the burst and to detect.
     pub max_duration: Duration,
@@ -45,6 +47,7 @@ impl Default for RenderOptions {
     fn default() -> Self {
         Self {
             source: BurstSource::Demo,
+            second: None,
             params: DetectorParams::default(),
             size_points: (1280.0, 800.0),
             scale: 1.0,
@@ -90,6 +93,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     };
     let startup = Startup {
         source: Some(options.source.clone()),
+        second: options.second.clone(),
         params: options.params.clone(),
         settings,
         ..Startup::default()
@@ -104,9 +108,13 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         |ctx, _| BurstscopeApp::new(ctx, None, startup),
         |app, ui| {
             app.show(ui);
-            if app.model.burst.is_some() && !placed {
+            let opened = app.model.burst.is_some() && (options.second.is_none() || app.model.pair.b.burst.is_some());
+            if opened && !placed {
                 place(app, options);
                 placed = true;
+            }
+            if options.select_strongest && app.model.pair.selected.is_none() {
+                app.model.pair.selected = app.model.pair.listed.first().copied();
             }
             if options.select_strongest && app.model.selected.is_none() && !app.model.listed.is_empty() {
                 app.model.selected = app.model.listed.first().copied();
@@ -123,7 +131,11 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         |app| {
             let answered =
                 app.model.burst.is_some() || !app.model.messages.errors().is_empty() || !app.choice().is_empty();
-            app.is_settled() && answered
+            let second = options.second.is_none()
+                || app.model.pair.b.burst.is_some()
+                || !app.model.messages.errors().is_empty()
+                || !app.choice().is_empty();
+            app.is_settled() && answered && second
         },
     )?;
     if let Some(problem) = problem {
@@ -156,4 +168,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     model.scrub.octave = options.octave.unwrap_or(options.params.first_octave);
     model.scrub.level = options.level;
     model.check_params();
+    if model.pair.b.burst.is_some() {
+        model.bring_hands_together();
+    }
 }

@@ -1,5 +1,6 @@
 //! What the window remembers from one start to the next.
 
+use super::state::pair::{Links, MatchLook};
 use super::state::{Model, Panels};
 use crate::engine::BurstSource;
 use serde::{Deserialize, Serialize};
@@ -22,11 +23,22 @@ pub struct Settings {
     pub panels: Panels,
     /// Whether a detection starts by itself after a change.
     pub auto_detect: bool,
+    /// What moves together in two bursts.
+    pub links: Links,
+    /// How matches look.
+    pub match_look: MatchLook,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { recent: Vec::new(), theme: egui::ThemePreference::Dark, panels: Panels::default(), auto_detect: true }
+        Self {
+            recent: Vec::new(),
+            theme: egui::ThemePreference::Dark,
+            panels: Panels::default(),
+            auto_detect: true,
+            links: Links::default(),
+            match_look: MatchLook::default(),
+        }
     }
 }
 
@@ -45,7 +57,7 @@ impl Settings {
 
     /// Puts `source` at the top of the recent list. The demo has a menu item of its own.
     pub fn remember(&mut self, source: &BurstSource) {
-        if *source != BurstSource::Demo {
+        if matches!(source, BurstSource::Paths(_)) {
             self.recent.retain(|s| s != source);
             self.recent.insert(0, source.clone());
             self.recent.truncate(MOST_RECENT);
@@ -55,6 +67,7 @@ impl Settings {
     /// Takes over what the model has of them.
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
+        (self.links, self.match_look) = (model.pair.links, model.pair.look);
     }
 }
 

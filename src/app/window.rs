@@ -1,18 +1,22 @@
 //! The window: takes the engine's answers, draws the panels, and asks the engine for what is missing.
 
 use super::actions::{self, ActionId, Queue, palette::Palette};
-use super::canvas::View;
+use super::canvas::{Readout, View};
 use super::dialogs::{Desk, FileDialogs, PathField, SystemDialogs};
+use super::pair_work::PairAsked;
 use super::panels::display::DisplayState;
 use super::panels::picture::PictureState;
 use super::panels::selection::SelectionState;
+use super::rooms::pair::PairPanels;
 use super::session::Session;
 use super::settings::Settings;
+use super::state::pair::Side;
+use super::state::room::Room;
 use super::state::scrub::{ViewKind, played};
 use super::state::{Busy, Model};
 use crate::detector::DetectorParams;
 use crate::engine::{
-    Answer as JobAnswer, BurstSource, DetectRequest, Engine, JobError, JobId, LaneKind, OnUpdate, OpenBurst,
+    Answer as JobAnswer, BurstSource, DetectRequest, Engine, JobError, JobId, LaneKind, OnUpdate, OpenBurst, PairLane,
     PictureRequest, Update,
 };
 use std::path::PathBuf;
@@ -23,6 +27,8 @@ use std::time::{Duration, Instant};
 pub struct Startup {
     /// What is opened first; `None` opens nothing and shows how to begin.
     pub source: Option<BurstSource>,
+    /// What is opened beside it, as the second burst.
+    pub second: Option<BurstSource>,
     /// The detector's parameters.
     pub params: DetectorParams,
     /// A session file that is restored instead.
@@ -39,6 +45,7 @@ impl Default for Startup {
     fn default() -> Self {
         Self {
             source: Some(BurstSource::Demo),
+            second: None,
             params: DetectorParams::default(),
             session: None,
             settings: Settings::default(),
@@ -67,11 +74,17 @@ pub struct BurstscopeApp {
     pub(super) pictures: PictureState,
     pub(super) display: DisplayState,
     pub(super) selection: SelectionState,
+    /// What the room of two bursts keeps.
+    pub pair_panels: PairPanels,
+    pub(super) pair_asked: PairAsked,
+    /// Whether both hands were set, each to its own place, so that neither follows the other.
+    pub(super) hands_set: bool,
     settings: Settings,
     pub(super) desk: Desk,
     pub(super) path_field: Option<PathField>,
     /// Bursts of a folder, of which one is to be chosen.
     choice: Vec<BurstSource>,
+    choice_side: Side,
     pub(super) restoring: Option<(JobId, Box<Session>)>,
     asked_picture: Option<PictureRequest>,
     asked_patch: Option<PictureRequest>,
@@ -92,6 +105,7 @@ impl BurstscopeApp {
         (model.params, model.usable_params) = (startup.params.clone(), startup.params);
         (model.theme, model.panels) = (startup.settings.theme, startup.settings.panels);
         model.auto_detect = startup.settings.auto_detect;
+        (model.pair.links, model.pair.look) = (startup.settings.links, startup.settings.match_look.sanitised());
         model.check_params();
         let mut app = Self {
             model,
@@ -105,10 +119,14 @@ impl BurstscopeApp {
             pictures: PictureState::default(),
             display: DisplayState::default(),
             selection: SelectionState::default(),
+            pair_panels: PairPanels::default(),
+            pair_asked: PairAsked::default(),
+            hands_set: false,
             settings: startup.settings,
             desk: Desk::new(startup.dialogs, on_update),
             path_field: None,
             choice: Vec::new(),
+            choice_side: Side::A,
             restoring: None,
             asked_picture: None,
             asked_patch: None,
@@ -119,6 +137,9 @@ impl BurstscopeApp {
             app.restore_session(&path);
         } else if let Some(source) = startup.source {
             app.open(source);
+        }
+        if let Some(second) = startup.second {
+            app.open_second(second);
         }
         app
     }
@@ -135,6 +156,7 @@ impl BurstscopeApp {
             && !self.desk.is_asking()
             && self.model.picture_is_current()
             && !(self.model.auto_detect && self.wants_detection())
+            && self.pair_is_settled()
     }
 
     /// Bursts of which a person has to choose one before anything is opened; mostly none.
@@ -146,7 +168,9 @@ impl BurstscopeApp {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
+        let hands = [self.model.scrub, self.model.pair.b.scrub];
         self.take_updates();
+        self.take_pair_updates();
         self.take_answers();
         self.take_dropped_files(&ctx);
         let mut queue = Queue::new();
@@ -163,7 +187,12 @@ impl BurstscopeApp {
             self.run_action(&ctx, id);
         }
         self.model.check_params();
+        self.model.check_pair();
+        if !std::mem::take(&mut self.hands_set) {
+            self.model.follow_hand(hands);
+        }
         self.model.refresh_listed();
+        self.model.pair.refresh_listed();
         self.request_what_is_missing(&ctx);
     }
 
@@ -190,7 +219,10 @@ impl BurstscopeApp {
             }
         }
         if let Some(burst) = super::panels::chooser::chooser_ui(ctx, &mut self.choice) {
-            self.open(burst);
+            match self.choice_side {
+                Side::A => self.open(burst),
+                Side::B => self.open_second(burst),
+            }
         }
         super::panels::messages::messages_ui(ctx, &mut self.model.messages);
     }
@@ -252,25 +284,47 @@ impl BurstscopeApp {
             Ok(burst) => {
                 self.engine.cancel(LaneKind::Detect);
                 self.settings.remember(&burst.source);
-                let (width, height) = burst.burst.size();
-                let (name, count) = (burst.burst.name.clone(), burst.burst.len());
-                let frames = if count == 1 { "frame" } else { "frames" };
                 self.model.messages.resolved("Open");
-                self.model.messages.note(format!("Opened {name}: {count} {frames} of {width} × {height}"));
+                self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
                 self.model.take_burst(burst);
                 self.view = View::fit();
-                (self.asked_picture, self.asked_patch) = (None, None);
-                (self.failed_params, self.detecting_params) = (None, None);
+                self.forget_asked();
                 if let Some(session) = session {
                     self.view = session.apply(&mut self.model);
                     if session.detected && self.model.needs_detection() {
                         self.start_detection();
                     }
+                    self.restore_pair(session.pair);
                 }
             }
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
-            Err(JobError::Several(bursts)) if session.is_none() => self.choice = bursts,
+            Err(JobError::Several(bursts)) if session.is_none() => self.choose_among(bursts, Side::A),
             Err(error) => self.model.messages.error("Open", error.to_string()),
+        }
+    }
+
+    /// Asks the person which of `bursts` is to be opened as `side`.
+    pub(super) fn choose_among(&mut self, bursts: Vec<BurstSource>, side: Side) {
+        (self.choice, self.choice_side) = (bursts, side);
+    }
+
+    /// Puts a burst at the top of the recent ones.
+    pub(super) fn remember(&mut self, source: &BurstSource) {
+        self.settings.remember(source);
+    }
+
+    /// Forgets what was asked for A's burst: another one is open.
+    pub(super) fn forget_asked(&mut self) {
+        (self.asked_picture, self.asked_patch) = (None, None);
+        (self.failed_params, self.detecting_params) = (None, None);
+    }
+
+    /// Stops what is being opened, detected and matched.
+    pub(super) fn cancel_all(&self) {
+        self.engine.cancel(LaneKind::Detect);
+        self.engine.cancel(LaneKind::Open);
+        for lane in [PairLane::Open, PairLane::Detect, PairLane::Match] {
+            self.engine.pair().cancel(lane);
         }
     }
 
@@ -303,15 +357,22 @@ impl BurstscopeApp {
             return;
         }
         let now = Instant::now();
+        let due = self.play_due.is_none_or(|due| now >= due);
+        let (side, step) = (self.model.active_side(), self.play_step + 1);
         // The next slope waits for the picture of this one, so that a slow machine plays slowly and skips none.
-        if self.play_due.is_none_or(|due| now >= due) && self.model.picture_is_current() {
-            self.play_step += 1;
-            self.model.scrub.slope = played(&self.model.usable_params.slopes, self.play_step);
-            self.model.slope_chosen = true;
-            if self.model.scrub.kind == ViewKind::Frame {
-                self.model.scrub.kind = ViewKind::Stack;
+        let stepped = self.model.on_side(side, |model| {
+            let ready = due && model.picture_is_current();
+            if ready {
+                model.scrub.slope = played(&model.usable_params.slopes, step);
+                model.slope_chosen = true;
+                if model.scrub.kind == ViewKind::Frame {
+                    model.scrub.kind = ViewKind::Stack;
+                }
             }
-            self.play_due = Some(now + PLAY_EVERY);
+            ready
+        });
+        if stepped {
+            (self.play_step, self.play_due) = (step, Some(now + PLAY_EVERY));
         }
         ctx.request_repaint_after(PLAY_EVERY / 4);
     }
@@ -336,7 +397,16 @@ impl BurstscopeApp {
         if self.model.auto_detect && !dragging && !asked && self.wants_detection() {
             self.start_detection();
         }
+        self.request_for_pair(dragging);
     }
+}
+
+/// A burst in a few words: its name, number of frames and size.
+pub(super) fn describe_burst(open: &OpenBurst) -> String {
+    let (width, height) = open.burst.size();
+    let count = open.burst.len();
+    let frames = if count == 1 { "frame" } else { "frames" };
+    format!("{}: {count} {frames} of {width} × {height}", open.burst.name)
 }
 
 impl eframe::App for BurstscopeApp {
@@ -354,6 +424,12 @@ impl BurstscopeApp {
     /// Where a place of the image (in pixels) is in the window (in points), as last drawn.
     pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
         self.pictures.ui_from_image.map(|t| t.pos(pos_image))
+    }
+
+    /// The value under the pointer.
+    pub(super) fn readout(&self) -> Option<&Readout> {
+        let in_b = self.pair_panels.pictures_b.readout.as_ref().filter(|_| self.model.room == Room::Pair);
+        self.pictures.readout.as_ref().or(in_b)
     }
 
     /// Bursts that were opened before, the latest first.

@@ -11,8 +11,7 @@ use crate::export::ExportFormat;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
-pub(super) const INPUT_HELP: &str =
-    "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], or 'demo'";
+pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], 'demo', or 'demo-later'";
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
 ///
@@ -24,13 +23,14 @@ pub(super) const INPUT_HELP: &str =
     args_conflicts_with_subcommands = true,
     after_long_help = "Examples:\n  burstscope                                       open the window on the demo burst\n  \
         burstscope night/                                open the window on a folder of frames\n  \
+        burstscope night/ later/                         two bursts side by side, with their matches\n  \
         burstscope detect night/ --out found             features of a burst as CSV\n  \
         burstscope detect nights/ --slopes-u -6:6:25 --out found --format csv,npz\n  \
         burstscope stack night/ --slope -2.1,0 --out sign.tiff\n\n\
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
 )]
 pub struct Cli {
-    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'.
+    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'; two of them side by side.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// The parameter file to begin with.
@@ -172,7 +172,7 @@ pub struct StackArgs {
 
 /// Draw the window into a PNG file, without a display.
 ///
-/// The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the
+/// Of two bursts the window shows both side by side, with the matches between them. The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the
 /// picture is taken at the slope with the most features.
 #[derive(Debug, Args)]
 pub struct RenderArgs {

@@ -8,12 +8,14 @@ use super::failure::Failure;
 use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use crate::export::safe_file_name;
 use crate::monitor::Monitor;
-use crate::synth::demo_burst;
+use crate::synth::{demo_burst, later_demo_burst};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// The word that names the built-in burst; a folder of that name is `./demo`.
 pub(super) const DEMO: &str = "demo";
+/// The word that names the other built-in burst: the same street a little later.
+pub(super) const DEMO_LATER: &str = "demo-later";
 
 /// One burst that was asked for.
 #[derive(Debug)]
@@ -28,7 +30,10 @@ pub(super) struct Input {
 #[derive(Debug)]
 pub(super) enum Place {
     /// Built into the program.
-    Demo,
+    Demo {
+        /// The one that is a little later.
+        later: bool,
+    },
     /// In files.
     Paths(Vec<PathBuf>),
     /// Nowhere: it could not even be looked for.
@@ -36,13 +41,20 @@ pub(super) enum Place {
 }
 
 impl Input {
+    /// A built-in burst.
+    pub fn demo(later: bool) -> Self {
+        let name = if later { DEMO_LATER } else { DEMO };
+        Self { name: name.to_owned(), place: Place::Demo { later } }
+    }
+
     /// Opens the burst.
     ///
     /// # Errors
     /// As [`Burst::open_with`], or why it was not found.
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, OpenError> {
         match &self.place {
-            Place::Demo => Ok(demo_burst()),
+            Place::Demo { later: false } => Ok(demo_burst()),
+            Place::Demo { later: true } => Ok(later_demo_burst()),
             Place::Paths(paths) => Burst::open_with(paths, options, monitor),
             Place::Broken(error) => Err(error.clone()),
         }
@@ -59,12 +71,12 @@ impl Input {
 
 /// The bursts that `arguments` name, in their order; files come at the place of the first one.
 pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
-    let is_demo = |path: &PathBuf| path.as_os_str() == DEMO;
+    let is_demo = |path: &PathBuf| [DEMO, DEMO_LATER].iter().any(|word| path.as_os_str() == *word);
     let mut inputs = Vec::new();
     let mut files_done = false;
     for argument in arguments {
         if is_demo(argument) {
-            inputs.push(Input { name: DEMO.to_owned(), place: Place::Demo });
+            inputs.push(Input::demo(argument.as_os_str() == DEMO_LATER));
         } else if argument.is_dir() {
             inputs.extend(look(std::slice::from_ref(argument)));
         } else if !files_done {
@@ -88,7 +100,7 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     };
     let cut =
         SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
-    if inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+    if inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
         return Err(Failure::usage("--burst-length: the demo is a single burst and is not cut; leave the option out"));
     }
     let several = inputs.len() > 1;
@@ -175,12 +187,21 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
     }
 }
 
+/// The two bursts that two arguments name, one each; `None` for anything else: two files may be frames of one burst, and a folder of bursts is a dataset.
+pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
+    let [first, second] = arguments else { return None };
+    let inputs = resolve(arguments);
+    let each = |argument: &PathBuf| resolve(std::slice::from_ref(argument)).len() == 1;
+    let two: [Input; 2] = inputs.try_into().ok()?;
+    (each(first) && each(second)).then_some(two)
+}
+
 /// How to open bursts with this bias frame.
 ///
 /// # Errors
 /// A bias frame for the demo burst.
 pub(super) fn open_options(inputs: &[Input], bias: Option<&PathBuf>) -> Result<OpenOptions, Failure> {
-    if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+    if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
         return Err(Failure::usage(
             "--bias: the demo burst was made without a camera and has no bias frame; leave the option out",
         ));
@@ -213,7 +234,14 @@ mod tests {
         assert!(matches!(inputs[1].place, Place::Broken(_)));
         let inputs = resolve(&[file(2), file(0), file(1)]);
         assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
-        assert!(resolve_one(&[DEMO.into(), folder], "stack").is_err());
+        assert!(resolve_one(&[DEMO.into(), folder.clone()], "stack").is_err());
+        let names = |two: [Input; 2]| two.map(|input| input.name);
+        assert_eq!(
+            two_of(&[folder.clone(), DEMO_LATER.into()]).map(names),
+            Some(["night".into(), "demo-later".into()])
+        );
+        assert!(two_of(&[file(0), file(1)]).is_none(), "two pictures are frames of one burst");
+        assert!(two_of(&[folder]).is_none());
     }
 
     #[test]
@@ -239,7 +267,7 @@ mod tests {
 
     #[test]
     fn names_that_would_share_a_file_are_numbered() {
-        let input = |name: &str| Input { name: name.to_owned(), place: Place::Demo };
+        let input = |name: &str| Input { name: name.to_owned(), place: Place::Demo { later: false } };
         let mut inputs = [input("a"), input("A"), input("a_2"), input("a:"), input("a?")];
         make_names_unique(&mut inputs);
         let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();

@@ -3,18 +3,20 @@
 use super::args::RenderArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{Input, Place, resolve_one};
+use super::inputs::{Input, Place, resolve_one, two_of};
 use crate::app::{RenderOptions, render_to_png};
 use crate::engine::BurstSource;
 use serde_json::json;
+use std::path::PathBuf;
 use std::time::Duration;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
-    let source = source_of(resolve_one(&args.inputs, "render")?)?;
+    let (source, second) = sources_of(&args.inputs, "render")?;
     let options = RenderOptions {
         source,
+        second,
         params,
         size_points: args.size,
         scale: args.scale,
@@ -44,13 +46,25 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console.say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": args.out }))
 }
 
+/// What the window opens for `arguments`: one burst, or two side by side.
+///
+/// # Errors
+/// When they name more, or one was not found.
+pub(super) fn sources_of(arguments: &[PathBuf], command: &str) -> Result<(BurstSource, Option<BurstSource>), Failure> {
+    match two_of(arguments) {
+        Some([a, b]) => Ok((source_of(a)?, Some(source_of(b)?))),
+        None => Ok((source_of(resolve_one(arguments, command)?)?, None)),
+    }
+}
+
 /// What the window opens for `input`.
 ///
 /// # Errors
 /// Why the input was not found.
 pub(super) fn source_of(input: Input) -> Result<BurstSource, Failure> {
     match input.place {
-        Place::Demo => Ok(BurstSource::Demo),
+        Place::Demo { later: false } => Ok(BurstSource::Demo),
+        Place::Demo { later: true } => Ok(BurstSource::DemoLater),
         Place::Paths(paths) => Ok(BurstSource::Paths(paths)),
         Place::Broken(error) => Err(error.into()),
     }

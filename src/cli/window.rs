@@ -3,8 +3,8 @@
 use super::args::{Cli, OutputArgs};
 use super::console::{Console, print};
 use super::failure::Failure;
-use super::inputs::{DEMO, Input, Place, resolve_one};
-use super::render::source_of;
+use super::inputs::{Input, resolve_one, two_of};
+use super::render::{source_of, sources_of};
 use super::table::feature_table;
 use crate::app::{RenderOptions, Startup, render_to_png};
 use crate::burst::OpenOptions;
@@ -17,16 +17,21 @@ const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let params = cli.params.read()?;
-    let input = if cli.inputs.is_empty() {
-        Input { name: DEMO.to_owned(), place: Place::Demo }
-    } else {
-        resolve_one(&cli.inputs, "the window")?
-    };
-    if !has_display() {
-        return without_display(input, params);
+    if has_display() {
+        let (source, second) = match cli.inputs.as_slice() {
+            [] => (source_of(Input::demo(false))?, None),
+            inputs => sources_of(inputs, "the window")?,
+        };
+        let startup = Startup { source: Some(source), second, params, ..Startup::default() };
+        return crate::app::run(startup).map_err(Failure::Failed);
     }
-    let startup = Startup { source: Some(source_of(input)?), params, ..Startup::default() };
-    crate::app::run(startup).map_err(Failure::Failed)
+    match cli.inputs.as_slice() {
+        [] => without_display(Input::demo(false), None, params),
+        inputs => match two_of(inputs) {
+            Some([a, b]) => without_display(a, Some(b), params),
+            None => without_display(resolve_one(inputs, "the window")?, None, params),
+        },
+    }
 }
 
 /// Whether a window can be shown. Systems other than free Unix ones always have a display.
@@ -35,7 +40,8 @@ fn has_display() -> bool {
     !cfg!(all(unix, not(target_os = "macos"))) || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(set)
 }
 
-fn without_display(input: Input, params: DetectorParams) -> Result<(), Failure> {
+/// The features listed are those of `input`; the picture shows `second` beside it, if there is one.
+fn without_display(input: Input, second: Option<Input>, params: DetectorParams) -> Result<(), Failure> {
     let file = PathBuf::from(format!("burstscope-{}.png", safe_file_name(&input.name)));
     print(&format!(
         "There is no display here (neither DISPLAY nor WAYLAND_DISPLAY is set).\nThe window is drawn into {} instead, and the strongest features are listed.\n\n",
@@ -44,7 +50,6 @@ fn without_display(input: Input, params: DetectorParams) -> Result<(), Failure> 
     let console = Console::new(&OutputArgs { json: false, quiet: false, threads: None })?;
     let name = input.name.clone();
     console.begin(format!("{name}: "));
-    let paths = input.paths();
     let burst = input.open(&OpenOptions::default(), &console.monitor)?;
     let detection = detect(&burst, &params, &console.monitor)?;
     console.say(&format!(
@@ -55,8 +60,8 @@ fn without_display(input: Input, params: DetectorParams) -> Result<(), Failure> 
         detection.features.len(),
         feature_table(&detection, TABLE_ROWS)
     ))?;
-    let place = if paths.is_empty() { Place::Demo } else { Place::Paths(paths) };
-    let options = RenderOptions { source: source_of(Input { name, place })?, params, ..RenderOptions::default() };
+    let second = second.map(source_of).transpose()?;
+    let options = RenderOptions { source: source_of(input)?, second, params, ..RenderOptions::default() };
     render_to_png(&options, &file)
         .map_err(|e| Failure::Failed(anyhow::Error::new(e).context("the window cannot be drawn")))?;
     console.say(&format!("wrote {}\n", file.display()))

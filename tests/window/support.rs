@@ -184,6 +184,9 @@ impl Window {
         if let Some(found) = &mut self.app_mut().model.found {
             found.elapsed = Duration::from_millis(120);
         }
+        if let Some(matches) = &mut self.app_mut().model.pair.matches {
+            matches.elapsed = Duration::from_millis(10);
+        }
         self.harness.run_steps(2);
         self.harness.snapshot(name);
     }

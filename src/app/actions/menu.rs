@@ -32,7 +32,8 @@ pub fn menu_bar_ui(
     });
 }
 
-fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
+/// One item of a menu.
+pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     let action = id.action();
     let mark = match checked(id, model) {
         Some(true) => "✔ ",
@@ -59,7 +60,7 @@ fn recent_ui(ui: &mut egui::Ui, recent: &[BurstSource], open_recent: &mut Option
                         let lines: Vec<String> = paths.iter().take(8).map(|p| p.display().to_string()).collect();
                         response.on_hover_text(lines.join("\n"))
                     }
-                    BurstSource::Demo => response,
+                    BurstSource::Demo | BurstSource::DemoLater => response,
                 };
                 if response.clicked() {
                     *open_recent = Some(source.clone());

@@ -15,13 +15,16 @@ pub enum Menu {
     Detect,
     /// The features found.
     Features,
+    /// A second burst, and the matches with it.
+    Pair,
     /// Finding one's way.
     Help,
 }
 
 impl Menu {
     /// All menus.
-    pub const ALL: [Self; 6] = [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Help];
+    pub const ALL: [Self; 7] =
+        [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Pair, Self::Help];
 
     /// Its name.
     pub fn label(self) -> &'static str {
@@ -31,6 +34,7 @@ impl Menu {
             Self::Scrub => "Scrub",
             Self::Detect => "Detection",
             Self::Features => "Features",
+            Self::Pair => "Pair",
             Self::Help => "Help",
         }
     }
@@ -105,24 +109,26 @@ actions! {
     ExportSvg, File 4, "Export figure as SVG…", [], "Write the picture with the features over it as vectors, for papers";
     Quit, File 5, "Quit", [CTRL Q], "Close the window";
 
-    ShowFrame, View 0, "Show frame", [NONE Num1], "Show one frame as it was taken";
-    ShowStack, View 0, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
-    ShowDog, View 0, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
-    Fit, View 1, "Fit picture", [NONE F], "Show the whole picture";
-    OneToOne, View 1, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
-    ZoomIn, View 1, "Zoom in", [NONE Plus], "Enlarge around the centre";
-    ZoomOut, View 1, "Zoom out", [NONE Minus], "Reduce around the centre";
-    ToggleOverlay, View 2, "Features over the picture", [NONE O], "Show or hide the features";
-    ToggleMotion, View 2, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
-    ToggleOrientation, View 2, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
-    ToggleLegend, View 2, "Legend", [NONE L], "Show or hide the legend of the features' colours";
-    NextColouring, View 2, "Next feature colouring", [NONE C], "Colour features by slope, scale or response in turn";
-    ToggleLeft, View 3, "Scrub and parameters", [CTRL B], "Show or hide the panel on the left";
-    ToggleRight, View 3, "Feature and display", [CTRL R], "Show or hide the panel on the right";
-    ToggleBottom, View 3, "Table and tally", [CTRL J], "Show or hide the panel below";
-    ThemeSystem, View 4, "Theme as the system", [], "Follow the system's light or dark theme";
-    ThemeLight, View 4, "Light theme", [], "Dark text on a light ground";
-    ThemeDark, View 4, "Dark theme", [], "Light text on a dark ground";
+    RoomBurst, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
+    RoomPair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
+    ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
+    ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
+    ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
+    Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
+    OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
+    ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
+    ZoomOut, View 2, "Zoom out", [NONE Minus], "Reduce around the centre";
+    ToggleOverlay, View 3, "Features over the picture", [NONE O], "Show or hide the features";
+    ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
+    ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
+    ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours";
+    NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale or response in turn";
+    ToggleLeft, View 4, "Scrub and parameters", [CTRL B], "Show or hide the panel on the left";
+    ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right";
+    ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below";
+    ThemeSystem, View 5, "Theme as the system", [], "Follow the system's light or dark theme";
+    ThemeLight, View 5, "Light theme", [], "Dark text on a light ground";
+    ThemeDark, View 5, "Dark theme", [], "Light text on a dark ground";
 
     SlopeULess, Scrub 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis";
     SlopeUMore, Scrub 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis";
@@ -147,12 +153,29 @@ actions! {
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline";
     ResetParams, Detect 2, "Reset parameters", [], "Give every parameter its default";
 
-    NextFeature, Features 0, "Next feature", [NONE N], "Select the next feature of the table";
-    PreviousFeature, Features 0, "Previous feature", [NONE P], "Select the previous feature of the table";
-    StrongestFeature, Features 0, "Strongest feature", [NONE Home], "Select the first feature of the table";
-    GoToFeature, Features 0, "Go to selected feature", [NONE Enter], "Show the motion stack at its slope, with the feature in the middle";
-    ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature";
+    NextFeature, Features 0, "Next feature or match", [NONE N], "Select the next feature (or match, with two bursts) of the table";
+    PreviousFeature, Features 0, "Previous feature or match", [NONE P], "Select the previous feature (or match, with two bursts) of the table";
+    StrongestFeature, Features 0, "First feature or match", [NONE Home], "Select the first feature (or match, with two bursts) of the table";
+    GoToFeature, Features 0, "Go to the selection", [NONE Enter], "Show the motion stack at the slope of the selected feature or match, with it in the middle";
+    ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match";
     ClearFilter, Features 1, "Clear filter", [], "Show all features";
+
+    OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst";
+    OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst";
+    OpenPathB, Pair 0, "Open B: path…", [], "Type or paste the path of the second burst";
+    OpenDemoB, Pair 0, "Later demo burst as B", [], "Take the demo street a little later as the second burst";
+    CloseB, Pair 0, "Close B", [], "Close the second burst";
+    SwapSides, Pair 1, "Swap A and B", [], "Make the second burst the first, and the first the second";
+    OtherSide, Pair 1, "Hand on the other burst", [NONE T], "Let sliders and keys move the frame, slope and scale of the other burst";
+    LinkHands, Pair 1, "Slope and scale together", [NONE K], "Move kind of picture, frame, slope, octave and level of both bursts at once";
+    LinkViews, Pair 1, "Zoom and pan together", [NONE V], "Zoom and pan both pictures at once";
+    LinkRanges, Pair 1, "One value range", [], "Show both bursts in the same range and colours, so that they can be compared";
+    Match, Pair 2, "Match", [NONE H], "Match the features of both bursts with these parameters";
+    ResetMatching, Pair 2, "Reset matching parameters", [], "Give every parameter of matching its default";
+    ToggleInliers, Pair 3, "Inliers", [NONE I], "Show or hide the matches that agree with the geometry of the two views";
+    ToggleOutliers, Pair 3, "Outliers", [NONE U], "Show or hide the matches that do not agree with the geometry of the two views";
+    ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others";
+    ToggleEpipolar, Pair 3, "Epipolar lines", [NONE E], "Show or hide where in the other picture the point of a match can be";
 
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show all actions with their keys";

@@ -1,13 +1,16 @@
 //! What each action does.
 
 use super::ActionId;
+use crate::app::canvas::View;
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::dialogs::{ExportKind, Purpose};
 use crate::app::state::Model;
+use crate::app::state::pair::Side;
+use crate::app::state::room::Room;
 use crate::app::state::scrub::{ViewKind, play_step_of, snapped, stepped};
 use crate::app::window::BurstscopeApp;
 use crate::detector::{DetectorParams, Method, Slope, SlopeGrid};
-use crate::engine::{BurstSource, LaneKind};
+use crate::engine::BurstSource;
 
 impl BurstscopeApp {
     /// Does an action, as if it had been chosen from a menu. One that cannot be done now does nothing.
@@ -32,25 +35,47 @@ impl BurstscopeApp {
             A::ExportPng => self.ask(Purpose::Export(ExportKind::Png)),
             A::ExportSvg => self.ask(Purpose::Export(ExportKind::Svg)),
             A::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            A::Fit => self.view.set_fit(),
-            A::OneToOne => self.view.set_one_to_one(ctx.pixels_per_point()),
-            A::ZoomIn => self.view.zoom_by(1.25),
-            A::ZoomOut => self.view.zoom_by(0.8),
+            A::Fit => self.change_views(View::set_fit),
+            A::OneToOne => self.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
+            A::ZoomIn => self.change_views(|view| view.zoom_by(1.25)),
+            A::ZoomOut => self.change_views(|view| view.zoom_by(0.8)),
             A::Play => {
                 self.model.playing = !self.model.playing;
-                self.play_step = play_step_of(&self.model.usable_params.slopes, self.model.scrub.slope);
+                self.play_step = play_step_of(&self.model.usable_params.slopes, self.model.hand().slope);
                 self.play_due = None;
             }
-            A::Detect => self.start_detection(),
-            A::Cancel => {
-                self.engine.cancel(LaneKind::Detect);
-                self.engine.cancel(LaneKind::Open);
+            A::Detect => {
+                self.start_detection();
+                if self.model.room == Room::Pair && self.model.pair.b.param_error.is_none() {
+                    self.start_second_detection();
+                }
             }
+            A::Cancel => self.cancel_all(),
+            A::GoToFeature if self.model.room == Room::Pair => self.go_to_match(),
             A::GoToFeature => self.go_to_selected(),
+            A::OpenFolderB => self.ask(Purpose::OpenFolderB),
+            A::OpenFilesB => self.ask(Purpose::OpenFilesB),
+            A::OpenPathB => self.open_path_field(Purpose::OpenPathB, false),
+            A::OpenDemoB => self.open_second(BurstSource::DemoLater),
+            A::CloseB => self.close_second(),
+            A::SwapSides => self.swap_sides(),
+            A::Match => self.start_matching(),
             A::Palette => self.palette.open(),
             A::Shortcuts => self.sheet_open = !self.sheet_open,
             A::About => self.about_open = true,
             _ => change_model(&mut self.model, id),
+        }
+    }
+
+    /// Changes the view of the picture; with two bursts that of the one that the hand moves, and of the other where they zoom together.
+    fn change_views(&mut self, change: impl Fn(&mut View)) {
+        let (side, linked) = (self.model.active_side(), self.model.pair.links.views);
+        let both = linked && self.model.room == Room::Pair;
+        if both || side == Side::A {
+            change(&mut self.view);
+        }
+        if both || side == Side::B {
+            change(&mut self.pair_panels.view_b);
         }
     }
 }
@@ -59,9 +84,9 @@ impl BurstscopeApp {
 fn change_model(model: &mut Model, id: ActionId) {
     use ActionId as A;
     match id {
-        A::ShowFrame => model.show_kind(ViewKind::Frame),
-        A::ShowStack => model.show_kind(ViewKind::Stack),
-        A::ShowDog => model.show_kind(ViewKind::Dog),
+        A::RoomBurst => model.room = Room::Burst,
+        A::RoomPair => model.room = Room::Pair,
+        A::ToggleOverlay if model.room == Room::Pair => model.pair.look.features ^= true,
         A::ToggleOverlay => model.look.overlay ^= true,
         A::ToggleMotion => model.look.motion_vectors ^= true,
         A::ToggleOrientation => model.look.orientations ^= true,
@@ -87,12 +112,36 @@ fn change_model(model: &mut Model, id: ActionId) {
             model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
         }
         A::PresetSift => model.params.method = Method::Sift,
+        A::NextFeature if model.room == Room::Pair => model.pair.select_neighbour(true),
+        A::PreviousFeature if model.room == Room::Pair => model.pair.select_neighbour(false),
+        A::StrongestFeature if model.room == Room::Pair => model.pair.selected = model.pair.listed.first().copied(),
+        A::ClearSelection if model.room == Room::Pair => model.pair.selected = None,
         A::NextFeature => model.select_neighbour(true),
         A::PreviousFeature => model.select_neighbour(false),
         A::StrongestFeature => model.selected = model.listed.first().copied(),
         A::ClearSelection => model.selected = None,
         A::ClearFilter => model.filter = Default::default(),
-        _ => move_hand(model, id),
+        A::OtherSide => model.pair.active = model.active_side().other(),
+        A::LinkHands => {
+            model.pair.links.hands ^= true;
+            if model.pair.links.hands {
+                model.bring_hands_together();
+            }
+        }
+        A::LinkViews => model.pair.links.views ^= true,
+        A::LinkRanges => {
+            model.pair.links.ranges ^= true;
+            model.pair.b.look = model.look.clone();
+        }
+        A::ResetMatching => model.pair.params = Default::default(),
+        A::ToggleInliers => model.pair.look.inliers ^= true,
+        A::ToggleOutliers => model.pair.look.outliers ^= true,
+        A::ToggleAlone => model.pair.look.alone ^= true,
+        A::ToggleEpipolar => model.pair.look.geometry ^= true,
+        _ => {
+            let side = model.active_side();
+            model.on_side(side, |model| move_hand(model, id));
+        }
     }
 }
 
@@ -115,6 +164,9 @@ fn move_hand(model: &mut Model, id: ActionId) {
         (model.slope_chosen, model.playing) = (true, false);
     }
     match id {
+        A::ShowFrame => model.show_kind(ViewKind::Frame),
+        A::ShowStack => model.show_kind(ViewKind::Stack),
+        A::ShowDog => model.show_kind(ViewKind::Dog),
         A::BusiestSlope => {
             model.go_to_busiest_slope();
             (model.slope_chosen, model.playing) = (true, false);

@@ -38,7 +38,8 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
 }
 
 /// Which menus go into which column: about the same number of rows in each.
-const COLUMNS: [&[Menu]; 3] = [&[Menu::File, Menu::Help], &[Menu::View, Menu::Features], &[Menu::Scrub, Menu::Detect]];
+const COLUMNS: [&[Menu]; 3] =
+    [&[Menu::File, Menu::Detect, Menu::Help], &[Menu::View, Menu::Features], &[Menu::Scrub, Menu::Pair]];
 
 fn menu_ui(ui: &mut egui::Ui, menu: Menu) {
     ui.add_space(4.0);

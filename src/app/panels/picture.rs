@@ -25,7 +25,7 @@ pub struct PictureState {
 
 impl PictureState {
     /// The picture as the canvas knows it. The same pixels keep their name, so that the card gets them once.
-    fn refresh(&mut self, picture: Option<&Picture>) {
+    pub(in crate::app) fn refresh(&mut self, picture: Option<&Picture>) {
         let Some(picture) = picture else {
             self.shown = None;
             return;
