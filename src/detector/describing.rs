@@ -1,11 +1,13 @@
 //! Localising and describing the keypoints that the search found in an octave, in parallel.
 
-use super::describe::{GradientPatch, gradient_radius, span};
+use super::blur_patch::BlurScratch;
+use super::descriptor::{DescriptorScratch, descriptor, descriptor_radius};
 use super::feature::{Descriptor, Feature};
 use super::locate::{FARTHEST_MOVE_PX, filter_reach, filter_scales, locate};
 use super::octave::Base;
+use super::orientation::{OrientationScratch, orientations};
 use super::params::{DetectorParams, Localisation};
-use super::patch::RawPatch;
+use super::patch::{Patch, PatchScratch, around};
 use super::scale_space::{ScaleSpace, octave_pixel};
 use super::slope_grid::{Slope, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor};
@@ -51,20 +53,38 @@ pub(super) struct Describing<'a> {
     pub monitor: &'a Monitor,
 }
 
+/// Keypoints are described in strips of this many columns, each from top to bottom: what their patches share of the frames is then still in the cache.
+const STRIP_COLUMNS: f32 = 200.0;
+/// Keypoints that one thread describes in a row.
+const TOGETHER: usize = 32;
+
+/// Space that a thread reuses from keypoint to keypoint.
+#[derive(Default)]
+struct Scratch {
+    raw: Patch,
+    level: Patch,
+    patch: PatchScratch,
+    blur: BlurScratch,
+    orientation: OrientationScratch,
+    descriptor: DescriptorScratch,
+}
+
 impl Describing<'_> {
     /// The keypoint at its place and slope on the continuous D, where the parameters ask for that and it has one. `raw` holds the pixels around it.
-    fn located(&self, keypoint: &Keypoint, raw: &RawPatch, scales: (f64, f64)) -> Keypoint {
+    fn located(&self, keypoint: &Keypoint, raw: &Patch, scales: (f64, f64)) -> Keypoint {
         if self.params.localisation == Localisation::Quadratic {
             return *keypoint;
         }
         let (i, j) = self.grid.coordinates(keypoint.slope_index);
         let reach = filter_reach(scales);
-        let (columns, rows) = (span(keypoint.x, reach, raw.size.0), span(keypoint.y, reach, raw.size.1));
         let neighbour = |di: i32, dj: i32| {
             let i = i.checked_add_signed(di as isize).filter(|&i| i < self.grid.u.count)?;
             let j = j.checked_add_signed(dj as isize).filter(|&j| j < self.grid.v.count)?;
             let base = (self.base)(j * self.grid.u.count + i);
-            Some(base.patch(raw.size, columns.clone(), rows.clone()))
+            let (columns, rows) = (around(keypoint.x, reach), around(keypoint.y, reach));
+            let mut patch = Patch::default();
+            base.patch(self.size, columns, rows, &mut PatchScratch::default(), &mut patch);
+            Some(patch)
         };
         let at = (f64::from(keypoint.x), f64::from(keypoint.y));
         let Some(found) = locate(raw, neighbour, at, scales) else {
@@ -78,51 +98,73 @@ impl Describing<'_> {
         }
     }
 
-    /// Orientations and descriptors of the octave's keypoints, in their order.
+    /// Orientations and descriptors of the octave's keypoints, in an order that depends on the keypoints alone.
     ///
     /// # Errors
     /// [`Cancelled`] once the monitor was cancelled.
     pub fn describe(&self, keypoints: &[Keypoint]) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
-        let described: Vec<Vec<(Feature, Descriptor)>> = keypoints
-            .par_iter()
-            .map(|keypoint| {
-                self.monitor.check()?;
-                Ok(self.described(keypoint))
+        let mut order: Vec<&Keypoint> = keypoints.iter().collect();
+        let strip = |keypoint: &Keypoint| (keypoint.x / STRIP_COLUMNS) as i64;
+        order.sort_by(|a, b| strip(a).cmp(&strip(b)).then(a.y.total_cmp(&b.y)).then(a.x.total_cmp(&b.x)));
+        let kernels: Vec<GaussianKernel> = (0..self.space.levels as i32).map(|level| self.kernel(level)).collect();
+        let described: Vec<Vec<(Feature, Descriptor)>> = order
+            .par_chunks(TOGETHER)
+            .map_init(Scratch::default, |scratch, keypoints| {
+                let mut out = Vec::with_capacity(TOGETHER + TOGETHER / 2);
+                for keypoint in keypoints {
+                    self.monitor.check()?;
+                    self.describe_one(keypoint, &kernels, scratch, &mut out);
+                }
+                Ok(out)
             })
             .collect::<Result<_, Cancelled>>()?;
         Ok(described.into_iter().flatten().collect())
     }
 
-    /// The features of one keypoint: one for each of its orientations.
-    fn described(&self, keypoint: &Keypoint) -> Vec<(Feature, Descriptor)> {
+    /// From what the octave is made from to Gaussian level `level`.
+    fn kernel(&self, level: i32) -> GaussianKernel {
+        // All slopes' bases have one scale.
+        let from = (self.base)(0).sigma_octave();
+        let sigma = self.space.sigma_octave(f64::from(level));
+        GaussianKernel::with_cut((sigma * sigma - from * from).max(0.0).sqrt(), self.space.kernel_cut)
+    }
+
+    /// Appends the features of one keypoint: one for each of its orientations. `kernels` lead to the levels.
+    fn describe_one(
+        &self,
+        keypoint: &Keypoint,
+        kernels: &[GaussianKernel],
+        scratch: &mut Scratch,
+        out: &mut Vec<(Feature, Descriptor)>,
+    ) {
         let (size, pixel) = (self.size, octave_pixel(self.octave));
         let base = (self.base)(keypoint.slope_index);
-        let from = base.sigma_octave();
-        let scales = filter_scales(f64::from(keypoint.sigma_octave), self.space.levels, from);
-        let sigma_level = self.space.sigma_octave(f64::from(keypoint.level));
-        let blur = (sigma_level * sigma_level - from * from).max(0.0).sqrt();
-        let kernel = GaussianKernel::with_cut(blur, self.space.kernel_cut);
-        let reach =
-            filter_reach(scales).max(gradient_radius(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX);
-        let raw = base.patch(size, span(keypoint.x, reach, size.0), span(keypoint.y, reach, size.1));
-        let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
-            self.located(keypoint, &raw, scales);
-        let patch = GradientPatch::around(&raw, (x, y), sigma, &kernel);
+        let scales = filter_scales(f64::from(keypoint.sigma_octave), self.space.levels, base.sigma_octave());
+        let kernel = &kernels[keypoint.level as usize];
+        // The descriptor's square and the neighbours that its gradients need.
+        let reach_level = descriptor_radius(keypoint.sigma_octave) + 1;
+        let reach = filter_reach(scales).max(reach_level + kernel.radius() + FARTHEST_MOVE_PX);
+        let Scratch { raw, level: patch, .. } = scratch;
+        base.patch(size, around(keypoint.x, reach), around(keypoint.y, reach), &mut scratch.patch, raw);
+        let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } = self.located(keypoint, raw, scales);
+        raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         let (i, j) = self.grid.coordinates(slope_index);
-        let feature = |angle: f32| Feature {
-            u: x * pixel,
-            v: y * pixel,
-            sigma: sigma * pixel,
-            orientation: if angle > std::f32::consts::PI { angle - std::f32::consts::TAU } else { angle },
-            slope,
-            response: keypoint.value,
-            snr: keypoint.snr,
-            octave: self.octave,
-            level,
-            slope_index,
-            at_slope_limit: self.grid.on_rim(i, j),
-        };
-        let orientations = patch.orientations(x, y, sigma, self.params.max_orientations);
-        orientations.into_iter().map(|angle| (feature(angle), patch.descriptor(x, y, sigma, angle))).collect()
+        let most = self.params.max_orientations;
+        for angle in orientations(patch, size, (x, y), sigma, most, &mut scratch.orientation) {
+            let feature = Feature {
+                u: x * pixel,
+                v: y * pixel,
+                sigma: sigma * pixel,
+                orientation: if angle > std::f32::consts::PI { angle - std::f32::consts::TAU } else { angle },
+                slope,
+                response: keypoint.value,
+                snr: keypoint.snr,
+                octave: self.octave,
+                level,
+                slope_index,
+                at_slope_limit: self.grid.on_rim(i, j),
+            };
+            out.push((feature, descriptor(patch, size, (x, y), sigma, angle, &mut scratch.descriptor)));
+        }
     }
 }

@@ -2,18 +2,22 @@
 //!
 //! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
 //! (Gaussian levels and their differences D, tile by tile) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
-//! samples) → [`locate`] (on the continuous D) → [`describe`] (orientation, descriptor). [`noise_estimate`] says how noisy a frame is, and
+//! samples) → [`locate`] (on the continuous D) → [`orientation`] and [`descriptor`] (on a [`patch`] of the Gaussian level). [`noise_estimate`] says how
+//! noisy a frame is, and
 //! [`noise`] how large D must then be. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
-pub mod describe;
+pub mod blur_patch;
 mod describing;
+pub mod descriptor;
 pub mod feature;
+mod gradient;
 pub mod locate;
 pub mod motion;
 pub mod noise;
 pub mod noise_estimate;
 pub mod octave;
+pub mod orientation;
 pub mod params;
 pub mod patch;
 pub mod pipeline;
@@ -22,7 +26,9 @@ pub mod scale_space;
 pub mod search;
 pub mod slope_grid;
 mod slope_window;
+mod stack_patch;
 mod stack_rows;
+mod vectors;
 pub mod view;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};

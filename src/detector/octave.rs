@@ -28,11 +28,6 @@ pub enum Base<'a> {
     Level(&'a Plane),
 }
 
-/// `range` widened by `by` rows and clamped to an image of `height` rows.
-pub fn widened(range: &Range<usize>, by: usize, height: usize) -> Range<usize> {
-    range.start.saturating_sub(by)..(range.end + by).min(height)
-}
-
 impl Base<'_> {
     /// Rows `rows` and columns `columns` of the stacked image at the octave's resolution, before any blur. Each written by `write(v, row)`.
     pub(super) fn raw_rows(

@@ -2,7 +2,7 @@
 
 use crate::published::{demo_1d, numbers, open};
 use crate::shared::shared;
-use burstscope::detector::describe::to_vlfeat_order;
+use burstscope::detector::descriptor::to_vlfeat_order;
 use burstscope::detector::motion::motion_stack;
 use burstscope::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate};
 use burstscope::{DetectorParams, Monitor, Plane, SlopeGrid, detect};
