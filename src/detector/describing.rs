@@ -2,13 +2,17 @@
 
 use super::describe::{GradientPatch, gradient_radius, span};
 use super::feature::{Descriptor, Feature};
-use super::locate::{FARTHEST_MOVE_PX, filter_reach, filter_scales, locate};
+use super::hat::{Answer, Pixels};
+use super::locate::{FARTHEST_MOVE_PX, Neighbours, hat_radius, hat_reach, place, slope_steps};
+use super::motion::{FrameOffset, interpolation_blur};
 use super::octave::Base;
 use super::params::{DetectorParams, Localisation};
 use super::patch::RawPatch;
-use super::scale_space::{ScaleSpace, octave_pixel};
+use super::scale_peak::{self, scale_peak};
+use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
 use super::slope_grid::{Slope, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use rayon::prelude::*;
 
@@ -37,10 +41,16 @@ pub(super) struct Keypoint {
 pub(super) struct Describing<'a> {
     /// Where the octave's first level at a slope of the grid comes from.
     pub base: &'a (dyn Fn(usize) -> Base<'a> + Sync),
+    /// The same for the octave before; the first octave has none.
+    pub finer: Option<&'a (dyn Fn(usize) -> Base<'a> + Sync)>,
+    /// Where the frames are read at each slope of the grid.
+    pub offsets: &'a [Vec<FrameOffset>],
     /// The octave.
     pub octave: i32,
     /// Its size.
     pub size: (usize, usize),
+    /// The image's size.
+    pub size_image: (usize, usize),
     /// The slopes searched.
     pub grid: SlopeGrid,
     /// The scales searched.
@@ -51,29 +61,94 @@ pub(super) struct Describing<'a> {
     pub monitor: &'a Monitor,
 }
 
+/// The pixels around a keypoint at one slope: those that were made for it, or the octave's first level.
+enum Around<'a> {
+    Made(RawPatch),
+    Level(&'a Plane),
+}
+
+impl Around<'_> {
+    /// Those of `base`, `reach` to each side of `at`, of an octave of `size`.
+    fn of<'a>(base: &Base<'a>, size: (usize, usize), at: (f64, f64), reach: usize) -> Around<'a> {
+        match base {
+            Base::Level(plane) => Around::Level(plane),
+            Base::Frames { .. } => {
+                Around::Made(base.patch(size, span(at.0 as f32, reach, size.0), span(at.1 as f32, reach, size.1)))
+            }
+        }
+    }
+
+    fn pixels(&self) -> Pixels<'_> {
+        match self {
+            Self::Made(patch) => patch.pixels(),
+            Self::Level(plane) => Pixels { plane, left: 0, top: 0 },
+        }
+    }
+}
+
+/// The slopes around a keypoint's own.
+struct Around3x3<'d, 'a> {
+    describing: &'d Describing<'a>,
+    /// Grid coordinates of its own slope.
+    own: (usize, usize),
+    /// The place, octave pixels.
+    at: (f64, f64),
+    radius: f64,
+}
+
+impl Around3x3<'_, '_> {
+    fn index(&self, di: i32, dj: i32) -> Option<usize> {
+        let grid = &self.describing.grid;
+        let i = self.own.0.checked_add_signed(di as isize).filter(|&i| i < grid.u.count)?;
+        let j = self.own.1.checked_add_signed(dj as isize).filter(|&j| j < grid.v.count)?;
+        Some(j * grid.u.count + i)
+    }
+}
+
+impl Neighbours for Around3x3<'_, '_> {
+    fn answer(&self, di: i32, dj: i32) -> Option<Answer> {
+        let base = (self.describing.base)(self.index(di, dj)?);
+        let around = Around::of(&base, self.describing.size, self.at, hat_reach(self.radius, 0));
+        let pixels = around.pixels();
+        Some(pixels.hat(self.radius, self.at, pixels.ground(self.radius, self.at)))
+    }
+
+    fn blur(&self, di: i32, dj: i32) -> (f64, f64) {
+        let pixel = f64::from(octave_pixel(self.describing.octave));
+        let (u, v) = self.index(di, dj).map_or((0.0, 0.0), |index| interpolation_blur(&self.describing.offsets[index]));
+        (u / (pixel * pixel), v / (pixel * pixel))
+    }
+}
+
 impl Describing<'_> {
-    /// The keypoint at its place and slope on the continuous D, where the parameters ask for that and it has one. `raw` holds the pixels around it.
-    fn located(&self, keypoint: &Keypoint, raw: &RawPatch, scales: (f64, f64)) -> Keypoint {
+    /// The keypoint at its place and slope and with its scale, where the parameters ask for that and it has them. `raw` holds the pixels around it.
+    fn located(&self, keypoint: &Keypoint, raw: &RawPatch, from: f64) -> Keypoint {
         if self.params.localisation == Localisation::Quadratic {
             return *keypoint;
         }
-        let (i, j) = self.grid.coordinates(keypoint.slope_index);
-        let reach = filter_reach(scales);
-        let (columns, rows) = (span(keypoint.x, reach, raw.size.0), span(keypoint.y, reach, raw.size.1));
-        let neighbour = |di: i32, dj: i32| {
-            let i = i.checked_add_signed(di as isize).filter(|&i| i < self.grid.u.count)?;
-            let j = j.checked_add_signed(dj as isize).filter(|&j| j < self.grid.v.count)?;
-            let base = (self.base)(j * self.grid.u.count + i);
-            Some(base.patch(raw.size, columns.clone(), rows.clone()))
-        };
+        let sigma = f64::from(keypoint.sigma_octave);
+        let radius = hat_radius(sigma, self.space.levels);
         let at = (f64::from(keypoint.x), f64::from(keypoint.y));
-        let Some(found) = locate(raw, neighbour, at, scales) else {
+        let placed = match self.finer {
+            None => place(&raw.pixels(), at, radius, FARTHEST_MOVE_PX as f64),
+            Some(finer) => {
+                let (at, radius) = ((2.0 * at.0, 2.0 * at.1), 2.0 * radius);
+                let size = octave_size(self.size_image, self.octave - 1);
+                let around = Around::of(&finer(keypoint.slope_index), size, at, hat_reach(radius, 2));
+                place(&around.pixels(), at, radius, 2.0 * FARTHEST_MOVE_PX as f64).map(|(x, y)| (0.5 * x, 0.5 * y))
+            }
+        };
+        let Some(at) = placed else {
             return *keypoint;
         };
+        let own = self.grid.coordinates(keypoint.slope_index);
+        let here = raw.pixels().hat(radius, at, raw.pixels().ground(radius, at));
+        let (i, j) = slope_steps(&here, &Around3x3 { describing: self, own, at, radius });
         Keypoint {
-            x: found.x as f32,
-            y: found.y as f32,
-            slope: self.grid.at(i as f32 + found.slope_step_i, j as f32 + found.slope_step_j),
+            x: at.0 as f32,
+            y: at.1 as f32,
+            sigma_octave: scale_peak(&raw.pixels(), at, sigma, self.space.levels, from).unwrap_or(sigma) as f32,
+            slope: self.grid.at(own.0 as f32 + i, own.1 as f32 + j),
             ..*keypoint
         }
     }
@@ -98,15 +173,22 @@ impl Describing<'_> {
         let (size, pixel) = (self.size, octave_pixel(self.octave));
         let base = (self.base)(keypoint.slope_index);
         let from = base.sigma_octave();
-        let scales = filter_scales(f64::from(keypoint.sigma_octave), self.space.levels, from);
         let sigma_level = self.space.sigma_octave(f64::from(keypoint.level));
         let blur = (sigma_level * sigma_level - from * from).max(0.0).sqrt();
         let kernel = GaussianKernel::with_cut(blur, self.space.kernel_cut);
-        let reach =
-            filter_reach(scales).max(gradient_radius(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX);
-        let raw = base.patch(size, span(keypoint.x, reach, size.0), span(keypoint.y, reach, size.1));
+        let wanted_sigma = f64::from(keypoint.sigma_octave);
+        let reach = (scale_peak::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
+            .max(hat_reach(hat_radius(wanted_sigma, self.space.levels), 1))
+            .max(gradient_radius(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
+        let made = |x: f32, y: f32, reach: usize| base.patch(size, span(x, reach, size.0), span(y, reach, size.1));
+        let mut raw = made(keypoint.x, keypoint.y, reach);
         let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
-            self.located(keypoint, &raw, scales);
+            self.located(keypoint, &raw, from);
+        // A scale that grew much needs a larger patch.
+        let needed = gradient_radius(sigma) + kernel.radius();
+        if needed + FARTHEST_MOVE_PX > reach {
+            raw = made(x, y, needed);
+        }
         let patch = GradientPatch::around(&raw, (x, y), sigma, &kernel);
         let (i, j) = self.grid.coordinates(slope_index);
         let feature = |angle: f32| Feature {

@@ -8,6 +8,7 @@
 pub mod describe;
 mod describing;
 pub mod feature;
+pub mod hat;
 pub mod locate;
 pub mod motion;
 pub mod noise;
@@ -16,6 +17,7 @@ pub mod params;
 pub mod patch;
 pub mod pipeline;
 pub mod refine;
+pub mod scale_peak;
 pub mod scale_space;
 pub mod search;
 pub mod slope_grid;

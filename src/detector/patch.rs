@@ -3,6 +3,7 @@
 //! The search leaves nothing behind but keypoints; localisation and description make the little that they need of a feature's own motion-stack image
 //! again, from the frames or from the octave's stored first level.
 
+use super::hat::Pixels;
 use super::octave::{Base, widened};
 use crate::plane::Plane;
 use crate::plane::blur::{GaussianKernel, blur_rows};
@@ -23,6 +24,11 @@ pub struct RawPatch {
 }
 
 impl RawPatch {
+    /// The pixels and where they begin.
+    pub fn pixels(&self) -> Pixels<'_> {
+        Pixels { plane: &self.plane, left: self.left, top: self.top }
+    }
+
     /// Columns `columns` and rows `rows` of the octave, blurred by `kernel`. The patch must reach farther by the kernel's radius, or to the octave's border.
     /// One blur to a level equals the levels' chain of blurs up to the kernels' cut.
     pub fn blurred(&self, columns: Range<usize>, rows: Range<usize>, kernel: &GaussianKernel) -> Plane {
