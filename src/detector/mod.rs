@@ -1,8 +1,9 @@
 //! The core: from the frames of a burst to features.
 //!
 //! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
-//! (Gaussian levels and their differences D, strip by strip) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
-//! samples) → [`locate`] (on the continuous D) → [`describe`] (orientation, descriptor). [`noise`] says how large D must be to be more than noise. [`pipeline`] puts them together, and
+//! (Gaussian levels and their differences D, tile by tile) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
+//! samples) → [`locate`] (on the continuous D) → [`describe`] (orientation, descriptor). [`noise_estimate`] says how noisy a frame is, and
+//! [`noise`] how large D must then be. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
 pub mod describe;
@@ -12,6 +13,7 @@ pub mod hat;
 pub mod locate;
 pub mod motion;
 pub mod noise;
+pub mod noise_estimate;
 pub mod octave;
 pub mod params;
 pub mod patch;
@@ -22,6 +24,7 @@ pub mod scale_space;
 pub mod search;
 pub mod slope_grid;
 mod slope_window;
+mod stack_rows;
 pub mod view;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};

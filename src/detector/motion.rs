@@ -8,6 +8,7 @@
 
 use super::params::Interpolation;
 use super::slope_grid::Slope;
+use super::stack_rows::RowStacker;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blocks::{BlockSize, LARGE, SMALL, for_blocks};
@@ -55,12 +56,17 @@ impl FrameOffset {
     }
 
     /// Columns of an image `width` wide at which the frame has pixels of its own.
-    fn reads_columns(&self, width: usize) -> Range<usize> {
+    pub(super) fn reads_columns(&self, width: usize) -> Range<usize> {
         Self::covered(self.whole_u, self.part_u, 0, width)
     }
 
+    /// Columns of an image `width` wide at which the frame counts.
+    pub(super) fn covers_columns(&self, width: usize) -> Range<usize> {
+        Self::covered(self.whole_u, self.part_u, self.before_u, width)
+    }
+
     /// Whether the frame covers row `v` of an image `height` high.
-    fn covers_row(&self, v: usize, height: usize) -> bool {
+    pub(super) fn covers_row(&self, v: usize, height: usize) -> bool {
         Self::covered(self.whole_v, self.part_v, self.before_v, height).contains(&v)
     }
 
@@ -75,7 +81,7 @@ impl FrameOffset {
 
     /// Whether the frame covers the pixel (u, v) of an image of `size`.
     pub fn covers(&self, u: usize, v: usize, size: (usize, usize)) -> bool {
-        Self::covered(self.whole_u, self.part_u, self.before_u, size.0).contains(&u) && self.covers_row(v, size.1)
+        self.covers_columns(size.0).contains(&u) && self.covers_row(v, size.1)
     }
 }
 
@@ -100,7 +106,7 @@ pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
 }
 
 /// The bilinear sample of `frame` for pixel (u, v), its nearest pixels where it doesn't reach.
-fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
+pub(super) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
     let (width, height) = frame.size();
     let at = |du: i64, dv: i64| {
         let x = (u as i64 + offset.whole_u + du).clamp(0, width as i64 - 1);
@@ -128,7 +134,7 @@ fn weighted_block<const B: usize>(taps: &[(&[f32], f32)], scale: f32, start: usi
 
 /// `out = scale·Σ weight·row`, over `(row, weight)`; each row is at least as long as `out`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
+pub(super) fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
     for_blocks(
         out.len(),
         #[inline(always)]
@@ -142,48 +148,7 @@ fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
 
 /// Row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one size and their [`frame_offsets`].
 pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
-    let (width, height) = frames[0].size();
-    // The columns that every frame of this row covers share one divisor and are summed in one pass; those at the sides are made one by one.
-    let covers_row = |offset: &FrameOffset| offset.covers_row(v, height);
-    let (mut inner, mut rows_covered) = (columns.clone(), 0usize);
-    for offset in offsets.iter().filter(|o| covers_row(o)) {
-        rows_covered += 1;
-        let covered = offset.reads_columns(width);
-        inner = inner.start.max(covered.start)..inner.end.min(covered.end);
-    }
-    if rows_covered == 0 || inner.is_empty() {
-        inner = columns.start..columns.start;
-    } else {
-        let mut taps: Vec<(&[f32], f32)> = Vec::with_capacity(4 * rows_covered);
-        for (frame, offset) in frames.iter().zip(offsets).filter(|(_, o)| covers_row(o)) {
-            let y = (v as i64 + offset.whole_v).max(0) as usize;
-            let x = (inner.start as i64 + offset.whole_u) as usize;
-            for (dv, weight_v) in [(0, 1.0 - offset.part_v), (1, offset.part_v)] {
-                for (du, weight_u) in [(0, 1.0 - offset.part_u), (1, offset.part_u)] {
-                    if weight_u * weight_v > 0.0 {
-                        taps.push((&frame.row(y + dv)[x + du..x + du + inner.len()], weight_u * weight_v));
-                    }
-                }
-            }
-        }
-        weighted_sum(
-            &taps,
-            1.0 / rows_covered as f32,
-            &mut out[inner.start - columns.start..inner.end - columns.start],
-        );
-    }
-    for u in (columns.start..inner.start).chain(inner.end..columns.end) {
-        let (mut sum, mut count) = (0.0, 0);
-        for (frame, offset) in frames.iter().zip(offsets).filter(|(_, o)| o.covers(u, v, (width, height))) {
-            sum += sample_clamped(frame, offset, u, v);
-            count += 1;
-        }
-        if count == 0 {
-            count = frames.len();
-            sum = frames.iter().zip(offsets).map(|(f, o)| sample_clamped(f, o, u, v)).sum();
-        }
-        out[u - columns.start] = sum / count as f32;
-    }
+    RowStacker::new(frames, vec![offsets]).row(v, columns, &mut [out]);
 }
 
 /// How many frames cover the pixel (u, v) of an image of `size`.

@@ -1,14 +1,15 @@
-//! One octave of the search: where its first level comes from, and the strips of its levels.
+//! One octave of the search: where its pixels come from, and the tiles of its DoG levels.
 //!
-//! For the first octave the first level is made from the frames: stacked at a slope, brought to the octave's resolution and blurred. Later octaves
-//! start from planes that the octave before left behind, one for each slope. Everything is made in strips of rows; a strip carries the rows
-//! above and below that its blurs need, so each row has the same bits whatever the strips.
+//! For the first octave the pixels are made from the frames: stacked at a slope and brought to the octave's resolution. Later octaves
+//! start from planes that the octave before left behind, one for each slope. Everything is made in tiles; a tile carries the pixels around it
+//! that its filters need, so each value has the same bits whatever the tiles.
 
 use super::motion::{FrameOffset, stack_row};
 use super::scale_space::ScaleSpace;
+use super::stack_rows::RowStacker;
 use crate::plane::Plane;
-use crate::plane::blur::{blur_rows, subtract_rows};
-use crate::plane::rows::{RowSource, Rows};
+use crate::plane::bank::{Axis, FilterBank, FilterScratch, filter_tile};
+use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
 
 /// Where the first level (s = −1) of an octave at one slope comes from.
@@ -25,22 +26,6 @@ pub enum Base<'a> {
     },
     /// The finished first level, on the octave's pixels.
     Level(&'a Plane),
-}
-
-/// Scratch space for the strips of one slope; reused, so that the search does not allocate per strip.
-#[derive(Debug, Default)]
-pub struct StripScratch {
-    raw: Rows,
-    stacked: Vec<f32>,
-    padded: Vec<f32>,
-    levels: Vec<Rows>,
-}
-
-/// A strip of the DoG levels −1 … S of one slope (index 0 is level −1).
-#[derive(Debug, Default)]
-pub struct DogStrip {
-    /// One strip a level.
-    pub levels: Vec<Rows>,
 }
 
 /// `range` widened by `by` rows and clamped to an image of `height` rows.
@@ -93,63 +78,101 @@ impl Base<'_> {
             Self::Level(_) => super::scale_space::SIGMA_BASE,
         }
     }
+}
 
-    /// Gaussian levels −1 … S+1 around rows `wanted`, into the scratch; level index `i` has `space.halo(i)` more rows on each side.
-    fn levels<'s>(
-        &self,
-        space: &ScaleSpace,
-        size: (usize, usize),
-        wanted: &Range<usize>,
-        scratch: &'s mut StripScratch,
-    ) -> &'s [Rows] {
-        let (width, height) = size;
-        scratch.levels.resize_with(space.levels + 3, Rows::default);
-        let base_range = widened(wanted, space.halo(0), height);
-        match self {
-            Self::Frames { .. } => {
-                let raw_range = widened(&base_range, space.base_kernel.radius(), height);
-                let (raw, padded) = (&mut scratch.raw, &mut scratch.padded);
-                raw.reset(width, raw_range.clone());
-                self.raw_rows(raw_range, 0..width, &mut scratch.stacked, |v, row| {
-                    raw.row_mut(v).copy_from_slice(row);
-                });
-                blur_rows(raw, size, &space.base_kernel, base_range, padded, &mut scratch.levels[0]);
-            }
-            Self::Level(plane) => {
-                let base = &mut scratch.levels[0];
-                base.reset(width, base_range.clone());
-                for v in base_range {
-                    base.row_mut(v).copy_from_slice(plane.source_row(v));
-                }
-            }
-        }
-        for (i, kernel) in space.step_kernels.iter().enumerate() {
-            let (before, after) = scratch.levels.split_at_mut(i + 1);
-            let range = widened(wanted, space.halo(i + 1), height);
-            blur_rows(&before[i], size, kernel, range, &mut scratch.padded, &mut after[0]);
-        }
-        &scratch.levels
+/// The filters of an octave.
+#[derive(Debug)]
+pub struct OctaveFilters {
+    along_u: Axis,
+    along_v: Axis,
+    /// Index of the level from which the next octave starts, among those that are made.
+    next: Option<usize>,
+}
+
+impl OctaveFilters {
+    /// For an octave of `size` of `space`, which is the first one or not; `bank` makes the Gaussian level indices `levels` (0 is level −1), as
+    /// [`ScaleSpace::bank`] gives it.
+    pub fn new(space: &ScaleSpace, bank: &FilterBank, levels: &Range<usize>, size: (usize, usize)) -> Self {
+        let next = levels.contains(&space.levels).then(|| space.levels - levels.start);
+        Self { along_u: bank.axis(size.0), along_v: bank.axis(size.1), next }
     }
 
-    /// DoG levels −1 … S for rows `wanted` of an octave of `size`, into `dog`. Returns the Gaussian level S−1, from which the next octave starts; it
-    /// holds at least the rows `wanted`.
-    pub fn dog_strip<'s>(
-        &self,
-        space: &ScaleSpace,
-        size: (usize, usize),
-        wanted: &Range<usize>,
-        scratch: &'s mut StripScratch,
-        dog: &mut DogStrip,
-    ) -> &'s Rows {
-        let levels = self.levels(space, size, wanted, scratch);
-        dog.levels.resize_with(space.levels + 2, Rows::default);
-        for (s, out) in dog.levels.iter_mut().enumerate() {
-            out.reset(size.0, wanted.clone());
-            for v in wanted.clone() {
-                subtract_rows(levels[s + 1].row(v), levels[s].row(v), out.row_mut(v));
-            }
+    /// The pixels that the values of `region` depend on.
+    pub fn inputs(&self, region: &Region) -> Region {
+        Region { columns: self.along_u.inputs(&region.columns), rows: self.along_v.inputs(&region.rows) }
+    }
+}
+
+/// A tile of the differences of consecutive Gaussian levels of one slope. In a search index 0 is DoG level −1.
+#[derive(Debug, Default)]
+pub struct DogTile {
+    /// One tile a level.
+    pub levels: Vec<Tile>,
+}
+
+impl DogTile {
+    /// D at DoG level index `level_index` and the octave's pixel (x, y).
+    #[inline]
+    pub fn at(&self, level_index: usize, x: usize, y: usize) -> f32 {
+        self.levels[level_index].at(x, y)
+    }
+}
+
+/// The pixels of one slope at the octave's resolution, before any of its filters.
+#[derive(Debug, Clone, Copy)]
+pub enum Pixels<'a> {
+    /// A stacked tile that holds what the filters need.
+    Stacked(&'a Tile),
+    /// The octave's first level.
+    Level(&'a Plane),
+}
+
+/// Filters `region` of an octave into `dog`; `batch_done` is told which rows are finished. With `next` the level from which the next octave starts is kept.
+pub fn dog_tile(
+    filters: &OctaveFilters,
+    pixels: Pixels<'_>,
+    region: &Region,
+    scratch: &mut FilterScratch,
+    dog: &mut DogTile,
+    next: Option<&mut Tile>,
+    batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
+) {
+    dog.levels.resize_with(filters.along_u.level_count() - 1, Tile::default);
+    let axes = (&filters.along_u, &filters.along_v);
+    let keep = next.map(|tile| (filters.next.expect("the level is among those made"), tile));
+    match pixels {
+        Pixels::Stacked(tile) => filter_tile(axes, tile, region, scratch, &mut dog.levels, keep, batch_done),
+        Pixels::Level(plane) => filter_tile(axes, plane, region, scratch, &mut dog.levels, keep, batch_done),
+    }
+}
+
+/// Columns that a stacked row has room for beyond its own, so that filters can read it in whole vectors where it lies.
+const PADDING: usize = 32;
+
+/// The stacked images of some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope. `slopes` are the frames' offsets.
+pub fn stack_tiles(
+    frames: &[&Plane],
+    slopes: &[impl AsRef<[FrameOffset]>],
+    octave: i32,
+    region: &Region,
+    tiles: &mut Vec<Tile>,
+) {
+    tiles.resize_with(slopes.len().max(tiles.len()), Tile::default);
+    tiles.iter_mut().take(slopes.len()).for_each(|tile| tile.reset(region, region.columns.len() + PADDING));
+    if octave == 0 {
+        let mut stacker = RowStacker::new(frames, slopes.iter().map(AsRef::as_ref).collect());
+        for v in region.rows.clone() {
+            let mut rows: Vec<&mut [f32]> = tiles[..slopes.len()].iter_mut().map(|tile| tile.row_mut(v)).collect();
+            stacker.row(v, region.columns.clone(), &mut rows);
         }
-        &levels[space.levels]
+        return;
+    }
+    let mut stacked = Vec::new();
+    for (offsets, tile) in slopes.iter().zip(tiles) {
+        let base = Base::Frames { frames, offsets: offsets.as_ref(), octave };
+        base.raw_rows(region.rows.clone(), region.columns.clone(), &mut stacked, |v, row| {
+            tile.row_mut(v).copy_from_slice(row);
+        });
     }
 }
 

@@ -1,14 +1,15 @@
-//! The whole detector: octave by octave, strip by strip, slope by slope.
+//! The whole detector: octave by octave, tile by tile, slope by slope.
 //!
-//! Octaves come in turn, each starting from planes that the one before left for every slope. Within an octave the strips of rows run in parallel; a
-//! strip visits all slopes in order, holding only those that its undecided candidates still need. The strip's height is chosen so that
-//! what it holds stays within [`WINDOW_BYTES`] per thread. Strips return their keypoints in order, so threads cannot change the result.
+//! Octaves come in turn, each starting from planes that the one before left for every slope. Within an octave the tiles run in parallel; a
+//! tile visits all slopes in order, holding only those that its undecided candidates still need. Its height is chosen so that
+//! what it holds stays within [`WINDOW_BYTES`] per thread. Tiles return their keypoints in order, so threads cannot change the result.
 
 use super::describing::{Describing, Keypoint};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 use super::motion::{FrameOffset, coverage, frame_offsets};
-use super::noise::{dog_noise_variance, frame_noise, gate_factor};
-use super::octave::{Base, StripScratch, widened};
+use super::noise::{dog_noise_variance, gate_factor};
+use super::noise_estimate::frame_noise;
+use super::octave::{Base, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use super::params::{DetectorParams, ParamError};
 use super::refine::{Limits, MAX_MOVES, refine};
 use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
@@ -19,15 +20,25 @@ use super::view::searched_octaves;
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
+use crate::plane::bank::{FilterBank, FilterScratch};
+use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Bytes of DoG strips that one thread's window of slopes may hold (at least eight rows are held, whatever that takes).
-pub const WINDOW_BYTES: usize = 32 << 20;
-/// Rows of a strip where memory does not ask for fewer: enough that the rows its blurs need around it do not matter.
-const MAX_STRIP_ROWS: usize = 128;
+/// Bytes of DoG tiles that one thread's window of slopes may hold (at least eight rows are held, whatever that takes).
+pub const WINDOW_BYTES: usize = 16 << 20;
+/// Columns of a tile. With those held around it for the moves of the refinement it is five blocks of vectors wide, and what lies between the two
+/// passes of its filters stays in the second cache.
+const TILE_COLUMNS: usize = 148;
+/// Rows of a tile where memory does not ask for fewer: enough that the rows its filters need around it matter little.
+const TILE_ROWS: usize = 320;
+/// Slopes whose frames are stacked together.
+const STACKED_SLOPES: usize = 8;
+/// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
+const HELD: usize = MAX_MOVES + 1;
 
 /// Why there is no detection.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -48,10 +59,14 @@ struct Search<'a> {
     /// For each slope, where its frames are read.
     offsets: Vec<Vec<FrameOffset>>,
     space: ScaleSpace,
+    /// The filters of the first octave and of the later ones.
+    banks: (FilterBank, FilterBank),
     params: &'a DetectorParams,
     frame_noise: f32,
     gate_factor: f32,
     monitor: &'a Monitor,
+    /// Space that no thread is using.
+    unused: Mutex<Vec<TileScratch>>,
 }
 
 /// Finds the features of a burst.
@@ -68,16 +83,19 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
 
     let frames: Vec<&Plane> = burst.frames[frames_used.clone()].iter().map(|f| &**f).collect();
     let grid = params.used_slopes();
+    let space = ScaleSpace::of(params);
     let search = Search {
         frames: &frames,
         size_image: burst.size(),
         grid,
         offsets: grid.slopes().map(|slope| frame_offsets(frames.len(), slope, params.interpolation)).collect(),
-        space: ScaleSpace::of(params),
+        banks: (space.bank(true, space.all_levels()), space.bank(false, space.all_levels())),
+        space,
         params,
         frame_noise: noise,
         gate_factor: gate_factor(params),
         monitor,
+        unused: Mutex::new(Vec::new()),
     };
     let octaves = searched_octaves(params, burst.size());
     let mut tally = Tally::default();
@@ -153,15 +171,31 @@ impl Search<'_> {
         self.offsets.iter().map(sigma).collect()
     }
 
-    /// Rows of a strip of an octave `width` pixels wide; even, so that the next octave's rows split with the strips.
-    fn strip_rows(&self, width: usize) -> usize {
-        let slopes = capacity(&self.grid, self.params.slope_neighbours);
-        let row_bytes = slopes * (self.space.levels + 2) * width * size_of::<f32>();
-        let rows = (WINDOW_BYTES / row_bytes.max(1)).saturating_sub(2 * (MAX_MOVES + 1));
-        (rows.clamp(8, MAX_STRIP_ROWS) / 2) * 2
+    /// A thread's space: one that lies unused, or a new one. Fresh memory costs as much as a good part of the search, so it goes round.
+    fn take_scratch(&self) -> TileScratch {
+        self.unused.lock().ok().and_then(|mut unused| unused.pop()).unwrap_or_else(|| TileScratch {
+            stacked: Vec::new(),
+            filter: FilterScratch::default(),
+            next: Tile::default(),
+            window: SlopeWindow::new(self.grid, self.params.slope_neighbours),
+        })
     }
 
-    /// Searches one octave. Returns its keypoints, in order of strips, and the first levels of the next octave, one a slope, if asked for.
+    fn put_back(&self, scratch: TileScratch) {
+        if let Ok(mut unused) = self.unused.lock() {
+            unused.push(scratch);
+        }
+    }
+
+    /// The tiles of an octave of `size`: where its columns and its rows are cut.
+    fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
+        let slopes = capacity(&self.grid, self.params.slope_neighbours);
+        let row_bytes = slopes * (self.space.levels + 2) * (TILE_COLUMNS + 2 * HELD) * size_of::<f32>();
+        let rows = (WINDOW_BYTES / row_bytes.max(1)).saturating_sub(2 * HELD);
+        (cuts(width, TILE_COLUMNS), cuts(height, rows.clamp(8, TILE_ROWS)))
+    }
+
+    /// Searches one octave. Returns its keypoints, in order of tiles, and the first levels of the next octave, one a slope, if asked for.
     fn octave(
         &self,
         octave: i32,
@@ -170,80 +204,105 @@ impl Search<'_> {
         tally: &mut Tally,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<(Vec<Keypoint>, Vec<Plane>), Cancelled> {
-        let (width, height) = octave_size(self.size_image, octave);
-        let strip_rows = self.strip_rows(width);
+        let size = octave_size(self.size_image, octave);
+        let (columns, rows) = self.tile_cuts(size);
         let sigma_d: Vec<Vec<f32>> =
             (0..self.space.levels + 2).map(|level_index| self.sigma_d(octave, level_index)).collect();
-        let (next_width, next_height) = (width / 2, height / 2);
-        let mut next: Vec<Plane> = if wants_next {
-            (0..self.grid.len()).map(|_| Plane::zeros(next_width, next_height)).collect()
-        } else {
-            Vec::new()
+        let bank = if octave == self.space.first_octave { &self.banks.0 } else { &self.banks.1 };
+        let job = Octave {
+            octave,
+            size,
+            bases,
+            filters: OctaveFilters::new(&self.space, bank, &self.space.all_levels(), size),
+            sigma_d,
         };
-        let strips: Vec<Range<usize>> =
-            (0..height).step_by(strip_rows).map(|start| start..(start + strip_rows).min(height)).collect();
-        // For each strip, its rows of the next octave's planes.
-        let mut next_rows: Vec<Vec<&mut [f32]>> = strips.iter().map(|_| Vec::new()).collect();
+        let mut next: Vec<Plane> =
+            (0..if wants_next { self.grid.len() } else { 0 }).map(|_| Plane::zeros(size.0 / 2, size.1 / 2)).collect();
+        let regions: Vec<Region> = rows
+            .iter()
+            .flat_map(|rows| columns.iter().map(|columns| Region { columns: columns.clone(), rows: rows.clone() }))
+            .collect();
+        // For each tile, its part of the next octave's planes.
+        let mut next_parts: Vec<Vec<Vec<&mut [f32]>>> = regions.iter().map(|_| Vec::new()).collect();
+        let halved = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
+            parts.iter().map(|part| part.start / 2..part.end / 2).collect()
+        };
+        let (half_columns, half_rows) = (halved(&columns), halved(&rows));
         for plane in &mut next {
-            let mut rest = plane.data_mut();
-            for (strip, rows) in strips.iter().zip(&mut next_rows) {
-                let count = strip.end / 2 - strip.start / 2;
-                let (mine, others) = rest.split_at_mut((count * next_width).min(rest.len()));
-                rows.push(mine);
-                rest = others;
+            for (tile, part) in next_parts.iter_mut().zip(split_mut(plane, &half_columns, &half_rows)) {
+                tile.push(part);
             }
         }
         let finished = AtomicUsize::new(0);
-        let steps = strips.len() * self.grid.len();
-        let results: Vec<(Vec<Keypoint>, Tally)> = strips
+        let steps = regions.len() * self.grid.len();
+        let results: Vec<(Vec<Keypoint>, Tally)> = regions
             .par_iter()
-            .zip(next_rows)
-            .map_init(
-                || (StripScratch::default(), SlopeWindow::new(self.grid, self.params.slope_neighbours)),
-                |(scratch, window), (strip, next_rows)| {
-                    let job = Strip { octave, size: (width, height), bases, sigma_d: &sigma_d, rows: strip.clone() };
-                    self.strip(&job, next_rows, scratch, window, &|| {
-                        progress(0.95 * finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
-                    })
-                },
-            )
+            .zip(next_parts)
+            .map(|(region, next)| {
+                let mut scratch = self.take_scratch();
+                let found = self.tile(&job, region, next, &mut scratch, &|| {
+                    progress(0.95 * finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
+                });
+                self.put_back(scratch);
+                found
+            })
             .collect::<Result<_, Cancelled>>()?;
         let mut keypoints = Vec::new();
-        for (strip_keypoints, strip_tally) in results {
-            keypoints.extend(strip_keypoints);
-            tally.merge(&strip_tally);
+        for (tile_keypoints, tile_tally) in results {
+            keypoints.extend(tile_keypoints);
+            tally.merge(&tile_tally);
         }
         Ok((keypoints, next))
     }
 
-    /// Searches one strip over all slopes.
-    fn strip(
+    /// Searches one tile over all slopes.
+    fn tile(
         &self,
-        job: &Strip<'_>,
-        mut next_rows: Vec<&mut [f32]>,
-        scratch: &mut StripScratch,
-        window: &mut SlopeWindow,
+        job: &Octave<'_>,
+        region: &Region,
+        mut next: Vec<Vec<&mut [f32]>>,
+        scratch: &mut TileScratch,
         slope_done: &dyn Fn(),
     ) -> Result<(Vec<Keypoint>, Tally), Cancelled> {
-        let (width, height) = job.size;
-        let next_width = width / 2;
-        let held = widened(&job.rows, MAX_MOVES + 1, height);
+        let held = region.widened(HELD, job.size);
+        let inputs = job.filters.inputs(&held);
+        let first = job.octave == self.space.first_octave;
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         for index in 0..self.grid.len() {
             self.monitor.check()?;
-            let (dog, candidates) = window.slot_mut(index);
-            let top = self.base(job.octave, job.bases, index).dog_strip(&self.space, job.size, &held, scratch, dog);
-            if let Some(out) = next_rows.get_mut(index) {
-                for (v, row) in out.chunks_mut(next_width.max(1)).enumerate() {
-                    let from = top.row(job.rows.start + 2 * v);
-                    row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
-                }
+            let TileScratch { stacked, filter, next: level, window } = &mut *scratch;
+            if first && index % STACKED_SLOPES == 0 {
+                let slopes = &self.offsets[index..(index + STACKED_SLOPES).min(self.offsets.len())];
+                stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
             }
+            let pixels = if first {
+                Pixels::Stacked(&stacked[index % STACKED_SLOPES])
+            } else {
+                Pixels::Level(&job.bases[index])
+            };
             let thresholds = Thresholds {
                 peak: 0.8 * self.params.peak_threshold,
                 gate: job.sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[index]).collect(),
             };
-            own_slope_extrema(dog, &job.rows, job.size, &thresholds, &mut tally, candidates);
+            let (dog, candidates) = window.slot_mut(index);
+            // Rows are searched while they are still in the cache, as soon as the row below them is there.
+            let mut searched = region.rows.start;
+            let mut search = |levels: &[Tile], finished: Range<usize>| {
+                let end = if finished.end == held.rows.end { region.rows.end } else { finished.end - 1 };
+                let rows = searched..end.min(region.rows.end).max(searched);
+                searched = rows.end;
+                let part = Region { columns: region.columns.clone(), rows };
+                own_slope_extrema(levels, &part, job.size, &thresholds, &mut tally, candidates);
+            };
+            let keep = (!next.is_empty()).then_some(&mut *level);
+            dog_tile(&job.filters, pixels, &held, filter, dog, keep, &mut search);
+            if let Some(out) = next.get_mut(index) {
+                let left = region.columns.start - held.columns.start;
+                for (v, row) in out.iter_mut().enumerate() {
+                    let from = &level.row(region.rows.start + 2 * v)[left..];
+                    row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
+                }
+            }
             for decided in window.decidable(index) {
                 self.decide(job, window, decided, &mut keypoints, &mut tally);
             }
@@ -255,7 +314,7 @@ impl Search<'_> {
     /// Puts the candidates of one slope through the tests that remain.
     fn decide(
         &self,
-        job: &Strip<'_>,
+        job: &Octave<'_>,
         window: &SlopeWindow,
         slope_index: usize,
         keypoints: &mut Vec<Keypoint>,
@@ -275,7 +334,7 @@ impl Search<'_> {
                 continue;
             }
             let at = (candidate.x, candidate.y);
-            match refine(window.strip(slope_index), at, candidate.level_index, job.size, limits) {
+            match refine(window.tile(slope_index), at, candidate.level_index, job.size, limits) {
                 Err(test) => tally.reject(test, 1),
                 Ok(refined) => {
                     tally.kept += 1;
@@ -305,13 +364,22 @@ impl Search<'_> {
     }
 }
 
-/// One strip's share of an octave.
-struct Strip<'a> {
+/// What the tiles of an octave share.
+struct Octave<'a> {
     octave: i32,
     /// The octave's size.
     size: (usize, usize),
     bases: &'a [Plane],
+    filters: OctaveFilters,
     /// σ_D by DoG level index and slope.
-    sigma_d: &'a [Vec<f32>],
-    rows: Range<usize>,
+    sigma_d: Vec<Vec<f32>>,
+}
+
+/// Space that a thread reuses from tile to tile.
+struct TileScratch {
+    stacked: Vec<Tile>,
+    filter: FilterScratch,
+    /// The level from which the next octave starts.
+    next: Tile,
+    window: SlopeWindow,
 }

@@ -7,7 +7,7 @@
 //! misfit of a plain parabola at coarse slope steps goes away.
 
 use super::feature::Test;
-use super::octave::DogStrip;
+use super::octave::DogTile;
 
 /// A refined extremum, in octave pixels and DoG level indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +35,7 @@ pub struct Limits {
     pub edge_threshold: f32,
 }
 
-/// Most moves of the sample; the strip must hold this many rows and one more on each side.
+/// Most moves of the sample; the tile must hold this many pixels and one more on each side.
 pub const MAX_MOVES: usize = 5;
 
 /// Solves the symmetric 3×3 system `a·x = −g` by elimination with pivoting; `None` when it is singular.
@@ -68,7 +68,7 @@ fn solve(mut a: [[f64; 3]; 3], g: [f64; 3]) -> Option<[f64; 3]> {
 /// # Errors
 /// The test that rejects it.
 pub fn refine(
-    dog: &DogStrip,
+    dog: &DogTile,
     (mut x, mut y): (usize, usize),
     level_index: usize,
     size: (usize, usize),
@@ -79,8 +79,8 @@ pub fn refine(
     let mut moves = 0;
     loop {
         let at = |dx: i32, dy: i32, ds: i32| {
-            let level = &dog.levels[(level_index as i32 + ds) as usize];
-            f64::from(level.row((y as i32 + dy) as usize)[(x as i32 + dx) as usize])
+            let (x, y) = ((x as i32 + dx) as usize, (y as i32 + dy) as usize);
+            f64::from(dog.at((level_index as i32 + ds) as usize, x, y))
         };
         let here = at(0, 0, 0);
         let second = |plus: f64, minus: f64| plus + minus - 2.0 * here;
@@ -111,7 +111,7 @@ pub fn refine(
     if offset.iter().any(|d| d.is_nan() || d.abs() >= 1.5) {
         return Err(Test::Refinement);
     }
-    let here = f64::from(dog.levels[level_index].row(y)[x]);
+    let here = f64::from(dog.at(level_index, x, y));
     let value = here + 0.5 * (0..3).map(|i| gradient[i] * offset[i]).sum::<f64>();
     if value.abs() as f32 <= limits.peak_threshold {
         return Err(Test::InterpolatedContrast);
@@ -186,14 +186,14 @@ pub fn peak_offset_2d(values: [[f32; 3]; 3]) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rows::Rows;
+    use crate::plane::tile::{Region, Tile};
 
-    /// A strip whose D is a Gaussian bump of the given centre, in three levels.
-    fn bump(centre: (f64, f64, f64), amplitude: f64) -> DogStrip {
+    /// A tile whose D is a Gaussian bump of the given centre, in three levels.
+    fn bump(centre: (f64, f64, f64), amplitude: f64) -> DogTile {
         let levels = (0..5)
             .map(|s| {
-                let mut rows = Rows::default();
-                rows.reset(40, 0..40);
+                let mut rows = Tile::default();
+                rows.reset(&Region { columns: 0..40, rows: 0..40 }, 40);
                 for v in 0..40 {
                     for u in 0..40 {
                         let d2 = ((u as f64 - centre.0) / 4.0).powi(2)
@@ -205,7 +205,7 @@ mod tests {
                 rows
             })
             .collect();
-        DogStrip { levels }
+        DogTile { levels }
     }
 
     const LIMITS: Limits = Limits { peak_threshold: 0.01, edge_threshold: 10.0 };

@@ -7,7 +7,9 @@
 //! Octave −1 is the image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th pixel.
 
 use super::params::DetectorParams;
+use crate::plane::bank::FilterBank;
 use crate::plane::blur::GaussianKernel;
+use std::ops::Range;
 
 /// σ that the input image is taken to have, in input pixels.
 pub const SIGMA_INPUT: f64 = 0.5;
@@ -64,9 +66,16 @@ impl ScaleSpace {
         self.sigma_octave(level) * 2f64.powi(octave)
     }
 
-    /// Rows above and below that level index `index` (0 is level −1) must have beyond the rows wanted of the last level.
-    pub fn halo(&self, index: usize) -> usize {
-        self.step_kernels[index..].iter().map(GaussianKernel::radius).sum()
+    /// The filters that make the Gaussian level indices `levels` (0 is level −1) of an octave from its pixels: of the first octave from the stacked image,
+    /// of later ones from their first level.
+    pub fn bank(&self, first: bool, levels: Range<usize>) -> FilterBank {
+        let base = if first { self.base_kernel.clone() } else { GaussianKernel::new(0.0) };
+        FilterBank::new(std::iter::once(base).chain(self.step_kernels.iter().cloned()).collect(), levels)
+    }
+
+    /// The indices of all Gaussian levels of an octave: those of levels −1 … S+1.
+    pub fn all_levels(&self) -> Range<usize> {
+        0..self.levels + 3
     }
 }
 

@@ -4,9 +4,9 @@
 //! everything, together with the eight neighbours in the image: both are tested for a whole row at once, in vector lanes.
 
 use super::feature::{Tally, Test};
-use super::octave::DogStrip;
+use super::octave::DogTile;
+use crate::plane::tile::{Region, Tile};
 use multiversion::multiversion;
-use std::ops::Range;
 
 /// A sample that is an extremum in space and scale at its own slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,50 +30,77 @@ pub struct Thresholds {
     pub gate: Vec<f32>,
 }
 
-/// How many values of `row` lie below `limit` in magnitude.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn count_below(row: &[f32], limit: f32) -> u32 {
-    row.iter().map(|x| u32::from(x.abs() < limit)).sum()
+/// Columns that are passed over together when nothing in them reaches the thresholds.
+const RUN: usize = 32;
+
+/// What is known of the inner columns of a row after the cheapest tests.
+#[derive(Debug, Default, Clone, Copy)]
+struct Counts {
+    /// Below the peak threshold.
+    below_peak: u32,
+    /// Below the peak threshold or the noise gate.
+    below_any: u32,
 }
 
 /// Marks with 1 the inner columns (`marks[i]` is column `i + 1`) of a row whose value reaches `limit` in magnitude and is above, or below, all
 /// its eight neighbours. The rows are those above, at and below.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn mark_extrema(above: &[f32], row: &[f32], below: &[f32], limit: f32, marks: &mut [u8]) {
-    let n = marks.len();
-    let (a, b, c) = (&above[..n], &above[1..=n], &above[2..n + 2]);
-    let (d, e, f) = (&row[..n], &row[1..=n], &row[2..n + 2]);
-    let (g, h, i) = (&below[..n], &below[1..=n], &below[2..n + 2]);
+fn mark_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, marks: &mut [u8]) -> Counts {
     let larger = |x: f32, y: f32| if x > y { x } else { y };
     let smaller = |x: f32, y: f32| if x < y { x } else { y };
-    for u in 0..n {
-        let most =
-            larger(larger(larger(a[u], b[u]), larger(c[u], d[u])), larger(larger(f[u], g[u]), larger(h[u], i[u])));
-        let least = smaller(
-            smaller(smaller(a[u], b[u]), smaller(c[u], d[u])),
-            smaller(smaller(f[u], g[u]), smaller(h[u], i[u])),
-        );
-        let high = (e[u] > most) & (e[u] >= limit);
-        let low = (e[u] < least) & (e[u] <= -limit);
-        marks[u] = u8::from(high | low);
+    let mut counts = Counts::default();
+    let total = marks.len();
+    let mut start = 0;
+    while start < total {
+        let n = RUN.min(total - start);
+        let (a, b, c) = (&above[start..][..n], &above[start + 1..][..n], &above[start + 2..][..n]);
+        let (d, e, f) = (&row[start..][..n], &row[start + 1..][..n], &row[start + 2..][..n]);
+        let (g, h, i) = (&below[start..][..n], &below[start + 1..][..n], &below[start + 2..][..n]);
+        let marks = &mut marks[start..][..n];
+        let (mut below_peak, mut below_any) = (0u32, 0u32);
+        for value in e {
+            below_peak += u32::from(value.abs() < peak);
+            below_any += u32::from(value.abs() < limit);
+        }
+        counts.below_peak += below_peak;
+        counts.below_any += below_any;
+        if below_any == n as u32 {
+            marks.fill(0);
+        } else {
+            for u in 0..n {
+                let most = larger(
+                    larger(larger(a[u], b[u]), larger(c[u], d[u])),
+                    larger(larger(f[u], g[u]), larger(h[u], i[u])),
+                );
+                let least = smaller(
+                    smaller(smaller(a[u], b[u]), smaller(c[u], d[u])),
+                    smaller(smaller(f[u], g[u]), smaller(h[u], i[u])),
+                );
+                let high = (e[u] > most) & (e[u] >= limit);
+                let low = (e[u] < least) & (e[u] <= -limit);
+                marks[u] = u8::from(high | low);
+            }
+        }
+        start += n;
     }
+    counts
 }
 
-/// Whether `value` beats the three samples around column `x` of `row`.
+/// Whether `value` beats three samples.
 #[inline]
-fn beats_three(value: f32, row: &[f32], x: usize) -> bool {
-    let (a, b, c) = (row[x - 1], row[x], row[x + 1]);
+fn beats_three(value: f32, samples: &[f32]) -> bool {
+    let (a, b, c) = (samples[0], samples[1], samples[2]);
     if value > 0.0 { value > a && value > b && value > c } else { value < a && value < b && value < c }
 }
 
 /// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope. `or_equals` lets it stand when it only
 /// equals them: of two slopes with the same D, which a motion half-way between them gives, exactly one must stay.
-pub fn beats_all_27(value: f32, dog: &DogStrip, x: usize, y: usize, level_index: usize, or_equals: bool) -> bool {
+pub fn beats_all_27(value: f32, dog: &DogTile, x: usize, y: usize, level_index: usize, or_equals: bool) -> bool {
     let sign = value.signum();
     let limit = sign * value;
     dog.levels[level_index - 1..=level_index + 1].iter().all(|level| {
         (y - 1..=y + 1).all(|v| {
-            level.row(v)[x - 1..=x + 1].iter().all(|&other| {
+            around(level, x, v).iter().all(|&other| {
                 let other = sign * other;
                 other < limit || (or_equals && other == limit)
             })
@@ -81,42 +108,53 @@ pub fn beats_all_27(value: f32, dog: &DogStrip, x: usize, y: usize, level_index:
     })
 }
 
-/// Whether the sample beats its neighbours at the levels above and below.
-fn is_scale_extremum(value: f32, dog: &DogStrip, x: usize, y: usize, level_index: usize) -> bool {
-    [&dog.levels[level_index - 1], &dog.levels[level_index + 1]]
-        .iter()
-        .all(|level| (y - 1..=y + 1).all(|v| beats_three(value, level.row(v), x)))
+/// The three samples around column `x` of row `v`.
+#[inline]
+fn around(level: &Tile, x: usize, v: usize) -> &[f32] {
+    let first = x - 1 - level.region().columns.start;
+    &level.row(v)[first..first + 3]
 }
 
-/// Appends the samples of rows `rows` that pass the thresholds and are extrema at their own slope, and counts the others.
-/// `size` is the octave's; `dog` holds at least one row more on each side, inside the image.
+/// Whether the sample beats its neighbours at the levels above and below.
+fn is_scale_extremum(value: f32, levels: &[Tile], x: usize, y: usize, level_index: usize) -> bool {
+    [&levels[level_index - 1], &levels[level_index + 1]]
+        .iter()
+        .all(|level| (y - 1..=y + 1).all(|v| beats_three(value, around(level, x, v))))
+}
+
+/// Appends the samples of `region` that pass the thresholds and are extrema at their own slope, and counts the others. `levels` are the tiles of D; they hold
+/// at least one pixel more on each side of the region, inside the octave of `size`.
 pub fn own_slope_extrema(
-    dog: &DogStrip,
-    rows: &Range<usize>,
+    levels: &[Tile],
+    region: &Region,
     size: (usize, usize),
     thresholds: &Thresholds,
     tally: &mut Tally,
     out: &mut Vec<Candidate>,
 ) {
     let (width, height) = size;
-    let mut marks = vec![0u8; width - 2];
-    for level_index in 1..dog.levels.len() - 1 {
+    let (first, end) = (region.columns.start.max(1), region.columns.end.min(width - 1));
+    if first >= end {
+        return;
+    }
+    let count = end - first;
+    let mut marks = vec![0u8; count];
+    for level_index in 1..levels.len() - 1 {
         // A sample of exactly 0 is no extremum, whatever the thresholds.
         let limit = thresholds.peak.max(thresholds.gate[level_index]).max(f32::MIN_POSITIVE);
-        let own = &dog.levels[level_index];
-        for y in rows.start.max(1)..rows.end.min(height - 1) {
-            let row = own.row(y);
-            let inner = &row[1..width - 1];
-            let below_peak = u64::from(count_below(inner, thresholds.peak));
-            let below_any = u64::from(count_below(inner, limit));
-            let above = inner.len() as u64 - below_any;
-            tally.samples += inner.len() as u64;
+        let own = &levels[level_index];
+        let left = first - 1 - own.region().columns.start;
+        let line = |v: usize| &own.row(v)[left..left + count + 2];
+        for y in region.rows.start.max(1)..region.rows.end.min(height - 1) {
+            let counts = mark_extrema(line(y - 1), line(y), line(y + 1), thresholds.peak, limit, &mut marks);
+            let (below_peak, below_any) = (u64::from(counts.below_peak), u64::from(counts.below_any));
+            let above = count as u64 - below_any;
+            tally.samples += count as u64;
             tally.reject(Test::PeakThreshold, below_peak);
             tally.reject(Test::NoiseGate, below_any - below_peak);
             if above == 0 {
                 continue;
             }
-            mark_extrema(own.row(y - 1), row, own.row(y + 1), limit, &mut marks);
             let mut extrema = 0;
             for (chunk_index, chunk) in marks.chunks(8).enumerate() {
                 if chunk.iter().fold(0, |any, mark| any | mark) == 0 {
@@ -124,9 +162,9 @@ pub fn own_slope_extrema(
                 }
                 for (i, _) in chunk.iter().enumerate().filter(|(_, mark)| **mark != 0) {
                     extrema += 1;
-                    let x = 1 + chunk_index * 8 + i;
-                    let value = row[x];
-                    if is_scale_extremum(value, dog, x, y, level_index) {
+                    let x = first + chunk_index * 8 + i;
+                    let value = own.at(x, y);
+                    if is_scale_extremum(value, levels, x, y, level_index) {
                         out.push(Candidate { x, y, level_index, value });
                     } else {
                         tally.reject(Test::ScaleExtremum, 1);

@@ -1,24 +1,24 @@
-//! The slopes that the joint search holds at once, for one strip.
+//! The slopes that the joint search holds at once, for one tile of the octave.
 //!
 //! Slopes are visited in running order, first axis fastest. A candidate at one slope is decided as soon as its last neighbouring slope has been made; then
-//! the oldest DoG strip is overwritten. So a line of slopes needs three strips, a plane two rows of the grid and three.
+//! the oldest DoG tile is overwritten. So a line of slopes needs three tiles, a plane two rows of the grid and three.
 
-use super::octave::DogStrip;
+use super::octave::DogTile;
 use super::params::SlopeNeighbours;
 use super::refine::{peak_offset, peak_offset_2d};
 use super::search::{Candidate, beats_all_27};
 use super::slope_grid::{Slope, SlopeGrid};
 
-/// DoG strips and undecided candidates of the slopes in reach.
+/// DoG tiles and undecided candidates of the slopes in reach.
 #[derive(Debug)]
 pub(super) struct SlopeWindow {
     grid: SlopeGrid,
     neighbours: SlopeNeighbours,
-    strips: Vec<DogStrip>,
+    tiles: Vec<DogTile>,
     candidates: Vec<Vec<Candidate>>,
 }
 
-/// How many strips the window holds.
+/// How many tiles the window holds.
 pub(super) fn capacity(grid: &SlopeGrid, neighbours: SlopeNeighbours) -> usize {
     match neighbours {
         SlopeNeighbours::All => grid.len(),
@@ -37,20 +37,20 @@ impl SlopeWindow {
         Self {
             grid,
             neighbours,
-            strips: (0..capacity).map(|_| DogStrip::default()).collect(),
+            tiles: (0..capacity).map(|_| DogTile::default()).collect(),
             candidates: vec![Vec::new(); capacity],
         }
     }
 
-    /// The strip and the (emptied) candidates to be filled for slope `index`.
-    pub(super) fn slot_mut(&mut self, index: usize) -> (&mut DogStrip, &mut Vec<Candidate>) {
-        let slot = index % self.strips.len();
+    /// The tile and the (emptied) candidates to be filled for slope `index`.
+    pub(super) fn slot_mut(&mut self, index: usize) -> (&mut DogTile, &mut Vec<Candidate>) {
+        let slot = index % self.tiles.len();
         self.candidates[slot].clear();
-        (&mut self.strips[slot], &mut self.candidates[slot])
+        (&mut self.tiles[slot], &mut self.candidates[slot])
     }
 
-    pub(super) fn strip(&self, index: usize) -> &DogStrip {
-        &self.strips[index % self.strips.len()]
+    pub(super) fn tile(&self, index: usize) -> &DogTile {
+        &self.tiles[index % self.tiles.len()]
     }
 
     pub(super) fn candidates(&self, index: usize) -> &[Candidate] {
@@ -76,7 +76,7 @@ impl SlopeWindow {
     pub(super) fn is_slope_extremum(&self, index: usize, candidate: &Candidate) -> bool {
         let beats = |other: usize| {
             let or_equals = other > index;
-            beats_all_27(candidate.value, self.strip(other), candidate.x, candidate.y, candidate.level_index, or_equals)
+            beats_all_27(candidate.value, self.tile(other), candidate.x, candidate.y, candidate.level_index, or_equals)
         };
         match self.neighbours {
             SlopeNeighbours::All => (0..self.grid.len()).all(|other| other == index || beats(other)),
@@ -94,7 +94,7 @@ impl SlopeWindow {
     /// on which `index` is the first or last keeps the grid's slope.
     pub(super) fn refined_slope(&self, index: usize, x: usize, y: usize, level_index: usize) -> Slope {
         let (i, j) = self.grid.coordinates(index);
-        let value = |ii: usize, jj: usize| self.strip(jj * self.grid.u.count + ii).levels[level_index].row(y)[x];
+        let value = |ii: usize, jj: usize| self.tile(jj * self.grid.u.count + ii).at(level_index, x, y);
         let inner = |at: usize, count: usize| at > 0 && at + 1 < count;
         let here = value(i, j);
         let (di, dj) = match (inner(i, self.grid.u.count), inner(j, self.grid.v.count)) {

@@ -1,7 +1,7 @@
 //! Pictures of what the search sees: the motion-stack image and the DoG response at any slope, octave and level.
 
 use super::motion::{frame_offsets, motion_stack};
-use super::octave::{Base, DogStrip, StripScratch};
+use super::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use super::params::{DetectorParams, ParamError, doc};
 use super::pipeline::DetectError;
 use super::scale_space::{ScaleSpace, octave_size};
@@ -9,7 +9,10 @@ use super::slope_grid::Slope;
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
+use crate::plane::bank::FilterScratch;
+use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use. Input-pixel size, [0, 1] unit.
 ///
@@ -71,10 +74,50 @@ pub fn dog_view(
     unreachable!("the octave was checked to be among those searched")
 }
 
-/// Rows that one thread makes at once.
-const STRIP_ROWS: usize = 128;
+/// Columns and rows that one thread makes at once.
+const TILE: (usize, usize) = (320, 128);
 
-/// One DoG level of a whole octave, strips in parallel.
+/// The Gaussian level indices `levels` of an octave of `size`, in parallel: `write` is given the differences of each tile (and the last level where the next
+/// octave starts from it), with its place and the part of `out` that is its own. `out` is `size` divided by `step`.
+fn each_tile(
+    base: &Base<'_>,
+    (space, levels): (&ScaleSpace, Range<usize>),
+    size: (usize, usize),
+    (out, step): (&mut Plane, usize),
+    monitor: &Monitor,
+    write: impl Fn(&DogTile, &Tile, &Region, Vec<&mut [f32]>) + Sync,
+) -> Result<(), Cancelled> {
+    let first = matches!(base, Base::Frames { .. });
+    let filters = OctaveFilters::new(space, &space.bank(first, levels.clone()), &levels, size);
+    let keeps = levels.contains(&space.levels);
+    let (columns, rows) = (cuts(size.0, TILE.0), cuts(size.1, TILE.1));
+    let divided = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
+        parts.iter().map(|part| part.start / step..part.end / step).collect()
+    };
+    let parts = split_mut(out, &divided(&columns), &divided(&rows));
+    let places = rows.iter().flat_map(|rows| columns.iter().map(move |columns| (rows.clone(), columns.clone())));
+    let jobs: Vec<_> = places.zip(parts).collect();
+    jobs.into_par_iter().try_for_each_init(
+        || (FilterScratch::default(), DogTile::default(), Tile::default(), Vec::new()),
+        |(scratch, dog, next, stacked), ((rows, columns), part)| {
+            monitor.check()?;
+            let region = Region { columns, rows };
+            let pixels = match base {
+                Base::Frames { frames, offsets, octave } => {
+                    let inputs = filters.inputs(&region);
+                    stack_tiles(frames, std::slice::from_ref(offsets), *octave, &inputs, stacked);
+                    Pixels::Stacked(&stacked[0])
+                }
+                Base::Level(plane) => Pixels::Level(plane),
+            };
+            dog_tile(&filters, pixels, &region, scratch, dog, keeps.then_some(&mut *next), &mut |_, _| ());
+            write(dog, next, &region, part);
+            Ok(())
+        },
+    )
+}
+
+/// One DoG level of a whole octave.
 fn dog_plane(
     base: &Base<'_>,
     space: &ScaleSpace,
@@ -83,18 +126,12 @@ fn dog_plane(
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
     let mut out = Plane::zeros(size.0, size.1);
-    let chunk = STRIP_ROWS * size.0;
-    out.data_mut().par_chunks_mut(chunk).enumerate().try_for_each_init(
-        StripScratch::default,
-        |scratch, (i, rows)| {
-            monitor.check()?;
-            let wanted = i * STRIP_ROWS..i * STRIP_ROWS + rows.len() / size.0;
-            let mut dog = DogStrip::default();
-            base.dog_strip(space, size, &wanted, scratch, &mut dog);
-            rows.copy_from_slice(dog.levels[level_index].data());
-            Ok(())
-        },
-    )?;
+    let levels = level_index..level_index + 2;
+    each_tile(base, (space, levels), size, (&mut out, 1), monitor, |dog, _, region, part| {
+        for (v, row) in region.rows.clone().zip(part) {
+            row.copy_from_slice(dog.levels[0].row(v));
+        }
+    })?;
     Ok(out)
 }
 
@@ -105,29 +142,20 @@ fn next_first_level(
     size: (usize, usize),
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
-    let (width, height) = (size.0 / 2, size.1 / 2);
-    let mut out = Plane::zeros(width, height);
-    let chunk = STRIP_ROWS / 2 * width;
-    out.data_mut().par_chunks_mut(chunk).enumerate().try_for_each_init(
-        StripScratch::default,
-        |scratch, (i, rows)| {
-            monitor.check()?;
-            let start = i * STRIP_ROWS;
-            let wanted = start..(start + 2 * (rows.len() / width)).min(size.1);
-            let top = base.dog_strip(space, size, &wanted, scratch, &mut DogStrip::default());
-            for (v, row) in rows.chunks_mut(width).enumerate() {
-                let from = top.row(start + 2 * v);
-                row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
-            }
-            Ok(())
-        },
-    )?;
+    let mut out = Plane::zeros(size.0 / 2, size.1 / 2);
+    let levels = space.levels..space.levels + 1;
+    each_tile(base, (space, levels), size, (&mut out, 2), monitor, |_, level, region, part| {
+        for (v, row) in part.into_iter().enumerate() {
+            let from = level.row(region.rows.start + 2 * v);
+            row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
+        }
+    })?;
     Ok(out)
 }
 
 /// The octaves that a search with `params` visits in an image of `size` = (columns, rows): those asked for, as long as their shorter side
 /// has [`super::params::MIN_OCTAVE_SIDE`] pixels. At least the first one.
-pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> std::ops::Range<i32> {
+pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<i32> {
     let first = params.first_octave;
     let side = size.0.min(size.1);
     let fits = |o: i32| (if o < 0 { side * 2 } else { side >> o }) >= super::params::MIN_OCTAVE_SIDE;

@@ -122,14 +122,6 @@ fn convolve_row(padded: &[f32], half: &[f32], out: &mut [f32]) {
     );
 }
 
-/// `out = high − low`, value by value.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-pub fn subtract_rows(high: &[f32], low: &[f32], out: &mut [f32]) {
-    for ((out, high), low) in out.iter_mut().zip(high).zip(low) {
-        *out = high - low;
-    }
-}
-
 /// Blurs the rows `range` of an image of `width` × `height`, and hands each to `write(v, row)`. `source` must hold `range` widened by the kernel's radius and
 /// clamped to the image. `padded` is scratch space.
 fn blur_each(

@@ -3,6 +3,7 @@
 //! A [`Plane`] is a rectangle of `f32` in row-major order without padding: the value at column `u` and row `v` is
 //! `data[v·width + u]`. Frames, motion-stack images, Gaussian levels and DoG responses are all planes.
 
+pub mod bank;
 pub mod blocks;
 pub mod blur;
 pub mod colour_map;
@@ -10,6 +11,7 @@ pub mod display;
 pub mod rows;
 pub mod sample;
 pub mod statistics;
+pub mod tile;
 
 /// A float image, row-major, without padding between rows.
 #[derive(Debug, Clone, PartialEq)]

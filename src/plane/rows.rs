@@ -1,7 +1,7 @@
 //! A horizontal strip of an image: some of its rows, at their place.
 //!
-//! The search works strip by strip so that its memory stays bounded and its data stays in the cache. A [`Rows`] knows which rows
-//! of the image it holds; its buffer is reused from slope to slope.
+//! Blurs work strip by strip so that memory stays bounded and data stays in the cache. A [`Rows`] knows which rows
+//! of the image it holds; its buffer is reused.
 
 use std::ops::Range;
 

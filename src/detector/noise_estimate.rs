@@ -1,0 +1,275 @@
+//! The noise of a frame, estimated from the burst itself.
+//!
+//! Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1 −2 1]ᵀ[1 −2 1]`, gain 6 for white
+//! noise), which removes everything locally linear; the median of the magnitudes over 0.6745 is the standard deviation, whatever a minority of
+//! edges does. Texture can only add, so the smaller of the two estimates is taken.
+//!
+//! The filter runs on short pieces of rows spread evenly over the image, the same in every frame: they are read in order of memory, and since the filter is
+//! linear the filtered difference of two frames is the difference of the filtered frames.
+//!
+//! Pixels at the ends of the file's range are left out: in the black parts of a dark frame the noise is cut off at zero, and half an image of zeros would
+//! make any median zero.
+
+use crate::burst::Burst;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use multiversion::multiversion;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Median of |x| of a standard normal variable.
+const MEDIAN_OF_NORMAL: f32 = 0.674_49;
+/// Gain of the filter for white noise.
+const GAIN: f32 = 6.0;
+/// About the most places a frame is looked at; the standard error of one frame's estimate is then about one percent, and that of the median over frames less.
+const MAX_PLACES: usize = 32_768;
+/// Columns of one piece of a row, where the image has more places than [`MAX_PLACES`].
+const PIECE: usize = 32;
+
+/// The standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the rounding error of the
+/// files' numbers (step/√12). 0 for noiseless float frames or images under 3×3 pixels.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<f32, Cancelled> {
+    let step = burst.quantisation_step;
+    let least = step / 12f32.sqrt();
+    let pieces = pieces(burst.size());
+    if pieces.is_empty() {
+        return Ok(least);
+    }
+    let filtered: Vec<Filtered> = burst.frames[used]
+        .par_iter()
+        .map(|frame| {
+            monitor.check()?;
+            Ok(Filtered::new(frame, &pieces, step))
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let deviation = |filtered: &Filtered| {
+        monitor.check()?;
+        Ok(filtered.deviation(step))
+    };
+    let of_frames: Vec<f32> = filtered.par_iter().map(deviation).collect::<Result<_, Cancelled>>()?;
+    let of_pairs: Vec<f32> = filtered
+        .par_windows(2)
+        .map(|pair| Ok(deviation(&pair[1].less(&pair[0]))? / 2f32.sqrt()))
+        .collect::<Result<_, Cancelled>>()?;
+    let mut sigma = median(of_frames);
+    if !of_pairs.is_empty() {
+        sigma = sigma.min(median(of_pairs));
+    }
+    Ok(sigma.max(least))
+}
+
+/// A piece of a row: the row, and the columns of the filter's centres in it.
+type Piece = (usize, Range<usize>);
+
+/// The pieces of an image of `size` that are looked at: whole rows of a small image, else pieces spread evenly; none under 3×3 pixels.
+fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
+    if width < 3 || height < 3 {
+        return Vec::new();
+    }
+    let (columns, rows) = (width - 2, height - 2);
+    if columns * rows <= MAX_PLACES {
+        return (1..=rows).map(|v| (v, 1..columns + 1)).collect();
+    }
+    let length = PIECE.min(columns);
+    let count = MAX_PLACES / length;
+    // Steps of the golden section fill the columns evenly, whatever the number of rows.
+    let golden = (5f64.sqrt() - 1.0) / 2.0;
+    (0..count)
+        .map(|i| {
+            let start = 1 + ((i as f64 * golden).fract() * (columns - length + 1) as f64) as usize;
+            (1 + i * rows / count, start..start + length)
+        })
+        .collect()
+}
+
+/// What the filter says at all places of a frame, or of a difference of two.
+struct Filtered {
+    values: Vec<f32>,
+    /// Whether the filter touched a pixel whose noise was cut off.
+    cut_off: Vec<bool>,
+}
+
+impl Filtered {
+    /// The `pieces` of `frame`, whose smallest difference of values is `step`.
+    fn new(frame: &Plane, pieces: &[Piece], step: f32) -> Self {
+        let places = pieces.iter().map(|(_, columns)| columns.len()).sum();
+        let mut out = Self { values: vec![0.0; places], cut_off: vec![false; places] };
+        // What the file can hold ends here; float files have no end.
+        let whole = if step > 0.0 { 0.5 * step..1.0 - 0.5 * step } else { f32::NEG_INFINITY..f32::INFINITY };
+        let mut at = 0;
+        for (v, columns) in pieces {
+            let row = |v: usize| &frame.row(v)[columns.start - 1..columns.end + 1];
+            let end = at + columns.len();
+            let (values, cut_off) = (&mut out.values[at..end], &mut out.cut_off[at..end]);
+            filter_piece(row(v - 1), row(*v), row(v + 1), &whole, values, cut_off);
+            at = end;
+        }
+        out
+    }
+
+    /// The same of the difference of two frames.
+    fn less(&self, other: &Self) -> Self {
+        Self {
+            values: self.values.iter().zip(&other.values).map(|(a, b)| a - b).collect(),
+            cut_off: self.cut_off.iter().zip(&other.cut_off).map(|(a, b)| a | b).collect(),
+        }
+    }
+
+    /// The standard deviation of the white noise that went in; `step` is the smallest difference of the frames' values. Places that touch a cut-off
+    /// pixel don't count, unless nearly all do.
+    fn deviation(&self, step: f32) -> f32 {
+        let counted = self.values.iter().zip(&self.cut_off).filter(|(_, cut_off)| !**cut_off);
+        let mut magnitudes: Vec<f32> = Vec::with_capacity(self.values.len());
+        magnitudes.extend(counted.map(|(x, _)| x.abs()));
+        if magnitudes.len() * 20 < self.values.len() {
+            magnitudes = self.values.iter().map(|x| x.abs()).collect();
+        }
+        median_on_lattice(&mut magnitudes, step) / (MEDIAN_OF_NORMAL * GAIN)
+    }
+}
+
+/// The filter along a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than `values`; and whether any of the nine pixels is
+/// outside `whole`.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn filter_piece(
+    above: &[f32],
+    row: &[f32],
+    below: &[f32],
+    whole: &Range<f32>,
+    values: &mut [f32],
+    cut_off: &mut [bool],
+) {
+    let n = values.len();
+    let (above, row, below, cut_off) = (&above[..n + 2], &row[..n + 2], &below[..n + 2], &mut cut_off[..n]);
+    let second = |i: usize| above[i] - 2.0 * row[i] + below[i];
+    let least = |i: usize| above[i].min(row[i]).min(below[i]);
+    let most = |i: usize| above[i].max(row[i]).max(below[i]);
+    for i in 0..n {
+        values[i] = second(i) - 2.0 * second(i + 1) + second(i + 2);
+        let (least, most) = (least(i).min(least(i + 1)).min(least(i + 2)), most(i).max(most(i + 1)).max(most(i + 2)));
+        cut_off[i] = least < whole.start || most > whole.end;
+    }
+}
+
+/// The median of values that lie on a lattice of spacing `step` (0: continuous): each lattice value stands for the interval around it, so the median
+/// falls inside the interval in proportion to the counts.
+fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
+    let middle = values.len() / 2;
+    let (_, &mut median, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
+    if step <= 0.0 {
+        return median;
+    }
+    let near = |x: f32| (x - median).abs() < 0.5 * step;
+    let below = values.iter().filter(|&&x| !near(x) && x < median).count() as f32;
+    let equal = values.iter().filter(|&&x| near(x)).count() as f32;
+    // Magnitudes: the value 0 stands for a half interval only.
+    let (start, length) = if median < 0.5 * step { (0.0, 0.5 * step) } else { (median - 0.5 * step, step) };
+    start + length * (values.len() as f32 * 0.5 - below) / equal
+}
+
+fn median(mut values: Vec<f32>) -> f32 {
+    let middle = values.len() / 2;
+    values.select_nth_unstable_by(middle, f32::total_cmp);
+    values[middle]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Stream;
+
+    fn noisy_burst(sigma: f32, n: usize, scene: impl Fn(usize, usize) -> f32, round_to: f32) -> Burst {
+        let mut noise = Stream::new(7, 0);
+        let frames = (0..n)
+            .map(|_| {
+                Plane::from_fn(300, 200, |u, v| {
+                    let value = scene(u, v) + sigma * noise.normal() as f32;
+                    if round_to > 0.0 { (value / round_to).round() * round_to } else { value }
+                })
+            })
+            .collect();
+        let mut burst = Burst::from_planes("noise", frames);
+        burst.quantisation_step = round_to;
+        burst
+    }
+
+    #[test]
+    fn the_estimate_is_within_three_percent_on_noise_with_edges() {
+        for sigma in [0.002f32, 0.01, 0.1] {
+            let burst = noisy_burst(sigma, 4, |u, v| if (u / 40 + v / 50) % 2 == 0 { 0.2 } else { 0.6 }, 0.0);
+            let estimate = frame_noise(&burst, 0..4, &Monitor::default()).expect("not cancelled");
+            assert!((estimate / sigma - 1.0).abs() < 0.03, "{sigma}: {estimate}");
+        }
+    }
+
+    #[test]
+    fn coarse_numbers_do_not_spoil_the_estimate() {
+        // 8-bit frames whose noise is half, one and two grey values; rounding adds a twelfth of a step².
+        for grey_values in [0.5f32, 1.0, 2.0] {
+            let step = 1.0 / 255.0;
+            let burst = noisy_burst(grey_values * step, 3, |u, _| 0.3 + u as f32 * 1e-4, step);
+            let expected = (grey_values * grey_values + 1.0 / 12.0).sqrt() * step;
+            let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
+            assert!(
+                (estimate / expected - 1.0).abs() < 0.05,
+                "{grey_values}: {} of {}",
+                estimate / step,
+                expected / step
+            );
+        }
+    }
+
+    #[test]
+    fn black_parts_where_the_noise_is_cut_off_do_not_count() {
+        // Two thirds of the image are so dark that nearly all of their noise is cut off at zero.
+        let (sigma, step) = (3.0 / 255.0, 1.0 / 255.0);
+        let mut burst = noisy_burst(sigma, 3, |u, _| if u < 200 { -0.03 } else { 0.4 }, step);
+        for frame in &mut burst.frames {
+            let cut = Plane::from_vec(300, 200, frame.data().iter().map(|x| x.max(0.0)).collect());
+            *frame = std::sync::Arc::new(cut);
+        }
+        let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
+        assert!((estimate / sigma - 1.0).abs() < 0.06, "{}", estimate / sigma);
+    }
+
+    #[test]
+    fn a_noiseless_burst_has_its_rounding_error() {
+        let burst = noisy_burst(0.0, 2, |_, _| 0.2, 1.0 / 255.0);
+        let estimate = frame_noise(&burst, 0..2, &Monitor::default()).expect("not cancelled");
+        assert!(estimate <= 0.3 / 255.0 && estimate > 0.28 / 255.0);
+    }
+
+    #[test]
+    fn a_large_image_is_sampled_evenly_and_enough() {
+        let (width, height) = (1000, 700);
+        let pieces = pieces((width, height));
+        let places: usize = pieces.iter().map(|(_, columns)| columns.len()).sum();
+        assert!(places <= MAX_PLACES && places > MAX_PLACES * 9 / 10);
+        assert!(pieces.iter().all(|(v, columns)| (1..height - 1).contains(v) && columns.end < width));
+        // In each of 10 × 7 squares there are about as many pieces.
+        let mut counts = [0usize; 70];
+        for (v, columns) in &pieces {
+            counts[v / 100 * 10 + columns.start / 100] += 1;
+        }
+        let mean = pieces.len() / 70;
+        assert!(counts.iter().all(|&n| n > mean / 2 && n < mean * 2), "{counts:?}");
+
+        let mut noise = Stream::new(11, 0);
+        let frames = (0..3).map(|_| Plane::from_fn(width, height, |_, _| 0.3 + 0.01 * noise.normal() as f32)).collect();
+        let estimate = frame_noise(&Burst::from_planes("noise", frames), 0..3, &Monitor::default());
+        let estimate = estimate.expect("not cancelled");
+        assert!((estimate / 0.01 - 1.0).abs() < 0.02, "{estimate}");
+    }
+
+    #[test]
+    fn tiny_images_and_single_frames_have_an_answer() {
+        let flat = |n: usize, size: usize| {
+            let frames = (0..n).map(|_| Plane::from_fn(size, size, |_, _| 0.3)).collect();
+            frame_noise(&Burst::from_planes("flat", frames), 0..n, &Monitor::default()).expect("not cancelled")
+        };
+        assert_eq!((flat(3, 2), flat(1, 3), flat(2, 9)), (0.0, 0.0, 0.0));
+    }
+}

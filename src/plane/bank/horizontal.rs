@@ -1,0 +1,154 @@
+//! The pass along the rows: every level of a row from each pixel loaded once.
+//!
+//! Two pixels at the same distance from the centre are added, then multiplied into all levels that reach so far. The sums of up to [`MOST`] levels over
+//! [`BLOCK`](super::lanes::BLOCK) columns stay in vector registers.
+
+use super::edge::{Axis, Dense, Weights};
+use super::lanes::{BLOCK, load, store};
+use pulp::Simd;
+use std::ops::Range;
+
+/// Levels that are made at once; with more, vector registers run out.
+pub(super) const MOST: usize = 8;
+
+/// The taps of some levels, side by side.
+#[derive(Debug)]
+pub(super) struct Packed {
+    /// Which levels.
+    pub levels: Range<usize>,
+    /// `taps[distance·levels + level]`, zero beyond a level's radius.
+    taps: Vec<f32>,
+    /// Each level's radius; they never fall.
+    radii: Vec<usize>,
+}
+
+/// All levels of `axis`, in as few equal groups as [`MOST`] allows.
+pub(super) fn packed(axis: &Axis) -> Vec<Packed> {
+    let count = axis.levels.len();
+    let size = count.div_ceil(count.div_ceil(MOST).max(1)).max(1);
+    (0..count)
+        .step_by(size)
+        .map(|first| {
+            let levels = first..(first + size).min(count);
+            let kernels: Vec<&[f32]> = axis.levels[levels.clone()].iter().map(|level| &level.half[..]).collect();
+            let radii: Vec<usize> = kernels.iter().map(|half| half.len() - 1).collect();
+            let radius = radii.iter().copied().max().unwrap_or(0);
+            let tap = |distance: usize| kernels.iter().map(move |half| half.get(distance).copied().unwrap_or(0.0));
+            Packed { taps: (0..=radius).flat_map(tap).collect(), radii, levels }
+        })
+        .collect()
+}
+
+/// One row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side; `out[level]` has a whole number of blocks.
+#[inline(always)]
+pub(super) fn convolve_row<S: Simd>(simd: S, group: &Packed, line: &[f32], reach: usize, out: &mut [&mut [f32]]) {
+    match group.levels.len() {
+        1 => convolve::<S, 1>(simd, group, line, reach, out),
+        2 => convolve::<S, 2>(simd, group, line, reach, out),
+        3 => convolve::<S, 3>(simd, group, line, reach, out),
+        4 => convolve::<S, 4>(simd, group, line, reach, out),
+        5 => convolve::<S, 5>(simd, group, line, reach, out),
+        6 => convolve::<S, 6>(simd, group, line, reach, out),
+        7 => convolve::<S, 7>(simd, group, line, reach, out),
+        _ => convolve::<S, MOST>(simd, group, line, reach, out),
+    }
+}
+
+#[inline(always)]
+fn convolve<S: Simd, const L: usize>(simd: S, group: &Packed, line: &[f32], reach: usize, out: &mut [&mut [f32]]) {
+    let out: &mut [&mut [f32]; L] = out.try_into().expect("as many rows as levels");
+    let radii: &[usize; L] = group.radii[..].try_into().expect("as many radii as levels");
+    let columns = out[0].len();
+    let lanes = S::F32_LANES;
+    for start in (0..columns).step_by(2 * lanes) {
+        let at = reach + start;
+        let mut acc = [[simd.splat_f32s(0.0); 2]; L];
+        let centre = [load::<S>(line, at), load::<S>(line, at + lanes)];
+        for (acc, &tap) in acc.iter_mut().zip(&group.taps[..L]) {
+            let tap = simd.splat_f32s(tap);
+            *acc = [simd.mul_f32s(tap, centre[0]), simd.mul_f32s(tap, centre[1])];
+        }
+        let mut distance = 1;
+        // The levels from `$first` on reach beyond the radius of the one before it.
+        macro_rules! until_radius_of {
+            ($($first:literal)*) => {$(
+                if $first < L {
+                    while distance <= radii[$first] {
+                        let taps: &[f32; L] =
+                            group.taps[distance * L..][..L].try_into().expect("one tap a level");
+                        let sum = [
+                            simd.add_f32s(load::<S>(line, at - distance), load::<S>(line, at + distance)),
+                            simd.add_f32s(load::<S>(line, at + lanes - distance), load::<S>(line, at + lanes + distance)),
+                        ];
+                        for level in $first..L {
+                            let tap = simd.splat_f32s(taps[level]);
+                            acc[level][0] = simd.mul_add_f32s(tap, sum[0], acc[level][0]);
+                            acc[level][1] = simd.mul_add_f32s(tap, sum[1], acc[level][1]);
+                        }
+                        distance += 1;
+                    }
+                }
+            )*};
+        }
+        until_radius_of!(0 1 2 3 4 5 6 7);
+        for level in 0..L {
+            store::<S>(out[level], start, acc[level][0]);
+            store::<S>(out[level], start + lanes, acc[level][1]);
+        }
+    }
+}
+
+/// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` and `out[i]` are column `columns.start + i`.
+#[inline(always)]
+pub(super) fn edge_columns<S: Simd>(
+    simd: S,
+    level: &Weights,
+    columns: &Range<usize>,
+    line: &[f32],
+    reach: usize,
+    out: &mut [f32],
+) {
+    for dense in [&level.head, &level.tail] {
+        let mine = dense.outs.start.max(columns.start)..dense.outs.end.min(columns.end);
+        if !mine.is_empty() {
+            edge(simd, dense, &mine, columns, line, reach, out);
+        }
+    }
+}
+
+#[inline(always)]
+fn edge<S: Simd>(
+    simd: S,
+    dense: &Dense,
+    mine: &Range<usize>,
+    columns: &Range<usize>,
+    line: &[f32],
+    reach: usize,
+    out: &mut [f32],
+) {
+    let lanes = S::F32_LANES;
+    let first = dense.outs.start;
+    for start in (0..dense.outs.len()).step_by(BLOCK) {
+        let outs = first + start..(first + start + BLOCK).min(dense.outs.end);
+        let part = outs.start.max(mine.start)..outs.end.min(mine.end);
+        if part.is_empty() {
+            continue;
+        }
+        let mut made = [0.0f32; BLOCK];
+        let inputs = dense.inputs(&part);
+        let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
+        let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..];
+        for vector in (0..BLOCK).step_by(2 * lanes) {
+            let mut acc = [simd.splat_f32s(0.0); 2];
+            for (&pixel, row) in pixels.iter().zip(weights.chunks_exact(dense.stride)) {
+                let (pixel, row) = (simd.splat_f32s(pixel), &row[start + vector..][..2 * lanes]);
+                acc[0] = simd.mul_add_f32s(pixel, load::<S>(row, 0), acc[0]);
+                acc[1] = simd.mul_add_f32s(pixel, load::<S>(row, lanes), acc[1]);
+            }
+            store::<S>(&mut made, vector, acc[0]);
+            store::<S>(&mut made, vector + lanes, acc[1]);
+        }
+        out[part.start - columns.start..part.end - columns.start]
+            .copy_from_slice(&made[part.start - outs.start..part.end - outs.start]);
+    }
+}

@@ -1,0 +1,163 @@
+//! A rectangular part of an image, at its place.
+//!
+//! The search works tile by tile so that its memory stays bounded and its data stays in the cache. A [`Tile`] knows which columns and rows of the image it holds;
+//! its buffer is reused from slope to slope.
+
+use super::Plane;
+use std::ops::Range;
+
+/// A part of an image: columns × rows, each at least one pixel.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Region {
+    /// Columns of the image.
+    pub columns: Range<usize>,
+    /// Rows of the image.
+    pub rows: Range<usize>,
+}
+
+impl Region {
+    /// This region with `by` more pixels on each side, inside an image of `size`.
+    pub fn widened(&self, by: usize, size: (usize, usize)) -> Self {
+        let wider = |range: &Range<usize>, n: usize| range.start.saturating_sub(by)..(range.end + by).min(n);
+        Self { columns: wider(&self.columns, size.0), rows: wider(&self.rows, size.1) }
+    }
+}
+
+/// The values of a [`Region`]. Rows lie `stride` apart, so that they can begin and end with whole vectors. The buffer keeps its capacity when it is reset.
+#[derive(Debug, Default, Clone)]
+pub struct Tile {
+    region: Region,
+    stride: usize,
+    data: Vec<f32>,
+}
+
+impl Tile {
+    /// Makes this the values of `region`, `stride` (at least the region's width) apart from row to row. The contents are unspecified until written.
+    pub fn reset(&mut self, region: &Region, stride: usize) {
+        debug_assert!(stride >= region.columns.len(), "rows do not overlap");
+        self.region = region.clone();
+        self.stride = stride;
+        let needed = stride * region.rows.len();
+        if self.data.len() < needed {
+            self.data.resize(needed, 0.0);
+        }
+    }
+
+    /// What is held.
+    pub fn region(&self) -> &Region {
+        &self.region
+    }
+
+    /// Row `v` of the image, its held columns.
+    ///
+    /// # Panics
+    /// When `v` is not held.
+    #[inline]
+    pub fn row(&self, v: usize) -> &[f32] {
+        let start = (v - self.region.rows.start) * self.stride;
+        &self.data[start..start + self.region.columns.len()]
+    }
+
+    /// Row `v` of the image, and the rest of its memory.
+    pub(super) fn padded_row(&self, v: usize) -> &[f32] {
+        let start = (v - self.region.rows.start) * self.stride;
+        &self.data[start..start + self.stride]
+    }
+
+    /// The value of the image's pixel (u, v).
+    ///
+    /// # Panics
+    /// When it is not held.
+    #[inline]
+    pub fn at(&self, u: usize, v: usize) -> f32 {
+        self.row(v)[u - self.region.columns.start]
+    }
+
+    /// Rows from row `v` of the image on, with what lies between them.
+    pub(super) fn rows_from_mut(&mut self, v: usize, count: usize) -> &mut [f32] {
+        let start = (v - self.region.rows.start) * self.stride;
+        &mut self.data[start..start + count * self.stride]
+    }
+
+    /// Row `v` of the image, to be written.
+    ///
+    /// # Panics
+    /// When `v` is not held.
+    pub fn row_mut(&mut self, v: usize) -> &mut [f32] {
+        let width = self.region.columns.len();
+        &mut self.rows_from_mut(v, 1)[..width]
+    }
+}
+
+/// `n` pixels cut into as few nearly equal parts of at most `most` as possible; all but the last end at even places.
+pub fn cuts(n: usize, most: usize) -> Vec<Range<usize>> {
+    let count = n.div_ceil(most.max(2)).max(1);
+    // Rounded up, so that no part grows by more than the one before it shrinks.
+    let cut = |i: usize| if i == count { n } else { (n * i / count).next_multiple_of(2).min(n) };
+    (0..count).map(|i| cut(i)..cut(i + 1)).collect()
+}
+
+/// The rows of `plane` cut at `columns` and `rows`, which follow one another from 0 on and cover at most the plane: for each part, in the order of rows of parts,
+/// its pieces of rows. What lies beyond the last part is left out.
+pub fn split_mut<'p>(plane: &'p mut Plane, columns: &[Range<usize>], rows: &[Range<usize>]) -> Vec<Vec<&'p mut [f32]>> {
+    let width = plane.width();
+    let mut parts: Vec<Vec<&mut [f32]>> = Vec::with_capacity(columns.len() * rows.len());
+    let mut lines = plane.data_mut().chunks_mut(width.max(1));
+    for band in rows {
+        let first = parts.len();
+        parts.extend(columns.iter().map(|_| Vec::with_capacity(band.len())));
+        for line in lines.by_ref().take(band.len()) {
+            let mut rest = line;
+            for (part, range) in parts[first..].iter_mut().zip(columns) {
+                let (mine, others) = rest.split_at_mut(range.len());
+                part.push(mine);
+                rest = others;
+            }
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_keep_their_places() {
+        let mut tile = Tile::default();
+        let region = Region { columns: 10..13, rows: 5..7 };
+        tile.reset(&region, 8);
+        for v in region.rows.clone() {
+            tile.row_mut(v).iter_mut().enumerate().for_each(|(i, x)| *x = (100 * v + 10 + i) as f32);
+        }
+        assert_eq!(tile.at(12, 6), 612.0);
+        assert_eq!(tile.row(5), [510.0, 511.0, 512.0]);
+        assert_eq!(region.widened(6, (14, 9)), Region { columns: 4..14, rows: 0..9 });
+    }
+
+    #[test]
+    fn cuts_cover_everything_once_and_split_planes() {
+        for n in [1, 2, 7, 16, 99, 148, 149, 1600] {
+            for most in [2, 8, 148] {
+                let parts = cuts(n, most);
+                assert_eq!(parts.iter().cloned().flatten().collect::<Vec<_>>(), (0..n).collect::<Vec<_>>());
+                assert!(parts.iter().all(|p| p.start % 2 == 0 && p.len() <= most + 1), "{n} {most}");
+            }
+        }
+        let mut plane = Plane::zeros(21, 13);
+        let (columns, rows) = (cuts(21, 8), cuts(13, 6));
+        let parts = split_mut(&mut plane, &columns, &rows);
+        assert_eq!(parts.len(), columns.len() * rows.len());
+        for (index, part) in parts.into_iter().enumerate() {
+            for row in part {
+                row.fill(index as f32 + 1.0);
+            }
+        }
+        for v in 0..13 {
+            for u in 0..21 {
+                let at = |parts: &[Range<usize>], x: usize| parts.iter().position(|p| p.contains(&x)).expect("covered");
+                assert_eq!(plane.at(u, v), (at(&rows, v) * columns.len() + at(&columns, u) + 1) as f32);
+            }
+        }
+    }
+}
