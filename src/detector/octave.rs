@@ -158,7 +158,10 @@ pub fn stack_tiles(
     tiles: &mut Vec<Tile>,
 ) {
     tiles.resize_with(slopes.len().max(tiles.len()), Tile::default);
-    tiles.iter_mut().take(slopes.len()).for_each(|tile| tile.reset(region, region.columns.len() + PADDING));
+    tiles
+        .iter_mut()
+        .take(slopes.len())
+        .for_each(|tile| tile.reset(region, (region.columns.len() + PADDING).next_multiple_of(16)));
     if octave == 0 {
         let mut stacker = RowStacker::new(frames, slopes.iter().map(AsRef::as_ref).collect());
         for v in region.rows.clone() {

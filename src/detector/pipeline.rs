@@ -2,7 +2,7 @@
 //!
 //! Octaves come in turn, each starting from planes that the one before left for every slope. Within an octave the tiles run in parallel; a
 //! tile visits all slopes in order, holding only those that its undecided candidates still need. Its height is chosen so that
-//! what it holds stays within [`WINDOW_BYTES`] per thread. Tiles return their keypoints in order, so threads cannot change the result.
+//! what the threads hold together stays bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in order, so threads cannot change the result.
 
 use super::describing::{Describing, Keypoint};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
@@ -28,14 +28,16 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Bytes of DoG tiles that one thread's window of slopes may hold (at least eight rows are held, whatever that takes).
-pub const WINDOW_BYTES: usize = 16 << 20;
+/// Bytes of DoG tiles that the threads' windows of slopes may hold together.
+const WINDOWS_BYTES: usize = 128 << 20;
+/// Bytes that one of them holds at most: more would not make it faster.
+const WINDOW_BYTES: usize = 20 << 20;
 /// Columns of a tile. With those held around it for the moves of the refinement it is five blocks of vectors wide, and what lies between the two
 /// passes of its filters stays in the second cache.
 const TILE_COLUMNS: usize = 148;
 /// Rows of a tile where memory does not ask for fewer: enough that the rows its filters need around it matter little.
-const TILE_ROWS: usize = 320;
-/// Slopes whose frames are stacked together.
+const TILE_ROWS: usize = 640;
+/// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the mixing of rows.
 const STACKED_SLOPES: usize = 8;
 /// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
 const HELD: usize = MAX_MOVES + 1;
@@ -190,8 +192,9 @@ impl Search<'_> {
     /// The tiles of an octave of `size`: where its columns and its rows are cut.
     fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
         let slopes = capacity(&self.grid, self.params.slope_neighbours);
+        let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
         let row_bytes = slopes * (self.space.levels + 2) * (TILE_COLUMNS + 2 * HELD) * size_of::<f32>();
-        let rows = (WINDOW_BYTES / row_bytes.max(1)).saturating_sub(2 * HELD);
+        let rows = (window_bytes / row_bytes.max(1)).saturating_sub(2 * HELD);
         (cuts(width, TILE_COLUMNS), cuts(height, rows.clamp(8, TILE_ROWS)))
     }
 
@@ -267,19 +270,20 @@ impl Search<'_> {
         let held = region.widened(HELD, job.size);
         let inputs = job.filters.inputs(&held);
         let first = job.octave == self.space.first_octave;
+        let together = match self.grid.u.count {
+            row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
+            _ => STACKED_SLOPES,
+        };
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         for index in 0..self.grid.len() {
             self.monitor.check()?;
             let TileScratch { stacked, filter, next: level, window } = &mut *scratch;
-            if first && index % STACKED_SLOPES == 0 {
-                let slopes = &self.offsets[index..(index + STACKED_SLOPES).min(self.offsets.len())];
+            if first && index % together == 0 {
+                let slopes = &self.offsets[index..(index + together).min(self.offsets.len())];
                 stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
             }
-            let pixels = if first {
-                Pixels::Stacked(&stacked[index % STACKED_SLOPES])
-            } else {
-                Pixels::Level(&job.bases[index])
-            };
+            let pixels =
+                if first { Pixels::Stacked(&stacked[index % together]) } else { Pixels::Level(&job.bases[index]) };
             let thresholds = Thresholds {
                 peak: 0.8 * self.params.peak_threshold,
                 gate: job.sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[index]).collect(),

@@ -31,7 +31,7 @@ pub struct Thresholds {
 }
 
 /// Columns that are passed over together when nothing in them reaches the thresholds.
-const RUN: usize = 32;
+const RUN: usize = 64;
 
 /// What is known of the inner columns of a row after the cheapest tests.
 #[derive(Debug, Default, Clone, Copy)]

@@ -3,6 +3,7 @@
 //! A [`Plane`] is a rectangle of `f32` in row-major order without padding: the value at column `u` and row `v` is
 //! `data[v·width + u]`. Frames, motion-stack images, Gaussian levels and DoG responses are all planes.
 
+mod aligned;
 pub mod bank;
 pub mod blocks;
 pub mod blur;

@@ -4,6 +4,7 @@
 //! its buffer is reused from slope to slope.
 
 use super::Plane;
+use super::aligned::Aligned;
 use std::ops::Range;
 
 /// A part of an image: columns × rows, each at least one pixel.
@@ -28,7 +29,7 @@ impl Region {
 pub struct Tile {
     region: Region,
     stride: usize,
-    data: Vec<f32>,
+    data: Aligned,
 }
 
 impl Tile {
@@ -37,10 +38,7 @@ impl Tile {
         debug_assert!(stride >= region.columns.len(), "rows do not overlap");
         self.region = region.clone();
         self.stride = stride;
-        let needed = stride * region.rows.len();
-        if self.data.len() < needed {
-            self.data.resize(needed, 0.0);
-        }
+        self.data.grow(stride * region.rows.len());
     }
 
     /// What is held.

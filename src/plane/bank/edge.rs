@@ -5,7 +5,7 @@
 
 use super::FilterBank;
 use super::kernel::{Kernel, all_taps};
-use super::lanes::whole_blocks;
+use super::lanes::VECTOR;
 use crate::plane::blur::GaussianKernel;
 use std::ops::Range;
 
@@ -49,31 +49,31 @@ impl Dense {
     }
 }
 
-/// The weights of all levels near the first border of a line.
+/// The weights of all levels near the first border of a line: as far from it as the level's radius.
 #[derive(Debug, Clone)]
 pub(super) struct Edges {
     levels: Vec<Dense>,
-    /// Outputs whose weights these are.
-    outs: usize,
     /// A line must have this many pixels for the other border not to matter.
     far: usize,
 }
 
 impl Edges {
     /// For a line whose other border is far away.
-    pub fn far_apart(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel], border: usize) -> Self {
+    pub fn far_apart(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel]) -> Self {
+        let radius = kernels.iter().map(Kernel::radius).max().unwrap_or(0);
         let chain_radius: usize = chain[..wanted.end].iter().map(GaussianKernel::radius).sum();
-        Self::of_line(chain, wanted, kernels, border, 2 * border + chain_radius + 1)
+        Self::of_line(chain, wanted, kernels, 2 * radius + chain_radius + 1)
     }
 
-    /// The first `outs` outputs of a line of `n` pixels.
-    fn of_line(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel], outs: usize, n: usize) -> Self {
+    /// For a line of `n` pixels; of a level that reaches from border to border, all of its outputs.
+    fn of_line(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel], n: usize) -> Self {
         let mut levels: Vec<Dense> = kernels
             .iter()
             .map(|kernel| {
-                let (inputs, stride) = ((outs + kernel.radius()).min(n), whole_blocks(outs));
-                let weights = vec![0.0; inputs * stride];
-                Dense { outs: 0..outs, ins: 0..inputs, stride, weights, radius: kernel.radius() }
+                let radius = kernel.radius();
+                let outs = if n <= 2 * radius { n } else { radius };
+                let (inputs, stride) = ((outs + radius).min(n), outs.next_multiple_of(VECTOR));
+                Dense { outs: 0..outs, ins: 0..inputs, stride, weights: vec![0.0; inputs * stride], radius }
             })
             .collect();
         let inputs = levels.iter().map(|level| level.ins.end).max().unwrap_or(0);
@@ -88,7 +88,7 @@ impl Edges {
                 if input >= level.ins.end {
                     continue;
                 }
-                let made = support.start..support.end.min(outs).max(support.start);
+                let made = support.start..support.end.min(level.outs.end).max(support.start);
                 for (output, &weight) in made.clone().zip(&signal[made]) {
                     if output.abs_diff(input) <= level.radius {
                         level.weights[input * level.stride + output] = weight as f32;
@@ -97,14 +97,14 @@ impl Edges {
             }
         }
         for level in &mut levels {
-            for output in 0..outs {
+            for output in level.outs.clone() {
                 let column = || (0..level.ins.end).map(|input| input * level.stride + output);
                 let sum: f64 = column().map(|at| f64::from(level.weights[at])).sum();
                 let places: Vec<usize> = column().collect();
                 places.into_iter().for_each(|at| level.weights[at] = (f64::from(level.weights[at]) / sum) as f32);
             }
         }
-        Self { levels, outs, far: n }
+        Self { levels, far: n }
     }
 }
 
@@ -145,6 +145,22 @@ pub(super) struct Weights {
     pub tail: Dense,
 }
 
+impl Weights {
+    /// The parts of `range` of a line of `n` pixels, with the weights that apply to each.
+    pub fn sections(&self, range: &Range<usize>, n: usize) -> [(Section, Range<usize>); 3] {
+        let inner = self.head.outs.end..n - self.tail.outs.len();
+        let part = |section: Range<usize>| {
+            let start = range.start.max(section.start);
+            start..range.end.min(section.end).max(start)
+        };
+        [
+            (Section::Head, part(0..inner.start)),
+            (Section::Inner, part(inner.clone())),
+            (Section::Tail, part(inner.end..n)),
+        ]
+    }
+}
+
 /// What a bank does along a line of pixels of a given length: plain kernels inside, the chain's own weights near the ends.
 #[derive(Debug)]
 pub struct Axis {
@@ -152,8 +168,6 @@ pub struct Axis {
     pub(super) n: usize,
     /// Pixels to each side that a value depends on.
     pub(super) radius: usize,
-    /// Places where no border is near.
-    pub(super) inner: Range<usize>,
     /// One a level.
     pub(super) levels: Vec<Weights>,
 }
@@ -169,25 +183,19 @@ pub(super) enum Section {
 impl FilterBank {
     /// What the bank does along a line of `n` pixels.
     pub fn axis(&self, n: usize) -> Axis {
-        let (radius, border) = (self.radius(), self.border);
         let own;
-        let edges = if n <= 2 * border {
-            own = Edges::of_line(&self.chain, &self.wanted, &self.kernels, n, n);
-            &own
-        } else if n < self.edges.far {
-            own = Edges::of_line(&self.chain, &self.wanted, &self.kernels, border, n);
+        let edges = if n < self.edges.far {
+            own = Edges::of_line(&self.chain, &self.wanted, &self.kernels, n);
             &own
         } else {
             &self.edges
         };
-        let inner = if edges.outs >= n { n..n } else { edges.outs..n - edges.outs };
-        let levels = self.kernels.iter().zip(&edges.levels);
         let weights = |(kernel, head): (&Kernel, &Dense)| Weights {
             half: kernel.half.clone(),
             head: head.clone(),
-            tail: if inner.is_empty() && inner.start == n { Dense::default() } else { head.mirrored(n) },
+            tail: if head.outs.len() < n { head.mirrored(n) } else { Dense::default() },
         };
-        Axis { n, radius, levels: levels.map(weights).collect(), inner }
+        Axis { n, radius: self.radius(), levels: self.kernels.iter().zip(&edges.levels).map(weights).collect() }
     }
 }
 
@@ -210,19 +218,6 @@ impl Axis {
     /// `range` widened by the pixels that it depends on.
     pub fn inputs(&self, range: &Range<usize>) -> Range<usize> {
         range.start.saturating_sub(self.radius)..(range.end + self.radius).min(self.n)
-    }
-
-    /// The parts of `range`, with the weights that apply to each.
-    pub(super) fn sections(&self, range: &Range<usize>) -> [(Section, Range<usize>); 3] {
-        let part = |section: Range<usize>| {
-            let start = range.start.max(section.start);
-            start..range.end.min(section.end).max(start)
-        };
-        [
-            (Section::Head, part(0..self.inner.start)),
-            (Section::Inner, part(self.inner.clone())),
-            (Section::Tail, part(self.inner.end..self.n)),
-        ]
     }
 }
 
@@ -267,8 +262,10 @@ mod tests {
                     }
                 }
             }
-            let covered: usize = axis.sections(&(0..n)).iter().map(|(_, part)| part.len()).sum();
-            assert_eq!(covered, n);
+            for weights in &axis.levels {
+                let covered: usize = weights.sections(&(0..n), n).iter().map(|(_, part)| part.len()).sum();
+                assert_eq!(covered, n);
+            }
         }
     }
 }

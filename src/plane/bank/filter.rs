@@ -2,8 +2,9 @@
 
 use super::edge::{Axis, Section};
 use super::horizontal::{Packed, convolve_row, edge_columns, packed};
-use super::lanes::whole_blocks;
+use super::lanes::{BLOCK, whole_blocks};
 use super::vertical::{Band, Sink, edge_rows, inner_rows};
+use crate::plane::aligned::Aligned;
 use crate::plane::tile::{Region, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -34,10 +35,11 @@ impl Lines for Tile {
 /// Space for what lies between the passes; reused, so that filtering does not allocate.
 #[derive(Debug, Default)]
 pub struct FilterScratch {
-    line: Vec<f32>,
+    line: Aligned,
     /// For each level, a ring of the rows that the second pass reads.
-    bands: Vec<Vec<f32>>,
-    level: Vec<f32>,
+    bands: Vec<Aligned>,
+    /// A block of columns of the level before.
+    level: Aligned,
 }
 
 /// What one call of [`filter_tile`] works on.
@@ -100,10 +102,10 @@ impl<L: Lines + ?Sized> WithSimd for Job<'_, L> {
         let radius = self.along_v.radius;
         let band_rows = (BATCH_ROWS + 2 * radius).min(self.along_v.n);
         let FilterScratch { line, bands, level } = &mut *self.scratch;
-        bands.resize_with(self.along_u.levels.len(), Vec::new);
-        bands.iter_mut().for_each(|band| grow(band, band_rows * self.stride));
-        grow(line, self.stride + 2 * self.along_u.radius);
-        grow(level, MOST_ROWS * self.stride);
+        bands.resize_with(self.along_u.levels.len(), Aligned::default);
+        bands.iter_mut().for_each(|band| band.grow(band_rows * self.stride));
+        line.grow(self.stride + 2 * self.along_u.radius);
+        level.grow(BATCH_ROWS * BLOCK);
         self.band_rows = band_rows;
         let mut made = self.along_v.inputs(&rows).start;
         let mut start = rows.start;
@@ -118,12 +120,6 @@ impl<L: Lines + ?Sized> WithSimd for Job<'_, L> {
             (self.batch_done)(self.differences, batch.clone());
             start = batch.end;
         }
-    }
-}
-
-fn grow(buffer: &mut Vec<f32>, len: usize) {
-    if buffer.len() < len {
-        buffer.resize(len, 0.0);
     }
 }
 
@@ -153,7 +149,7 @@ impl<L: Lines + ?Sized> Job<'_, L> {
             }
             convolve_row(simd, group, line, reach, &mut out[..group.levels.len()]);
         }
-        if columns.start < self.along_u.inner.start || columns.end > self.along_u.inner.end {
+        if columns.start < reach || columns.end + reach > self.along_u.n {
             for (weights, band) in self.along_u.levels.iter().zip(bands) {
                 edge_columns(simd, weights, columns, line, reach, &mut band[here.clone()]);
             }
@@ -165,43 +161,67 @@ impl<L: Lines + ?Sized> Job<'_, L> {
     fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>) {
         // As many rows as there are registers for.
         let most = if S::F32_LANES >= 16 { MOST_ROWS } else { MOST_ROWS / 2 };
-        for (section, part) in self.along_v.sections(batch) {
-            let mut first = part.start;
-            while first < part.end {
-                let left = part.end - first;
-                let rows = if left >= most { most } else { 1 << left.ilog2() };
-                for index in 0..self.along_v.levels.len() {
-                    match rows {
-                        8 => self.level_rows::<S, 8>(simd, section, index, first),
-                        4 => self.level_rows::<S, 4>(simd, section, index, first),
-                        2 => self.level_rows::<S, 2>(simd, section, index, first),
-                        _ => self.level_rows::<S, 1>(simd, section, index, first),
+        for block in (0..self.stride).step_by(BLOCK) {
+            for index in 0..self.along_v.levels.len() {
+                for (section, part) in self.along_v.levels[index].sections(batch, self.along_v.n) {
+                    let mut first = part.start;
+                    while first < part.end {
+                        let left = part.end - first;
+                        let rows = if left >= most { most } else { 1 << left.ilog2() };
+                        let place = Place { section, index, batch_start: batch.start, first, block };
+                        match rows {
+                            8 => self.level_rows::<S, 8>(simd, place),
+                            4 => self.level_rows::<S, 4>(simd, place),
+                            2 => self.level_rows::<S, 2>(simd, place),
+                            _ => self.level_rows::<S, 1>(simd, place),
+                        }
+                        first += rows;
                     }
                 }
-                first += rows;
+                self.keep_block(index, batch, block);
             }
         }
     }
 
+    /// A few rows of a block of columns.
     #[inline(always)]
-    fn level_rows<S: Simd, const ROWS: usize>(&mut self, simd: S, section: Section, index: usize, first: usize) {
-        let stride = self.stride;
+    fn level_rows<S: Simd, const ROWS: usize>(&mut self, simd: S, place: Place) {
+        let Place { section, index, batch_start, first, block } = place;
         let FilterScratch { bands, level, .. } = &mut *self.scratch;
-        let band = Band { data: &bands[index], rows: self.band_rows, stride };
+        let band = Band { data: &bands[index], rows: self.band_rows, stride: self.stride };
         let weights = &self.along_v.levels[index];
         let difference = index.checked_sub(1).map(|i| self.differences[i].rows_from_mut(first, ROWS));
-        let mut sink = Sink { level: &mut level[..ROWS * stride], difference };
+        let mut sink = Sink { level: &mut level[(first - batch_start) * BLOCK..][..ROWS * BLOCK], difference };
         match section {
-            Section::Inner => {
-                inner_rows::<S, ROWS>(simd, &weights.half, band, first, &mut sink);
-            }
-            Section::Head => edge_rows::<S, ROWS>(simd, &weights.head, band, first, &mut sink),
-            Section::Tail => edge_rows::<S, ROWS>(simd, &weights.tail, band, first, &mut sink),
-        }
-        if let Some((_, tile)) = self.keep.as_mut().filter(|(kept, _)| *kept == index) {
-            tile.rows_from_mut(first, ROWS).copy_from_slice(&level[..ROWS * stride]);
+            Section::Inner => inner_rows::<S, ROWS>(simd, &weights.half, band, first, block, &mut sink),
+            Section::Head => edge_rows::<S, ROWS>(simd, &weights.head, band, first, block, &mut sink),
+            Section::Tail => edge_rows::<S, ROWS>(simd, &weights.tail, band, first, block, &mut sink),
         }
     }
+
+    /// Copies a block of columns of a finished level to where it is wanted itself.
+    fn keep_block(&mut self, index: usize, batch: &Range<usize>, block: usize) {
+        if let Some((_, tile)) = self.keep.as_mut().filter(|(kept, _)| *kept == index) {
+            let out = tile.rows_from_mut(batch.start, batch.len()).chunks_exact_mut(self.stride);
+            for (out, made) in out.zip(self.scratch.level.chunks_exact(BLOCK)) {
+                out[block..block + BLOCK].copy_from_slice(made);
+            }
+        }
+    }
+}
+
+/// Which rows of a level are made.
+#[derive(Clone, Copy)]
+struct Place {
+    section: Section,
+    /// The level.
+    index: usize,
+    /// First row of the batch.
+    batch_start: usize,
+    /// First row.
+    first: usize,
+    /// First column of the block, within the tile.
+    block: usize,
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! [`BLOCK`](super::lanes::BLOCK) columns stay in vector registers.
 
 use super::edge::{Axis, Dense, Weights};
-use super::lanes::{BLOCK, load, store};
+use super::lanes::{VECTOR, load, store};
 use pulp::Simd;
 use std::ops::Range;
 
@@ -62,30 +62,33 @@ fn convolve<S: Simd, const L: usize>(simd: S, group: &Packed, line: &[f32], reac
     let lanes = S::F32_LANES;
     for start in (0..columns).step_by(2 * lanes) {
         let at = reach + start;
+        let radius = radii[L - 1];
         let mut acc = [[simd.splat_f32s(0.0); 2]; L];
         let centre = [load::<S>(line, at), load::<S>(line, at + lanes)];
         for (acc, &tap) in acc.iter_mut().zip(&group.taps[..L]) {
             let tap = simd.splat_f32s(tap);
             *acc = [simd.mul_f32s(tap, centre[0]), simd.mul_f32s(tap, centre[1])];
         }
-        let mut distance = 1;
+        // At each distance, the pixels before and behind and the taps of all levels. Iterators need no test of bounds in the loop.
+        let before = line[at - radius..at + 2 * lanes - 1].windows(2 * lanes).rev();
+        let behind = line[at + 1..at + 2 * lanes + radius].windows(2 * lanes);
+        let mut distances = before.zip(behind).zip(group.taps[L..].chunks_exact(L));
         // The levels from `$first` on reach beyond the radius of the one before it.
         macro_rules! until_radius_of {
             ($($first:literal)*) => {$(
                 if $first < L {
-                    while distance <= radii[$first] {
-                        let taps: &[f32; L] =
-                            group.taps[distance * L..][..L].try_into().expect("one tap a level");
+                    let count = radii[$first] - if $first == 0 { 0 } else { radii[$first.max(1) - 1] };
+                    for ((before, behind), taps) in distances.by_ref().take(count) {
                         let sum = [
-                            simd.add_f32s(load::<S>(line, at - distance), load::<S>(line, at + distance)),
-                            simd.add_f32s(load::<S>(line, at + lanes - distance), load::<S>(line, at + lanes + distance)),
+                            simd.add_f32s(load::<S>(before, 0), load::<S>(behind, 0)),
+                            simd.add_f32s(load::<S>(before, lanes), load::<S>(behind, lanes)),
                         ];
+                        let taps: &[f32; L] = taps.try_into().expect("one tap a level");
                         for level in $first..L {
                             let tap = simd.splat_f32s(taps[level]);
                             acc[level][0] = simd.mul_add_f32s(tap, sum[0], acc[level][0]);
                             acc[level][1] = simd.mul_add_f32s(tap, sum[1], acc[level][1]);
                         }
-                        distance += 1;
                     }
                 }
             )*};
@@ -127,27 +130,25 @@ fn edge<S: Simd>(
     out: &mut [f32],
 ) {
     let lanes = S::F32_LANES;
+    let inputs = dense.inputs(mine);
+    let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
+    let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..][..pixels.len() * dense.stride];
     let first = dense.outs.start;
-    for start in (0..dense.outs.len()).step_by(BLOCK) {
-        let outs = first + start..(first + start + BLOCK).min(dense.outs.end);
+    for start in (0..dense.outs.len()).step_by(lanes) {
+        let outs = first + start..(first + start + lanes).min(dense.outs.end);
         let part = outs.start.max(mine.start)..outs.end.min(mine.end);
         if part.is_empty() {
             continue;
         }
-        let mut made = [0.0f32; BLOCK];
-        let inputs = dense.inputs(&part);
-        let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
-        let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..];
-        for vector in (0..BLOCK).step_by(2 * lanes) {
-            let mut acc = [simd.splat_f32s(0.0); 2];
-            for (&pixel, row) in pixels.iter().zip(weights.chunks_exact(dense.stride)) {
-                let (pixel, row) = (simd.splat_f32s(pixel), &row[start + vector..][..2 * lanes]);
-                acc[0] = simd.mul_add_f32s(pixel, load::<S>(row, 0), acc[0]);
-                acc[1] = simd.mul_add_f32s(pixel, load::<S>(row, lanes), acc[1]);
+        // Two sums, so that one need not wait for the other.
+        let mut acc = [simd.splat_f32s(0.0); 2];
+        for (pixels, rows) in pixels.chunks(2).zip(weights.chunks(2 * dense.stride)) {
+            for (i, (&pixel, row)) in pixels.iter().zip(rows.chunks_exact(dense.stride)).enumerate() {
+                acc[i] = simd.mul_add_f32s(simd.splat_f32s(pixel), load::<S>(row, start), acc[i]);
             }
-            store::<S>(&mut made, vector, acc[0]);
-            store::<S>(&mut made, vector + lanes, acc[1]);
         }
+        let mut made = [0.0f32; VECTOR];
+        store::<S>(&mut made, 0, simd.add_f32s(acc[0], acc[1]));
         out[part.start - columns.start..part.end - columns.start]
             .copy_from_slice(&made[part.start - outs.start..part.end - outs.start]);
     }

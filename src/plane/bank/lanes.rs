@@ -5,6 +5,9 @@ use pulp::Simd;
 /// Columns that are made together: two vectors of the widest kind, a whole number of any kind.
 pub(super) const BLOCK: usize = 32;
 
+/// Values of the widest kind of vector.
+pub(super) const VECTOR: usize = 16;
+
 /// `n` rounded up to whole blocks.
 pub(super) fn whole_blocks(n: usize) -> usize {
     n.next_multiple_of(BLOCK)

@@ -34,9 +34,6 @@ pub struct FilterBank {
     /// Which levels of the chain are made.
     wanted: Range<usize>,
     kernels: Vec<Kernel>,
-    /// Pixels from a border within which a value is made with the chain's own weights: the largest radius of the whole chain, so that a level has the same bits
-    /// whichever others are made with it.
-    border: usize,
     /// The weights near a border that is far from the opposite one.
     edges: Edges,
 }
@@ -44,11 +41,9 @@ pub struct FilterBank {
 impl FilterBank {
     /// Filters for the levels `wanted` of `chain`: level `i` is the input blurred by `chain[0]` … `chain[i]` in turn.
     pub fn new(chain: Vec<GaussianKernel>, wanted: Range<usize>) -> Self {
-        let mut all = kernel::composed(&chain, LEVEL_CUT);
-        let border = all.iter().map(Kernel::radius).max().unwrap_or(0);
-        let kernels: Vec<Kernel> = all.drain(wanted.clone()).collect();
-        let edges = Edges::far_apart(&chain, &wanted, &kernels, border);
-        Self { chain, wanted, kernels, border, edges }
+        let kernels: Vec<Kernel> = kernel::composed(&chain, LEVEL_CUT).drain(wanted.clone()).collect();
+        let edges = Edges::far_apart(&chain, &wanted, &kernels);
+        Self { chain, wanted, kernels, edges }
     }
 
     /// How many levels it makes.

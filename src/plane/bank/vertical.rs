@@ -1,10 +1,10 @@
 //! The pass along the columns: a few rows of one level at once, and their difference from the level before.
 //!
 //! The rows above and below that belong to the next distance from the centre are mostly those that already lie in registers, one place further; each
-//! step loads only two.
+//! step loads only two. Columns are taken a block at a time, so that all rows which a batch reads there stay in the first cache.
 
 use super::edge::Dense;
-use super::lanes::{load, store};
+use super::lanes::{BLOCK, load, store};
 use pulp::Simd;
 
 /// The rows of one level that the pass reads: a ring, in which row `v` of the image is row `v % rows` of the data.
@@ -27,37 +27,41 @@ impl Band<'_> {
     }
 }
 
-/// Where a few finished rows go. All rows have the same stride.
+/// Where a few finished rows of a block of columns go.
 pub(super) struct Sink<'a> {
-    /// The level's rows; before, those of the level before it.
+    /// The level's rows, [`BLOCK`] apart; before, those of the level before it.
     pub level: &'a mut [f32],
-    /// The rows of their difference, for all levels but the first.
+    /// The rows of their difference, for all levels but the first; as far apart as the band's.
     pub difference: Option<&'a mut [f32]>,
 }
 
 impl Sink<'_> {
+    /// Column `within` of the block and `column` of the tile, in row `row`.
     #[inline(always)]
-    fn put<S: Simd>(&mut self, simd: S, at: usize, value: S::f32s) {
+    fn put<S: Simd>(&mut self, simd: S, row: usize, (column, within): (usize, usize), stride: usize, value: S::f32s) {
+        let at = row * BLOCK + within;
         if let Some(difference) = self.difference.as_deref_mut() {
-            store::<S>(difference, at, simd.sub_f32s(value, load::<S>(self.level, at)));
+            store::<S>(difference, row * stride + column, simd.sub_f32s(value, load::<S>(self.level, at)));
         }
         store::<S>(self.level, at, value);
     }
 }
 
-/// `ROWS` rows away from the borders, from row `first` on.
+/// `ROWS` rows away from the borders, from row `first` on; the block of columns that begins at `block`.
 #[inline(always)]
 pub(super) fn inner_rows<S: Simd, const ROWS: usize>(
     simd: S,
     half: &[f32],
     band: Band<'_>,
     first: usize,
+    block: usize,
     sink: &mut Sink<'_>,
 ) {
     let middle = simd.splat_f32s(half[0]);
     let (stride, data) = (band.stride, band.data);
     let first = first % band.rows;
-    for column in (0..stride).step_by(S::F32_LANES) {
+    for within in (0..BLOCK).step_by(S::F32_LANES) {
+        let column = block + within;
         let mut above = [middle; ROWS];
         let mut acc = [middle; ROWS];
         let (mut upper, mut lower) = (first, first);
@@ -99,24 +103,26 @@ pub(super) fn inner_rows<S: Simd, const ROWS: usize>(
             step!();
         }
         for (i, &value) in acc.iter().enumerate() {
-            sink.put(simd, i * stride + column, value);
+            sink.put(simd, i, (column, within), stride, value);
         }
     }
 }
 
-/// `ROWS` rows near a border, from row `first` on.
+/// `ROWS` rows near a border, from row `first` on; the block of columns that begins at `block`.
 #[inline(always)]
 pub(super) fn edge_rows<S: Simd, const ROWS: usize>(
     simd: S,
     dense: &Dense,
     band: Band<'_>,
     first: usize,
+    block: usize,
     sink: &mut Sink<'_>,
 ) {
     let (stride, data) = (band.stride, band.data);
     let inputs = dense.inputs(&(first..first + ROWS));
     let out = first - dense.outs.start;
-    for column in (0..stride).step_by(S::F32_LANES) {
+    for within in (0..BLOCK).step_by(S::F32_LANES) {
+        let column = block + within;
         let mut acc = [simd.splat_f32s(0.0); ROWS];
         let mut place = inputs.start % band.rows;
         for input in inputs.clone() {
@@ -128,7 +134,7 @@ pub(super) fn edge_rows<S: Simd, const ROWS: usize>(
             }
         }
         for (i, &value) in acc.iter().enumerate() {
-            sink.put(simd, i * stride + column, value);
+            sink.put(simd, i, (column, within), stride, value);
         }
     }
 }

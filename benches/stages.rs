@@ -1,0 +1,97 @@
+//! The stages of a detection and the whole of it, measured by criterion: pictures on ten frames of 1600×1200, whole searches on 800×600.
+//!
+//!     cargo bench --bench stages
+//!     cargo bench --bench stages -- search      (only those whose name has it)
+
+mod common;
+
+use burstscope::detector::noise_estimate::frame_noise;
+use burstscope::detector::view::{dog_view, stack_view};
+use burstscope::detector::{DetectorParams, Method, Slope, SlopeGrid};
+use burstscope::{Burst, Monitor, Plane, detect};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::time::Duration;
+
+fn line(peak_threshold: f32) -> DetectorParams {
+    DetectorParams { octaves: 16, levels: 3, peak_threshold, ..DetectorParams::default() }
+}
+
+fn plane(peak_threshold: f32) -> DetectorParams {
+    DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), ..line(peak_threshold) }
+}
+
+/// What the window asks for while the hand moves, beside a copy of the burst.
+fn pictures(c: &mut Criterion) {
+    let burst = common::burst(1600, 1200);
+    let (params, quiet) = (line(0.0015), Monitor::default());
+    let slope = Slope::new(1.3, -0.7);
+    let mut group = c.benchmark_group("picture");
+    let mut copies: Vec<Plane> = burst.frames.iter().map(|frame| (**frame).clone()).collect();
+    group.bench_function("copy of the burst", |b| {
+        b.iter(|| {
+            copies.iter_mut().zip(&burst.frames).for_each(|(to, from)| to.data_mut().copy_from_slice(from.data()));
+            black_box(&copies);
+        });
+    });
+    group.bench_function("noise estimate", |b| b.iter(|| frame_noise(&burst, 0..burst.len(), &quiet)));
+    group.bench_function("motion-stack image", |b| b.iter(|| stack_view(&burst, &params, slope, &quiet)));
+    for octave in [0, 2] {
+        group.bench_with_input(BenchmarkId::new("DoG", octave), &octave, |b, &octave| {
+            b.iter(|| dog_view(&burst, &params, slope, octave, 1, &quiet));
+        });
+    }
+    group.finish();
+}
+
+/// Whole detections: what is searched, and how much is described (a high threshold leaves next to nothing to describe).
+fn searches(c: &mut Criterion) {
+    let burst = common::burst(800, 600);
+    let quiet = Monitor::default();
+    let run = |burst: &Burst, params: &DetectorParams| detect(burst, params, &quiet).expect("valid parameters");
+    let mut group = c.benchmark_group("search");
+    group.sample_size(10).measurement_time(Duration::from_secs(4));
+    let one_frame = DetectorParams { method: Method::Sift, ..line(0.0015) };
+    let doubled = DetectorParams { first_octave: -1, ..line(0.0015) };
+    for (name, params) in [
+        ("one frame", one_frame),
+        ("1D", line(0.0015)),
+        ("1D, nothing described", line(0.5)),
+        ("1D, first octave -1", doubled),
+        ("2D", plane(0.0015)),
+        ("2D, nothing described", plane(0.5)),
+    ] {
+        group.bench_function(name, |b| b.iter(|| run(&burst, &params)));
+    }
+    group.finish();
+}
+
+/// How the time grows with frames, pixels and slopes.
+fn growth(c: &mut Criterion) {
+    let quiet = Monitor::default();
+    let mut group = c.benchmark_group("growth");
+    group.sample_size(10).measurement_time(Duration::from_secs(3));
+    let burst = common::burst(800, 600);
+    for frames in [5, 10] {
+        let some = Burst { frames: burst.frames[..frames].to_vec(), ..burst.clone() };
+        group.bench_with_input(BenchmarkId::new("frames", frames), &some, |b, some| {
+            b.iter(|| detect(some, &line(0.0015), &quiet));
+        });
+    }
+    for slopes in [1, 3, 7, 13] {
+        let params = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, slopes), ..line(0.0015) };
+        group.bench_with_input(BenchmarkId::new("slopes", slopes), &params, |b, params| {
+            b.iter(|| detect(&burst, params, &quiet));
+        });
+    }
+    for (width, height) in [(400, 300), (800, 600), (1600, 1200)] {
+        let sized = common::burst(width, height);
+        group.bench_with_input(BenchmarkId::new("pixels", width * height), &sized, |b, sized| {
+            b.iter(|| detect(sized, &line(0.0015), &quiet));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, pictures, searches, growth);
+criterion_main!(benches);

@@ -1,0 +1,60 @@
+//! Numbers that begin where a cache line does.
+//!
+//! A vector of the widest kind is as long as a cache line. Where rows begin at cache lines no vector of theirs touches two of them, which would take twice as long.
+
+use std::ops::{Deref, DerefMut};
+
+/// A cache line of numbers.
+#[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+struct Line([f32; 16]);
+
+/// A growing buffer of `f32` whose first one lies at the start of a cache line.
+#[derive(Debug, Clone, Default)]
+pub struct Aligned {
+    lines: Vec<Line>,
+}
+
+impl Aligned {
+    /// Makes room for at least `len` numbers; those that are there stay, new ones are 0.
+    pub fn grow(&mut self, len: usize) {
+        let lines = len.div_ceil(16);
+        if self.lines.len() < lines {
+            self.lines.resize(lines, Line::default());
+        }
+    }
+}
+
+impl Deref for Aligned {
+    type Target = [f32];
+
+    #[inline]
+    fn deref(&self) -> &[f32] {
+        bytemuck::cast_slice(&self.lines)
+    }
+}
+
+impl DerefMut for Aligned {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [f32] {
+        bytemuck::cast_slice_mut(&mut self.lines)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buffers_begin_at_cache_lines_and_keep_what_they_hold() {
+        let mut buffer = Aligned::default();
+        for len in [1, 16, 17, 5000, 3] {
+            buffer.grow(len);
+            assert!(buffer.len() >= len);
+            assert_eq!(buffer.as_ptr() as usize % 64, 0);
+            buffer[0] = 7.0;
+        }
+        assert_eq!(buffer[0], 7.0);
+        assert_eq!(buffer[4999], 0.0);
+    }
+}
