@@ -2,8 +2,8 @@
 
 use super::describe::{GradientPatch, gradient_radius, span};
 use super::feature::{Descriptor, Feature};
-use super::hat::{Answer, Pixels};
-use super::locate::{FARTHEST_MOVE_PX, Neighbours, hat_radius, hat_reach, place, slope_steps};
+use super::hat::{Answer, Hat, PixelView};
+use super::locate::{FARTHEST_MOVE_PX, Neighbours, hat_reach, place, rim_radius, slope_steps};
 use super::motion::{FrameOffset, interpolation_blur};
 use super::octave::Base;
 use super::params::{DetectorParams, Localisation};
@@ -78,10 +78,10 @@ impl Around<'_> {
         }
     }
 
-    fn pixels(&self) -> Pixels<'_> {
+    fn pixels(&self) -> PixelView<'_> {
         match self {
             Self::Made(patch) => patch.pixels(),
-            Self::Level(plane) => Pixels { plane, left: 0, top: 0 },
+            Self::Level(plane) => PixelView::of(plane),
         }
     }
 }
@@ -93,10 +93,17 @@ struct Around3x3<'d, 'a> {
     own: (usize, usize),
     /// The place, octave pixels.
     at: (f64, f64),
-    radius: f64,
+    /// The radius of its rim, octave pixels.
+    rim: f64,
+    hat: Hat,
 }
 
 impl Around3x3<'_, '_> {
+    fn answered(&self, pixels: &PixelView<'_>) -> Answer {
+        let radius = self.hat.on_rim(self.rim);
+        pixels.hat(&self.hat, radius, self.at, pixels.ground(radius, self.at))
+    }
+
     fn index(&self, di: i32, dj: i32) -> Option<usize> {
         let grid = &self.describing.grid;
         let i = self.own.0.checked_add_signed(di as isize).filter(|&i| i < grid.u.count)?;
@@ -108,9 +115,9 @@ impl Around3x3<'_, '_> {
 impl Neighbours for Around3x3<'_, '_> {
     fn answer(&self, di: i32, dj: i32) -> Option<Answer> {
         let base = (self.describing.base)(self.index(di, dj)?);
-        let around = Around::of(&base, self.describing.size, self.at, hat_reach(self.radius, 0));
-        let pixels = around.pixels();
-        Some(pixels.hat(self.radius, self.at, pixels.ground(self.radius, self.at)))
+        let radius = self.hat.on_rim(self.rim);
+        let around = Around::of(&base, self.describing.size, self.at, radius.ceil() as usize + 1);
+        Some(self.answered(&around.pixels()))
     }
 
     fn blur(&self, di: i32, dj: i32) -> (f64, f64) {
@@ -127,23 +134,24 @@ impl Describing<'_> {
             return *keypoint;
         }
         let sigma = f64::from(keypoint.sigma_octave);
-        let radius = hat_radius(sigma, self.space.levels);
+        let rim = rim_radius(sigma, self.space.levels);
         let at = (f64::from(keypoint.x), f64::from(keypoint.y));
         let placed = match self.finer {
-            None => place(&raw.pixels(), at, radius, FARTHEST_MOVE_PX as f64),
+            None => place(&raw.pixels(), at, rim, FARTHEST_MOVE_PX as f64),
             Some(finer) => {
-                let (at, radius) = ((2.0 * at.0, 2.0 * at.1), 2.0 * radius);
+                let (at, rim) = ((2.0 * at.0, 2.0 * at.1), 2.0 * rim);
                 let size = octave_size(self.size_image, self.octave - 1);
-                let around = Around::of(&finer(keypoint.slope_index), size, at, hat_reach(radius, 2));
-                place(&around.pixels(), at, radius, 2.0 * FARTHEST_MOVE_PX as f64).map(|(x, y)| (0.5 * x, 0.5 * y))
+                let around = Around::of(&finer(keypoint.slope_index), size, at, hat_reach(rim, 2));
+                place(&around.pixels(), at, rim, 2.0 * FARTHEST_MOVE_PX as f64)
+                    .map(|((x, y), hat)| ((0.5 * x, 0.5 * y), hat))
             }
         };
-        let Some(at) = placed else {
+        let Some((at, hat)) = placed else {
             return *keypoint;
         };
         let own = self.grid.coordinates(keypoint.slope_index);
-        let here = raw.pixels().hat(radius, at, raw.pixels().ground(radius, at));
-        let (i, j) = slope_steps(&here, &Around3x3 { describing: self, own, at, radius });
+        let slopes = Around3x3 { describing: self, own, at, rim, hat };
+        let (i, j) = slope_steps(&slopes.answered(&raw.pixels()), &slopes);
         Keypoint {
             x: at.0 as f32,
             y: at.1 as f32,
@@ -178,12 +186,11 @@ impl Describing<'_> {
         let kernel = GaussianKernel::with_cut(blur, self.space.kernel_cut);
         let wanted_sigma = f64::from(keypoint.sigma_octave);
         let reach = (scale_peak::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
-            .max(hat_reach(hat_radius(wanted_sigma, self.space.levels), 1))
+            .max(hat_reach(rim_radius(wanted_sigma, self.space.levels), 1))
             .max(gradient_radius(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
         let made = |x: f32, y: f32, reach: usize| base.patch(size, span(x, reach, size.0), span(y, reach, size.1));
         let mut raw = made(keypoint.x, keypoint.y, reach);
-        let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
-            self.located(keypoint, &raw, from);
+        let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } = self.located(keypoint, &raw, from);
         // A scale that grew much needs a larger patch.
         let needed = gradient_radius(sigma) + kernel.radius();
         if needed + FARTHEST_MOVE_PX > reach {

@@ -3,14 +3,15 @@
 //! The quadratic fit of [`super::refine`] looks at 27 samples of D one octave pixel apart. That leaves errors of a tenth of an input pixel even
 //! without noise, and the long tails of D's Gaussians let neighbours pull. So, from the fit on:
 //!
-//! - **Place**: the extremum of the [hat](super::hat) whose zero lies where D's own scale puts a blob's rim, by Newton's steps on the pixels of the feature's own slope. The octave before
-//!   is used where there is one: its pixels are sharper.
+//! - **Place**: the extremum of a [hat](super::hat) whose zero lies where D's own scale puts a blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the hat
+//!   for blobs with a rim and the soft one, which resembles D, the one is taken that promises the smaller error: its noise over its curvature here. That is the
+//!   former for discs, crowded or not, and the latter for most of what a photograph holds. The octave before is used where there is one: its pixels are sharper.
 //! - **Scale**: the largest |D| at that place ([`super::scale_peak`]).
 //! - **Slope**: the hat's answers at that place at the neighbouring slopes, and the peak of the parabola through their logarithms. Frames that
 //!   are shifted by a fraction f of a pixel are blurred by linear interpolation, with variance f(1 − f), which makes slopes of whole pixels answer more strongly than others:
 //!   a bias of up to 0.03 px/frame. A blur of variance τ changes an answer by τ/2 times its second derivative, so it is taken off.
 
-use super::hat::{Answer, Pixels, ZERO_AT};
+use super::hat::{Answer, Hat, PixelView, RIM, SOFT};
 use super::refine::{peak_offset, peak_offset_2d};
 
 /// A place that moves farther than this from the quadratic fit, in octave pixels, is not the same extremum.
@@ -20,33 +21,51 @@ const MAX_STEPS: usize = 6;
 /// Steps shorter than this, in pixels, are the last.
 const SHORT_PX: f64 = 2e-3;
 
-/// The radius of the hat for a feature of scale `sigma` found with `levels` levels an octave, in the units of `sigma`: its zero lies on the rim of the disc that
-/// D answers most strongly at that scale.
-pub fn hat_radius(sigma: f64, levels: usize) -> f64 {
+/// The radius of the rim that a feature of scale `sigma` found with `levels` levels an octave has, in the units of `sigma`: that of the disc which D answers most
+/// strongly at that scale.
+pub fn rim_radius(sigma: f64, levels: usize) -> f64 {
     let k2 = 2f64.powf(2.0 / levels as f64);
-    sigma * (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt() / ZERO_AT
+    sigma * (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
 }
 
-/// How far around a feature the pixels for a hat of `radius` must reach, when `unit` of them make an octave pixel.
-pub fn hat_reach(radius: f64, unit: usize) -> usize {
-    radius.ceil() as usize + FARTHEST_MOVE_PX * unit + 1
+impl Hat {
+    /// The radius of the hat whose zero lies on a rim of radius `rim`.
+    pub fn on_rim(&self, rim: f64) -> f64 {
+        rim / self.zero_at
+    }
+
+    /// The error that noise makes of a place, up to a factor that all hats share; infinite where there is no peak.
+    fn error(&self, answer: &Answer) -> f64 {
+        let sharpness = answer.sharpness();
+        if sharpness > 0.0 { self.gradient_noise / sharpness } else { f64::INFINITY }
+    }
 }
 
-/// The extremum of the answer of a hat of `radius` near (x0, y0), not farther than `farthest`; all in pixels of `pixels`. `None` when there is none.
-pub fn place(pixels: &Pixels<'_>, (x0, y0): (f64, f64), radius: f64, farthest: f64) -> Option<(f64, f64)> {
+/// How far around a feature the pixels must reach for a rim of radius `rim`, when `unit` of them make an octave pixel.
+pub fn hat_reach(rim: f64, unit: usize) -> usize {
+    SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
+}
+
+/// The place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the hat that says so; all in pixels of `pixels`. `None` when
+/// there is none.
+pub fn place(pixels: &PixelView<'_>, start: (f64, f64), rim: f64, farthest: f64) -> Option<((f64, f64), Hat)> {
+    let answer = |hat: &Hat| pixels.hat(hat, hat.on_rim(rim), start, pixels.ground(hat.on_rim(rim), start));
+    // Where there is no rim the hat for rims has little to hold on to, or finds no peak at all.
+    let hats: &[Hat] = if RIM.error(&answer(&RIM)) <= SOFT.error(&answer(&SOFT)) { &[RIM, SOFT] } else { &[SOFT] };
+    hats.iter().find_map(|hat| extremum(pixels, hat, start, hat.on_rim(rim), farthest).map(|at| (at, *hat)))
+}
+
+/// The extremum of the answer of `hat` of `radius` near (x0, y0), not farther than `farthest`.
+fn extremum(pixels: &PixelView<'_>, hat: &Hat, (x0, y0): (f64, f64), radius: f64, farthest: f64) -> Option<(f64, f64)> {
     let (mut x, mut y) = (x0, y0);
-    let mut sign = 0.0;
     let ground = pixels.ground(radius, (x, y));
     for _ in 0..MAX_STEPS {
-        let Answer { value, gradient: [gu, gv], hessian: [uu, vv, uv] } = pixels.hat(radius, (x, y), ground);
-        if sign == 0.0 {
-            sign = value.signum();
-        }
-        let determinant = uu * vv - uv * uv;
-        // A maximum of a positive answer or a minimum of a negative one.
-        if determinant <= 0.0 || sign * uu >= 0.0 {
+        let answer = pixels.hat(hat, radius, (x, y), ground);
+        if answer.sharpness() <= 0.0 {
             return None;
         }
+        let Answer { gradient: [gu, gv], hessian: [uu, vv, uv], .. } = answer;
+        let determinant = uu * vv - uv * uv;
         let (du, dv) = ((uv * gv - vv * gu) / determinant, (uv * gu - uu * gv) / determinant);
         let length = du.hypot(dv).max(1e-12);
         let damp = (0.1 * radius / length).min(1.0);
@@ -103,8 +122,8 @@ mod tests {
     use crate::plane::Plane;
     use crate::synth::chart::draw_disc;
 
-    fn pixels(plane: &Plane) -> Pixels<'_> {
-        Pixels { plane, left: 0, top: 0 }
+    fn pixels(plane: &Plane) -> PixelView<'_> {
+        PixelView::of(plane)
     }
 
     /// A dark blob of standard deviation `sigma` at (x, y).
@@ -118,7 +137,8 @@ mod tests {
     #[test]
     fn a_blob_is_found_to_a_thousandth_of_a_pixel() {
         for (x, y) in [(40.0, 35.0), (40.3, 34.6), (39.51, 35.49)] {
-            let found = place(&pixels(&blob(2.5, x, y)), (40.2, 34.9), hat_radius(2.5, 3), 1.0).expect("a clean blob");
+            let (found, _) =
+                place(&pixels(&blob(2.5, x, y)), (40.2, 34.9), rim_radius(2.5, 3), 1.0).expect("a clean blob");
             assert!((found.0 - x).abs() < 1e-3 && (found.1 - y).abs() < 1e-3, "{found:?} for {x} {y}");
         }
     }
@@ -128,15 +148,15 @@ mod tests {
         let mut plane = Plane::zeros(80, 70);
         draw_disc(&mut plane, 40.0, 35.0, 6.0, 1.0);
         draw_disc(&mut plane, 58.0, 35.0, 6.0, 1.0);
-        let sigma = 6.0 / (hat_radius(1.0, 4) * ZERO_AT);
-        let found = place(&pixels(&plane), (40.3, 34.9), hat_radius(sigma, 4), 1.0).expect("a disc");
+        let (found, hat) = place(&pixels(&plane), (40.3, 34.9), 6.0, 1.0).expect("a disc");
+        assert_eq!(hat, RIM);
         assert!((found.0 - 40.0).abs() < 1e-3 && (found.1 - 35.0).abs() < 1e-3, "{found:?}");
     }
 
     #[test]
     fn nothing_is_located_on_a_slope_or_beyond_a_pixel() {
         let ramp = Plane::from_fn(80, 70, |u, v| (u + 2 * v) as f32 * 0.003);
-        let at = |plane: &Plane, x: f64| place(&pixels(plane), (x, 35.0), hat_radius(2.5, 3), 1.0);
+        let at = |plane: &Plane, x: f64| place(&pixels(plane), (x, 35.0), rim_radius(2.5, 3), 1.0);
         assert_eq!(at(&ramp, 40.0), None);
         assert_eq!(at(&blob(2.5, 44.0, 35.0), 40.0), None);
     }
@@ -152,7 +172,8 @@ mod tests {
         const HESSIAN: [f64; 3] = [-0.08, -0.05, 0.0];
 
         fn at(&self, di: i32, dj: i32) -> Answer {
-            let d2 = (f64::from(di) - f64::from(self.peak.0)).powi(2) + (f64::from(dj) - f64::from(self.peak.1)).powi(2);
+            let d2 =
+                (f64::from(di) - f64::from(self.peak.0)).powi(2) + (f64::from(dj) - f64::from(self.peak.1)).powi(2);
             let sharp = (-d2 / 8.0).exp();
             let (u, v) = self.blur(di, dj);
             let share = 1.0 + 0.5 * (u * Self::HESSIAN[0] + v * Self::HESSIAN[1]);

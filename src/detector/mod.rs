@@ -2,7 +2,7 @@
 //!
 //! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
 //! (Gaussian levels and their differences D, tile by tile) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
-//! samples) → [`locate`] (on the continuous D) → [`describe`] (orientation, descriptor). [`noise_estimate`] says how noisy a frame is, and
+//! samples) → [`locate`] (place on a [`hat`], [`scale_peak`], slope) → [`describe`] (orientation, descriptor). [`noise_estimate`] says how noisy a frame is, and
 //! [`noise`] how large D must then be. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 

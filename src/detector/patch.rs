@@ -3,7 +3,7 @@
 //! The search leaves nothing behind but keypoints; localisation and description make the little that they need of a feature's own motion-stack image
 //! again, from the frames or from the octave's stored first level.
 
-use super::hat::Pixels;
+use super::hat::PixelView;
 use super::octave::{Base, widened};
 use crate::plane::Plane;
 use crate::plane::blur::{GaussianKernel, blur_rows};
@@ -25,8 +25,8 @@ pub struct RawPatch {
 
 impl RawPatch {
     /// The pixels and where they begin.
-    pub fn pixels(&self) -> Pixels<'_> {
-        Pixels { plane: &self.plane, left: self.left, top: self.top }
+    pub fn pixels(&self) -> PixelView<'_> {
+        PixelView { left: self.left as i64, top: self.top as i64, ..PixelView::of(&self.plane) }
     }
 
     /// Columns `columns` and rows `rows` of the octave, blurred by `kernel`. The patch must reach farther by the kernel's radius, or to the octave's border.

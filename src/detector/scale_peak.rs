@@ -4,8 +4,8 @@
 //! at three close scales around the pyramid's answer, and again around the peak of the parabola through the logarithms until that moves no more.
 //! The scales are the pyramid's: VLFeat's convention, in which the pixels already have a σ of their own.
 
-use super::hat::Pixels;
-use super::locate::hat_radius;
+use super::hat::{PixelView, RIM};
+use super::locate::rim_radius;
 use multiversion::multiversion;
 
 /// Distance of the three scales, as a logarithm.
@@ -20,20 +20,20 @@ const LEAST_VARIANCE: f64 = 0.5;
 const CUT: f64 = 4.0;
 /// Gaussians in a round: two for each of three scales.
 const GAUSSIANS: usize = 6;
-/// Values of a vector register.
-const LANES: usize = 8;
+/// Values whose sums are in registers at once.
+const LANES: usize = 32;
 
-/// Samples of Gaussians of variance `variances` at the whole pixels from `first` on, around `at`.
-fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize) -> Vec<[f32; GAUSSIANS]> {
-    let mut taps = vec![[0.0f32; GAUSSIANS]; count];
-    for (g, &variance) in variances.iter().enumerate() {
+/// Samples of Gaussians of variance `variances` at the whole pixels from `first` on, around `at`: `count` of each, then zeros up to `stride`.
+fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride: usize) -> Vec<f32> {
+    let mut taps = vec![0.0f32; stride * GAUSSIANS];
+    for (taps, variance) in taps.chunks_exact_mut(stride).zip(variances) {
         // Each sample is the one before times a ratio that itself falls by a constant ratio.
         let d = first as f64 - at;
         let mut value = (-0.5 * d * d / variance).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
         let mut ratio = (-(d + 0.5) / variance).exp();
         let fall = (-1.0 / variance).exp();
-        for tap in &mut taps {
-            tap[g] = value as f32;
+        for tap in &mut taps[..count] {
+            *tap = value as f32;
             value *= ratio;
             ratio *= fall;
         }
@@ -41,26 +41,27 @@ fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize) -> Vec<
     taps
 }
 
-/// The sums of pixels under Gaussians whose samples are `along_u` and `along_v`; `lines` are the rows of pixels, each as long as `along_u`, a multiple of
-/// [`LANES`].
+/// The sums of pixels under Gaussians with samples `along_u` and `along_v`, each `stride` long; `lines` are the rows of pixels, as long. `stride` is a
+/// multiple of [`LANES`].
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn weighted_sums(lines: &[f32], along_u: &[[f32; GAUSSIANS]], along_v: &[[f32; GAUSSIANS]]) -> [f64; GAUSSIANS] {
-    let width = along_u.len();
+fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [f64; GAUSSIANS] {
     let mut sums = [0.0f64; GAUSSIANS];
-    for start in (0..width).step_by(LANES) {
-        let mut acc = [[0.0f32; LANES]; GAUSSIANS];
-        for (line, weights) in lines.chunks_exact(width).zip(along_v) {
-            let pixels: &[f32; LANES] = line[start..start + LANES].try_into().expect("whole blocks");
-            for g in 0..GAUSSIANS {
+    for (sum, (along_u, along_v)) in sums.iter_mut().zip(along_u.chunks_exact(stride).zip(along_v.chunks_exact(stride)))
+    {
+        let mut total = [0.0f32; LANES];
+        for (start, along_u) in along_u.chunks_exact(LANES).enumerate() {
+            let mut acc = [0.0f32; LANES];
+            for (line, weight) in lines.chunks_exact(stride).zip(along_v) {
+                let pixels: &[f32; LANES] = line[start * LANES..][..LANES].try_into().expect("a whole block");
                 for l in 0..LANES {
-                    acc[g][l] = weights[g].mul_add(pixels[l], acc[g][l]);
+                    acc[l] = weight.mul_add(pixels[l], acc[l]);
                 }
             }
+            for l in 0..LANES {
+                total[l] = along_u[l].mul_add(acc[l], total[l]);
+            }
         }
-        for g in 0..GAUSSIANS {
-            let block: f32 = (0..LANES).map(|l| acc[g][l] * along_u[start + l][g]).sum();
-            sums[g] += f64::from(block);
-        }
+        *sum = total.iter().map(|&x| f64::from(x)).sum();
     }
     sums
 }
@@ -72,22 +73,18 @@ pub fn reach(sigma: f64, levels: usize) -> usize {
 
 /// The σ around `sigma` at which |D(x, y)| is largest, all in pixels. The pixels have `from` of σ already; D is that of `levels` levels an octave. `None` when
 /// there is no peak within one level.
-pub fn scale_peak(pixels: &Pixels<'_>, (x, y): (f64, f64), sigma: f64, levels: usize, from: f64) -> Option<f64> {
+pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels: usize, from: f64) -> Option<f64> {
     let k = 2f64.powf(1.0 / levels as f64);
     // The Gaussians are cut off where a blob has ended; less its surroundings nothing is lost.
-    let ground = pixels.ground(hat_radius(sigma, levels), (x, y));
-    let (x, y) = (x - pixels.left as f64, y - pixels.top as f64);
+    let ground = pixels.ground(RIM.on_rim(rim_radius(sigma, levels)), (x, y));
     let radius = reach(sigma, levels) as i64;
     let first = (x.round() as i64 - radius, y.round() as i64 - radius);
     let count = 2 * radius as usize + 1;
-    let width = count.next_multiple_of(LANES);
-    let (plane_width, plane_height) = (pixels.plane.width() as i64, pixels.plane.height() as i64);
-    let mut lines = vec![0.0f32; width * count];
-    for (j, line) in lines.chunks_exact_mut(width).enumerate() {
-        let row = pixels.plane.row((first.1 + j as i64).clamp(0, plane_height - 1) as usize);
-        for (i, out) in line[..count].iter_mut().enumerate() {
-            *out = row[(first.0 + i as i64).clamp(0, plane_width - 1) as usize] - ground;
-        }
+    let stride = count.next_multiple_of(LANES);
+    let mut lines = vec![0.0f32; stride * count];
+    for (line, v) in lines.chunks_exact_mut(stride).zip(first.1..) {
+        pixels.line(v, first.0, &mut line[..count]);
+        line[..count].iter_mut().for_each(|x| *x -= ground);
     }
     // The pixels are as smooth as they are: nothing finer can be looked at.
     let finest = 0.5 * (from * from + LEAST_VARIANCE).ln() + STEP;
@@ -98,10 +95,9 @@ pub fn scale_peak(pixels: &Pixels<'_>, (x, y): (f64, f64), sigma: f64, levels: u
             let sigma = (middle + STEP * ((g / 2) as f64 - 1.0)).exp() * if g % 2 == 0 { 1.0 } else { k };
             sigma * sigma - from * from
         });
-        let mut along_u = taps(&variances, x, first.0, count);
-        along_u.resize(width, [0.0; GAUSSIANS]);
-        let along_v = taps(&variances, y, first.1, count);
-        let g = weighted_sums(&lines, &along_u, &along_v);
+        let along_u = taps(&variances, x, first.0, count, stride);
+        let along_v = taps(&variances, y, first.1, count, stride);
+        let g = weighted_sums(&lines, &along_u, &along_v, stride);
         let sign = (g[3] - g[2]).signum();
         let d: [f64; 3] = std::array::from_fn(|i| sign * (g[2 * i + 1] - g[2 * i]));
         if d.iter().any(|d| *d <= 0.0) {
@@ -134,8 +130,8 @@ mod tests {
     use crate::plane::Plane;
     use crate::synth::chart::draw_disc;
 
-    fn pixels(plane: &Plane) -> Pixels<'_> {
-        Pixels { plane, left: 0, top: 0 }
+    fn pixels(plane: &Plane) -> PixelView<'_> {
+        PixelView::of(plane)
     }
 
     #[test]
