@@ -31,7 +31,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Median of the ratio of the times of two pieces of work, done in turns.
 fn ratio(mut work: impl FnMut(), mut other: impl FnMut()) -> (f64, f64) {
-    (work(), other());
+    work();
+    other();
     let turns: Vec<(f64, f64)> = (0..TURNS).map(|_| (seconds(&mut work), seconds(&mut other))).collect();
     (median(turns.iter().map(|(a, b)| a / b).collect()), median(turns.iter().map(|(a, _)| *a).collect()))
 }

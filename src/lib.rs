@@ -41,7 +41,8 @@ pub mod monitor;
 pub mod plane;
 pub mod synth;
 
+pub use baseline::detect;
 pub use burst::Burst;
-pub use detector::{Detection, DetectorParams, Feature, SlopeGrid, detect};
+pub use detector::{Detection, DetectorParams, Feature, SlopeGrid};
 pub use monitor::{Cancelled, Monitor};
 pub use plane::Plane;

@@ -26,6 +26,8 @@ pub struct Progress {
 pub enum Stage {
     /// Reading and decoding files.
     Open,
+    /// Aligning frames and averaging them.
+    Merge,
     /// Estimating the noise of a frame.
     Noise,
     /// Smoothing and stacking frames, filtering over scales and searching one octave.
@@ -49,6 +51,7 @@ impl std::fmt::Display for Stage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Open => f.write_str("Opening frames"),
+            Self::Merge => f.write_str("Merging frames"),
             Self::Noise => f.write_str("Estimating noise"),
             Self::Search { octave } => write!(f, "Searching octave {octave}"),
             Self::Describe => f.write_str("Describing features"),
@@ -87,6 +90,16 @@ impl Monitor {
     /// A monitor with the same cancel flag that reports to nobody: for a part of larger work, which reports progress of its own.
     pub fn silent(&self) -> Self {
         Self { cancel: self.cancel.clone(), listener: None }
+    }
+
+    /// A monitor for a part of larger work: the same cancel flag, and its progress of 0 … 1 is told as `done` to `done + share` of the whole.
+    pub fn part(&self, done: f32, share: f32) -> Self {
+        let listener = self.listener.clone().map(|listener| -> Listener {
+            Arc::new(move |p: Progress| {
+                listener(Progress { fraction: (done + share * p.fraction).clamp(0.0, 1.0), ..p });
+            })
+        });
+        Self { cancel: self.cancel.clone(), listener }
     }
 
     /// Asks the work to stop. It returns [`Cancelled`] at its next check.
@@ -136,6 +149,19 @@ mod tests {
         silent.report(Stage::Evaluate, 0.5);
         silent.cancel();
         assert!(monitor.is_cancelled());
+    }
+
+    #[test]
+    fn a_part_tells_its_progress_as_a_part_of_the_whole() {
+        let heard = Arc::new(std::sync::Mutex::new(Vec::new()));
+        let sink = heard.clone();
+        let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
+        let second_of_four = monitor.part(0.25, 0.25);
+        second_of_four.report(Stage::Noise, 0.0);
+        second_of_four.part(0.5, 0.5).report(Stage::Noise, 1.0);
+        second_of_four.cancel();
+        assert!(monitor.is_cancelled());
+        assert_eq!(*heard.lock().expect("not poisoned"), [0.25, 0.5]);
     }
 
     #[test]

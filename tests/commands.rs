@@ -8,6 +8,8 @@ mod drawing;
 mod interrupting;
 #[path = "commands/making.rs"]
 mod making;
+#[path = "commands/matching.rs"]
+mod matching;
 #[path = "commands/measuring.rs"]
 mod measuring;
 #[path = "commands/real.rs"]

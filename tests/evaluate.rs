@@ -2,7 +2,7 @@
 
 use burstscope::evaluate::figure::roc_svg;
 use burstscope::evaluate::pure_noise::NoiseLevel;
-use burstscope::evaluate::{ChartMethod, ChartReport, ChartStudy, NoiseStudy};
+use burstscope::evaluate::{BurstMethod, ChartReport, ChartStudy, NoiseStudy};
 use burstscope::synth::{ChartParams, Motion};
 use burstscope::{DetectorParams, Monitor, SlopeGrid};
 
@@ -26,7 +26,7 @@ fn small_study() -> ChartStudy {
     }
 }
 
-fn found(report: &ChartReport, method: ChartMethod) -> f64 {
+fn found(report: &ChartReport, method: BurstMethod) -> f64 {
     let row = &report.rows[0];
     row.methods.iter().find(|m| m.method == method).expect("it took part").true_positives.mean
 }
@@ -34,8 +34,10 @@ fn found(report: &ChartReport, method: ChartMethod) -> f64 {
 #[test]
 fn the_burst_search_finds_in_the_dark_what_one_frame_does_not_show() {
     let report = small_study().run(&Monitor::default()).expect("a report");
-    let [frame, mean, one_d, two_d] = ChartMethod::ALL.map(|method| found(&report, method));
-    println!("of 14 discs at SNR 0.6: one frame {frame}, plain mean {mean}, BuFF 1D {one_d}, BuFF 2D {two_d}");
+    let [frame, mean, merge, one_d, two_d] = BurstMethod::ALL.map(|method| found(&report, method));
+    println!(
+        "of 14 discs at SNR 0.6: one frame {frame}, plain mean {mean}, merge {merge}, BuFF 1D {one_d}, BuFF 2D {two_d}"
+    );
     assert!(one_d >= 12.0 && two_d >= 10.0, "{one_d} {two_d}");
     assert!(frame + 4.0 <= one_d && frame < mean && mean < one_d, "{frame} {mean}");
     for method in &report.rows[0].methods {
@@ -51,17 +53,17 @@ fn the_burst_search_finds_in_the_dark_what_one_frame_does_not_show() {
 
 #[test]
 fn motion_across_the_line_needs_the_plane() {
-    let study = ChartStudy { methods: vec![ChartMethod::Buff1d, ChartMethod::Buff2d], ..small_study() };
+    let study = ChartStudy { methods: vec![BurstMethod::Buff1d, BurstMethod::Buff2d], ..small_study() };
     let chart = ChartParams { motion: Motion::TwoD, ..study.chart.clone() };
     let report = ChartStudy { chart, ..study }.run(&Monitor::default()).expect("a report");
-    let (one_d, two_d) = (found(&report, ChartMethod::Buff1d), found(&report, ChartMethod::Buff2d));
+    let (one_d, two_d) = (found(&report, BurstMethod::Buff1d), found(&report, BurstMethod::Buff2d));
     println!("of 14 discs with 2D motion at SNR 0.6: BuFF 1D {one_d}, BuFF 2D {two_d}");
     assert!(two_d >= 10.0 && two_d > one_d, "{one_d} {two_d}");
 }
 
 #[test]
 fn the_report_does_not_depend_on_the_threads() {
-    let study = ChartStudy { seeds: 3, methods: vec![ChartMethod::SiftMean, ChartMethod::Buff1d], ..small_study() };
+    let study = ChartStudy { seeds: 3, methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d], ..small_study() };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| study.run(&Monitor::default()).expect("a report"))
@@ -76,7 +78,7 @@ fn without_the_gate_the_study_sees_below_it() {
     let with = |gate: &str| {
         let noise_gate = gate.parse().expect("a gate");
         let detector = DetectorParams { noise_gate, ..DetectorParams::default() };
-        let study = ChartStudy { detector, seeds: 1, methods: vec![ChartMethod::Buff1d], ..small_study() };
+        let study = ChartStudy { detector, seeds: 1, methods: vec![BurstMethod::Buff1d], ..small_study() };
         study.run(&Monitor::default()).expect("a report").rows[0].methods[0].default_false_features.mean
     };
     assert!(with("3.5") > with("auto") + 5.0);
@@ -88,11 +90,11 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
     let svg = roc_svg(&report.expect("a report"));
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
-    assert_eq!(count("polyline"), 3 * ChartMethod::ALL.len());
+    assert_eq!(count("polyline"), 3 * BurstMethod::ALL.len());
     for words in ["SNR 0.3", "SNR 0.6", "no noise", "false features", "discs found, of 14", "10 % false"] {
         assert!(svg.contains(words), "{words}");
     }
-    assert!(ChartMethod::ALL.iter().all(|m| svg.contains(m.label())));
+    assert!(BurstMethod::ALL.iter().all(|m| svg.contains(m.label())));
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     // All curves lie inside their panels.
     let size = |name| document.root_element().attribute(name).and_then(|x| x.parse::<f64>().ok()).expect("a number");

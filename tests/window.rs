@@ -6,6 +6,10 @@ mod common;
 #[path = "window/support.rs"]
 mod support;
 
+#[path = "window/dataset_matches.rs"]
+mod dataset_matches;
+#[path = "window/datasets.rs"]
+mod datasets;
 #[path = "window/detecting.rs"]
 mod detecting;
 #[path = "window/finding_ones_way.rs"]
@@ -14,7 +18,13 @@ mod finding_ones_way;
 mod keeping;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/methods.rs"]
+mod methods;
 #[path = "window/opening.rs"]
 mod opening;
+#[path = "window/pairs.rs"]
+mod pairs;
 #[path = "window/scrubbing.rs"]
 mod scrubbing;
+#[path = "window/trajectories.rs"]
+mod trajectories;

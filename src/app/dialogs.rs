@@ -4,6 +4,7 @@
 //! person. On a Linux desktop without a portal the system's dialog answers "nothing chosen" at once; nobody cancels that quickly, so then the
 //! path field opens instead.
 
+use super::state::pair::Side;
 use crate::engine::OnUpdate;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
@@ -16,8 +17,24 @@ pub enum Purpose {
     OpenFolder,
     /// Image files.
     OpenFiles,
+    /// A folder of bursts, or a long sequence.
+    OpenDataset,
+    /// A folder that keeps a dataset's features.
+    FeatureFolder,
+    /// An estimated trajectory.
+    OpenEstimate,
+    /// A true trajectory.
+    OpenTruth,
     /// Any path of a burst, typed.
     OpenPath,
+    /// A folder of frames, for the second burst.
+    OpenFolderB,
+    /// Image files, for the second burst.
+    OpenFilesB,
+    /// Any path of a burst, typed, for the second burst.
+    OpenPathB,
+    /// A sharp image of the view of a side: its gold standard.
+    OpenGold(Side),
     /// A session file to restore.
     RestoreSession,
     /// A session file to write.
@@ -45,17 +62,21 @@ pub enum ExportKind {
     Png,
     /// The picture with the features over it.
     Svg,
+    /// The matches as CSV.
+    Matches,
+    /// Both pictures with the matches between them.
+    MatchPicture,
 }
 
 impl ExportKind {
     /// Its file name extension.
     pub fn extension(self) -> &'static str {
         match self {
-            Self::Csv => "csv",
+            Self::Csv | Self::Matches => "csv",
             Self::Colmap => "txt",
             Self::Npz => "npz",
             Self::Tiff => "tiff",
-            Self::Png => "png",
+            Self::Png | Self::MatchPicture => "png",
             Self::Svg => "svg",
         }
     }
@@ -69,6 +90,8 @@ impl ExportKind {
             Self::Tiff => "Export picture as TIFF",
             Self::Png => "Export picture as PNG",
             Self::Svg => "Export figure as SVG",
+            Self::Matches => "Export matches as CSV",
+            Self::MatchPicture => "Export match picture as PNG",
         }
     }
 }
@@ -79,7 +102,16 @@ impl Purpose {
         match self {
             Self::OpenFolder => "Open a folder of frames",
             Self::OpenFiles => "Open image files",
+            Self::OpenDataset => "Open a folder of bursts, or a long sequence",
+            Self::FeatureFolder => "Choose a folder for the dataset's features",
+            Self::OpenEstimate => "Open an estimated trajectory",
+            Self::OpenTruth => "Open a true trajectory",
             Self::OpenPath => "Open a path",
+            Self::OpenFolderB => "Open a folder of frames as B",
+            Self::OpenFilesB => "Open image files as B",
+            Self::OpenPathB => "Open a path as B",
+            Self::OpenGold(Side::A) => "Open the gold standard of A",
+            Self::OpenGold(Side::B) => "Open the gold standard of B",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
             Self::LoadParams => "Load parameters",
@@ -96,9 +128,18 @@ impl Purpose {
     /// What the path field says about itself.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::OpenFolder | Self::OpenFiles | Self::OpenPath => {
-                "A folder of frames, an image, a multi-page TIFF or a .npy stack"
+            Self::OpenFolder
+            | Self::OpenFiles
+            | Self::OpenPath
+            | Self::OpenFolderB
+            | Self::OpenFilesB
+            | Self::OpenPathB
+            | Self::OpenGold(_) => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
+            Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
+            Self::OpenEstimate | Self::OpenTruth => {
+                "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
             }
+            Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
             Self::Export(_) => "The file to write",
@@ -108,8 +149,15 @@ impl Purpose {
     /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::OpenFolder | Self::OpenPath => Vec::new(),
-            Self::OpenFiles => crate::burst::supported_extensions().to_vec(),
+            Self::OpenFolder
+            | Self::OpenDataset
+            | Self::FeatureFolder
+            | Self::OpenEstimate
+            | Self::OpenTruth
+            | Self::OpenPath
+            | Self::OpenFolderB
+            | Self::OpenPathB => Vec::new(),
+            Self::OpenFiles | Self::OpenFilesB | Self::OpenGold(_) => crate::burst::supported_extensions().to_vec(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::Export(kind) => vec![kind.extension()],
         }
@@ -148,8 +196,10 @@ impl FileDialogs for SystemDialogs {
             dialog = dialog.add_filter(question.purpose.title(), &extensions).add_filter("All files", &["*"]);
         }
         match question.purpose {
-            Purpose::OpenFolder => dialog.pick_folder().map(|p| vec![p]),
-            Purpose::OpenFiles => dialog.pick_files(),
+            Purpose::OpenFolder | Purpose::OpenFolderB | Purpose::OpenDataset | Purpose::FeatureFolder => {
+                dialog.pick_folder().map(|p| vec![p])
+            }
+            Purpose::OpenFiles | Purpose::OpenFilesB => dialog.pick_files(),
             purpose if purpose.saves() => dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p]),
             _ => dialog.pick_file().map(|p| vec![p]),
         }

@@ -1,9 +1,12 @@
 //! What the window does with files: asks for them, opens, restores, loads and writes them.
 
+use super::dataset::Which;
 use super::dialogs::{Answer, ExportKind, PathField, Purpose, Question};
 use super::session::Session;
+use super::state::room::Room;
 use super::state::scrub::ViewKind;
 use super::window::BurstscopeApp;
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::BurstSource;
 use std::path::PathBuf;
@@ -32,8 +35,22 @@ impl BurstscopeApp {
                 let is_session = std::fs::read_to_string(one).is_ok_and(|text| Session::from_toml(&text).is_ok());
                 self.use_files(if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }, paths);
             }
+            [one] if self.model.room == Room::Trajectories => {
+                // The first that comes is the estimate, the second the truth; a third takes the place of the estimate.
+                let compared = &self.model.trajectories.compared;
+                let truth = compared.estimate.is_some() && compared.truth.is_none();
+                self.open_trajectory(if truth { Which::Truth } else { Which::Estimate }, one.clone());
+            }
+            _ if self.is_dropped_on_b(ctx) => self.open_second(BurstSource::Paths(paths)),
             _ => self.open(BurstSource::Paths(paths)),
         }
+    }
+
+    /// Whether what is dropped now falls on the pane of the second burst.
+    fn is_dropped_on_b(&self, ctx: &egui::Context) -> bool {
+        let pointer = ctx.input(|i| i.pointer.latest_pos());
+        self.model.room == Room::Pair
+            && self.pair_panels.rect_b.zip(pointer).is_some_and(|(pane, pos)| pane.contains(pos))
     }
 
     /// Asks for files with the system's dialog.
@@ -57,6 +74,7 @@ impl BurstscopeApp {
             Purpose::Export(kind) => {
                 let what = match (kind, self.model.scrub.kind) {
                     (ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz, _) => "features",
+                    (ExportKind::Matches | ExportKind::MatchPicture, _) => "matches",
                     (_, ViewKind::Frame) => "frame",
                     (_, ViewKind::Stack) => "stack",
                     (_, ViewKind::Dog) => "dog",
@@ -70,7 +88,7 @@ impl BurstscopeApp {
     fn folder_of_burst(&self) -> Option<PathBuf> {
         match &self.model.burst.as_ref()?.source {
             BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
-            BurstSource::Demo => None,
+            BurstSource::Demo | BurstSource::DemoLater => None,
         }
     }
 
@@ -78,6 +96,14 @@ impl BurstscopeApp {
         let Some(first) = paths.first().cloned() else { return };
         match purpose {
             Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => self.open(BurstSource::Paths(paths)),
+            Purpose::OpenDataset => self.open_dataset(DatasetSource::of_bursts(paths)),
+            Purpose::OpenEstimate => self.open_trajectory(Which::Estimate, first),
+            Purpose::OpenTruth => self.open_trajectory(Which::Truth, first),
+            Purpose::FeatureFolder => self.use_feature_folder(first),
+            Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
+                self.open_second(BurstSource::Paths(paths));
+            }
+            Purpose::OpenGold(side) => self.open_gold(BurstSource::Paths(paths), side),
             Purpose::RestoreSession => self.restore_session(&first),
             Purpose::LoadParams => self.load_params(&first),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => self.write(purpose, first),
@@ -110,7 +136,7 @@ impl BurstscopeApp {
     }
 
     fn write(&mut self, purpose: Purpose, path: PathBuf) {
-        match super::writing::prepare(purpose, &self.model, self.view) {
+        match super::writing::prepare(purpose, &self.model, self.view, self.pair_panels.view_b) {
             Ok(work) => {
                 self.engine.task(purpose.title(), move || {
                     work(&path)?;

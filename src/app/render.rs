@@ -4,6 +4,7 @@ use super::offscreen::{OffscreenError, render_offscreen};
 use super::settings::Settings;
 use super::state::scrub::ViewKind;
 use super::window::{BurstscopeApp, Startup};
+use crate::dataset::DatasetSource;
 use crate::detector::{DetectorParams, Slope};
 use crate::engine::BurstSource;
 use crate::export::{ExportError, Picture, write_png};
@@ -15,6 +16,10 @@ use std::time::Duration;
 pub struct RenderOptions {
     /// The burst.
     pub source: BurstSource,
+    /// A second burst beside it.
+    pub second: Option<BurstSource>,
+    /// A dataset that is drawn instead, on its first burst.
+    pub dataset: Option<DatasetSource>,
     /// The detector's parameters.
     pub params: DetectorParams,
     /// Columns and rows of the window, in points.
@@ -35,7 +40,7 @@ pub struct RenderOptions {
     pub level: i32,
     /// Whether features are detected and drawn.
     pub detect: bool,
-    /// Whether the strongest feature is selected.
+    /// Whether the strongest feature, or of two bursts its match, is selected.
     pub select_strongest: bool,
     /// How long it may take to open the burst and to detect.
     pub max_duration: Duration,
@@ -45,6 +50,8 @@ impl Default for RenderOptions {
     fn default() -> Self {
         Self {
             source: BurstSource::Demo,
+            second: None,
+            dataset: None,
             params: DetectorParams::default(),
             size_points: (1280.0, 800.0),
             scale: 1.0,
@@ -90,6 +97,8 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     };
     let startup = Startup {
         source: Some(options.source.clone()),
+        second: options.second.clone(),
+        dataset: options.dataset.clone(),
         params: options.params.clone(),
         settings,
         ..Startup::default()
@@ -104,9 +113,13 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         |ctx, _| BurstscopeApp::new(ctx, None, startup),
         |app, ui| {
             app.show(ui);
-            if app.model.burst.is_some() && !placed {
+            let opened = app.model.burst.is_some() && (options.second.is_none() || app.model.pair.b.burst.is_some());
+            if opened && !placed {
                 place(app, options);
                 placed = true;
+            }
+            if options.select_strongest && app.model.pair.selected.is_none() {
+                app.model.pair.selected = app.model.pair.listed.first().copied();
             }
             if options.select_strongest && app.model.selected.is_none() && !app.model.listed.is_empty() {
                 app.model.selected = app.model.listed.first().copied();
@@ -117,13 +130,13 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
                 .errors()
                 .first()
                 .map(|m| m.text.clone())
-                .or_else(|| several(app.choice()))
                 .or_else(|| app.model.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string));
         },
         |app| {
-            let answered =
-                app.model.burst.is_some() || !app.model.messages.errors().is_empty() || !app.choice().is_empty();
-            app.is_settled() && answered
+            let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
+            let answered = app.model.burst.is_some() || failed;
+            let second = options.second.is_none() || app.model.pair.b.burst.is_some() || failed;
+            app.is_settled() && answered && second
         },
     )?;
     if let Some(problem) = problem {
@@ -135,13 +148,6 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     let (width, height) = rendered.image.dimensions();
     write_png(path, Picture::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
     Ok(())
-}
-
-/// What to say when there are several bursts where one was asked for.
-fn several(bursts: &[BurstSource]) -> Option<String> {
-    let names: Vec<String> = bursts.iter().map(BurstSource::label).collect();
-    (!names.is_empty())
-        .then(|| format!("there are {} bursts here, give one of them: {}", names.len(), names.join(", ")))
 }
 
 /// Puts the hand where the options say.
@@ -156,4 +162,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     model.scrub.octave = options.octave.unwrap_or(options.params.first_octave);
     model.scrub.level = options.level;
     model.check_params();
+    if model.pair.b.burst.is_some() {
+        model.bring_hands_together();
+    }
 }

@@ -4,16 +4,56 @@
 //! same bits. The selected feature is then found again by its place.
 
 use super::canvas::{View, overlay::ColourBy};
+use super::dataset::{Dataset, Trajectories};
+use super::state::compare::CompareLook;
 use super::state::filter::{Filter, Order};
 use super::state::look::Look;
+use super::state::pair::{Links, MatchLook, MatchOrder, SavedMatch, Side};
+use super::state::room::Room;
 use super::state::scrub::Scrub;
 use super::state::{BottomTab, Model, SavedSelection};
+use crate::dataset::DatasetSource;
 use crate::detector::DetectorParams;
 use crate::engine::BurstSource;
+use crate::evaluate::poses::Projection;
+use crate::matching::MatchParams;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// The version that this program writes; it reads this and older ones.
 const VERSION: u32 = 1;
+
+/// The dataset of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedDataset {
+    /// Where its bursts come from.
+    pub source: DatasetSource,
+    /// Where its features are kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
+    /// The places of the bursts that were A and B.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub a: Option<usize>,
+    #[allow(missing_docs)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub b: Option<usize>,
+}
+
+/// The trajectories of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedTrajectories {
+    /// Where the estimate is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<PathBuf>,
+    /// Where the truth is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<PathBuf>,
+    /// From which side they were seen.
+    #[serde(default)]
+    pub projection: Projection,
+}
 
 /// What a session file holds. A missing field has its default.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,11 +93,91 @@ pub struct Session {
     /// The selected feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
+    /// The dataset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dataset: Option<SavedDataset>,
+    /// The trajectories.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trajectories: Option<SavedTrajectories>,
+    /// The room that was open.
+    #[serde(default)]
+    pub room: Room,
+    /// The second burst and the matches.
+    #[serde(default)]
+    pub pair: PairSession,
+    /// Which methods were compared, and how.
+    #[serde(default)]
+    pub methods: CompareLook,
+    /// Where the gold standard comes from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gold: Option<BurstSource>,
+}
+
+/// What a session file holds of the second burst and the matches.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PairSession {
+    /// Where the second burst comes from, if one was open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst: Option<BurstSource>,
+    /// Where its gold standard comes from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gold: Option<BurstSource>,
+    /// Whose slope and scale the hand moved.
+    pub active: Side,
+    /// What moved together.
+    pub links: Links,
+    /// The parameters of matching.
+    pub params: MatchParams,
+    /// Where B's hand was.
+    pub scrub: Scrub,
+    /// B's pan and zoom.
+    pub view: View,
+    /// B's ranges and maps, where they were its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub look: Option<Look>,
+    /// How matches looked.
+    pub match_look: MatchLook,
+    /// The table's order.
+    pub order: MatchOrder,
+    /// The selected match.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub selection: Option<SavedMatch>,
+}
+
+impl PairSession {
+    fn of(model: &Model, view_b: View) -> Self {
+        let pair = &model.pair;
+        Self {
+            burst: pair.b.burst.as_ref().map(|open| absolute(&open.source)),
+            gold: gold_source(model, Side::B),
+            active: pair.active,
+            links: pair.links,
+            params: pair.params.clone(),
+            scrub: pair.b.scrub,
+            view: view_b,
+            look: (!pair.links.ranges).then(|| pair.b.look.clone()),
+            match_look: pair.look,
+            order: pair.order,
+            selection: pair.saved_match(),
+        }
+    }
+
+    /// Puts what it holds into the model, whose second burst (if there was one) was just opened. Answers B's view.
+    pub fn apply(&self, model: &mut Model) -> View {
+        let pair = &mut model.pair;
+        (pair.active, pair.links, pair.params) = (self.active, self.links, self.params.clone());
+        (pair.look, pair.order, pair.reselect) = (self.match_look.sanitised(), self.order, self.selection);
+        (pair.b.scrub, pair.b.slope_chosen) = (self.scrub, true);
+        pair.b.look = self.look.clone().unwrap_or_default();
+        model.check_pair();
+        self.view
+    }
 }
 
 impl Session {
     /// The session of what is on show; `None` without a burst.
-    pub fn of(model: &Model, view: View) -> Option<Self> {
+    pub fn of(model: &Model, view: View, view_b: View) -> Option<Self> {
         let burst = model.burst.as_ref()?;
         Some(Self {
             version: VERSION,
@@ -72,6 +192,12 @@ impl Session {
             filter: model.filter,
             order: model.order,
             selection: model.saved_selection(),
+            room: model.room,
+            pair: PairSession::of(model, view_b),
+            methods: model.compare.look.clone(),
+            gold: gold_source(model, Side::A),
+            dataset: model.datasets.open.as_ref().map(saved_dataset),
+            trajectories: saved_trajectories(&model.trajectories),
         })
     }
 
@@ -95,6 +221,9 @@ impl Session {
         }
         session.look.intensity = session.look.intensity.sanitised();
         session.look.response = session.look.response.sanitised();
+        if let Some(look) = &mut session.pair.look {
+            (look.intensity, look.response) = (look.intensity.sanitised(), look.response.sanitised());
+        }
         Ok(session)
     }
 
@@ -109,19 +238,44 @@ impl Session {
         model.colour_by = self.colour_by;
         model.bottom_tab = self.bottom_tab;
         model.reselect = self.selection;
+        model.room = self.room;
+        model.compare.look = self.methods.clone().sanitised();
         model.check_params();
         self.view
     }
 }
 
+fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
+    model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.open.source))
+}
+
 /// The same source with absolute paths, so that the session can be opened from any folder.
 fn absolute(source: &BurstSource) -> BurstSource {
     match source {
-        BurstSource::Demo => BurstSource::Demo,
-        BurstSource::Paths(paths) => {
-            BurstSource::Paths(paths.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect())
-        }
+        BurstSource::Demo | BurstSource::DemoLater => source.clone(),
+        BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
     }
+}
+
+fn absolute_path(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.into())
+}
+
+fn saved_trajectories(trajectories: &Trajectories) -> Option<SavedTrajectories> {
+    let compared = &trajectories.compared;
+    let path = |read: &Option<(PathBuf, _)>| read.as_ref().map(|(path, _)| absolute_path(path));
+    (!trajectories.is_empty()).then(|| SavedTrajectories {
+        estimate: path(&compared.estimate),
+        truth: path(&compared.truth),
+        projection: trajectories.projection,
+    })
+}
+
+fn saved_dataset(dataset: &Dataset) -> SavedDataset {
+    let mut source = dataset.source.clone();
+    source.paths.iter_mut().for_each(|p| *p = absolute_path(p));
+    let [a, b] = dataset.pair;
+    SavedDataset { source, folder: dataset.folder.as_deref().map(absolute_path), a, b }
 }
 
 #[cfg(test)]
@@ -146,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_session_comes_back_as_it_was() {
-        let session = Session::of(&model(), View::default()).expect("a burst is open");
+        let session = Session::of(&model(), View::default(), View::default()).expect("a burst is open");
         let text = session.to_toml();
         assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
         assert!(matches!(&session.burst, BurstSource::Paths(paths) if paths[0].is_absolute()));
@@ -159,7 +313,7 @@ mod tests {
 
     #[test]
     fn without_a_burst_there_is_no_session() {
-        assert!(Session::of(&Model::default(), View::default()).is_none());
+        assert!(Session::of(&Model::default(), View::default(), View::default()).is_none());
     }
 
     #[test]
@@ -179,7 +333,7 @@ mod tests {
 
         #[test]
         fn no_damaged_session_makes_it_panic(at in 0usize..2000, junk in "[a-z0-9=\\[\\]\"{}.\\-]{0,6}") {
-            let mut text = Session::of(&model(), View::default()).expect("a burst is open").to_toml();
+            let mut text = Session::of(&model(), View::default(), View::default()).expect("a burst is open").to_toml();
             let mut at = at.min(text.len());
             while !text.is_char_boundary(at) { at -= 1; }
             text.insert_str(at, &junk);

@@ -1,6 +1,8 @@
 //! What the window remembers from one start to the next.
 
+use super::state::pair::{Links, MatchLook};
 use super::state::{Model, Panels};
+use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
 use serde::{Deserialize, Serialize};
 
@@ -16,17 +18,34 @@ const MOST_RECENT: usize = 12;
 pub struct Settings {
     /// Bursts that were opened, the latest first.
     pub recent: Vec<BurstSource>,
+    /// Datasets that were opened, the latest first.
+    pub datasets: Vec<DatasetSource>,
+    /// Frames of a burst when a sequence was last cut.
+    pub burst_length: usize,
     /// Light, dark, or as the system.
     pub theme: egui::ThemePreference,
     /// Open parts of the window.
     pub panels: Panels,
     /// Whether a detection starts by itself after a change.
     pub auto_detect: bool,
+    /// What moves together in two bursts.
+    pub links: Links,
+    /// How matches look.
+    pub match_look: MatchLook,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { recent: Vec::new(), theme: egui::ThemePreference::Dark, panels: Panels::default(), auto_detect: true }
+        Self {
+            recent: Vec::new(),
+            datasets: Vec::new(),
+            burst_length: 10,
+            theme: egui::ThemePreference::Dark,
+            panels: Panels::default(),
+            auto_detect: true,
+            links: Links::default(),
+            match_look: MatchLook::default(),
+        }
     }
 }
 
@@ -45,17 +64,37 @@ impl Settings {
 
     /// Puts `source` at the top of the recent list. The demo has a menu item of its own.
     pub fn remember(&mut self, source: &BurstSource) {
-        if *source != BurstSource::Demo {
-            self.recent.retain(|s| s != source);
-            self.recent.insert(0, source.clone());
-            self.recent.truncate(MOST_RECENT);
+        if matches!(source, BurstSource::Paths(_)) {
+            put_first(&mut self.recent, source);
         }
+    }
+
+    /// Puts `source` at the top of the list of datasets.
+    pub fn remember_dataset(&mut self, source: &DatasetSource) {
+        put_first(&mut self.datasets, source);
+        self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
     /// Takes over what the model has of them.
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
+        (self.links, self.match_look) = (model.pair.links, model.pair.look);
     }
+}
+
+fn put_first<T: Clone + PartialEq>(list: &mut Vec<T>, item: &T) {
+    list.retain(|other| other != item);
+    list.insert(0, item.clone());
+    list.truncate(MOST_RECENT);
+}
+
+/// What was opened before and is to be opened again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Recent {
+    /// One burst.
+    Burst(BurstSource),
+    /// Many.
+    Dataset(DatasetSource),
 }
 
 #[cfg(test)]

@@ -17,6 +17,11 @@ pub fn warning(ui: &egui::Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_rgb(0xf2, 0xb1, 0x4b) } else { Color32::from_rgb(0x9a, 0x5b, 0x00) }
 }
 
+/// The colour of what is finished, on the theme's ground.
+pub fn good(ui: &egui::Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(0x5c, 0xc8, 0x8a) } else { Color32::from_rgb(0x1b, 0x7f, 0x4b) }
+}
+
 fn common(style: &mut Style) {
     style.text_styles = [
         (TextStyle::Heading, FontId::proportional(16.0)),

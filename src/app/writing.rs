@@ -6,6 +6,7 @@ use super::dialogs::{ExportKind, Purpose};
 use super::panels::picture::describe;
 use super::session::Session;
 use super::state::look::RangeClass;
+use super::state::pair::{MatchRow, Side};
 use super::state::{Found, Model};
 use crate::detector::{Feature, Slope};
 use crate::engine::Picture;
@@ -15,6 +16,8 @@ use crate::plane::display::to_rgba8;
 use std::io::Write;
 use std::path::Path;
 
+const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
+
 /// Writes a file; the error says what went wrong.
 pub type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 
@@ -22,16 +25,18 @@ pub type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 ///
 /// # Errors
 /// What is missing: a detection, a picture, a burst.
-pub fn prepare(purpose: Purpose, model: &Model, view: View) -> Result<Work, String> {
+pub fn prepare(purpose: Purpose, model: &Model, view: View, view_b: View) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(text_work(model.params.to_toml())),
         Purpose::SaveSession => {
-            let session = Session::of(model, view).ok_or("no burst is open; open one first")?;
+            let session = Session::of(model, view, view_b).ok_or("no burst is open; open one first")?;
             Ok(text_work(session.to_toml()))
         }
         Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
         Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
         Purpose::Export(ExportKind::Npz) => features_work(model, ExportFormat::Npz),
+        Purpose::Export(ExportKind::Matches) => matches_work(model),
+        Purpose::Export(ExportKind::MatchPicture) => match_picture_work(model),
         Purpose::Export(kind) => picture_work(model, kind),
         _ => Err("nothing is written for this".to_owned()),
     }
@@ -44,6 +49,53 @@ fn text_work(text: String) -> Work {
 fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
     let detection = model.found.as_ref().ok_or("there are no features; press Detect first")?.detection.clone();
     Ok(Box::new(move |path| format.write(path, &detection).map_err(|e| e.to_string())))
+}
+
+fn matches_work(model: &Model) -> Result<Work, String> {
+    let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
+    Ok(Box::new(move |path| {
+        let rows: Vec<export::MatchRow> = matches.rows().map(|row| export_row(&row)).collect();
+        export::write_matches_csv(path, &rows).map_err(|e| e.to_string())
+    }))
+}
+
+fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
+    export::MatchRow {
+        features: [row.found.a, row.found.b],
+        a: [f64::from(row.a.u), f64::from(row.a.v)],
+        b: [f64::from(row.b.u), f64::from(row.b.v)],
+        distance: row.found.distance,
+        ratio: row.found.ratio,
+        // Where no geometry was found the error is infinite, as the command writes it.
+        verified: row.inlier.map(|inlier| (row.error_px.unwrap_or(f32::INFINITY), inlier)),
+    }
+}
+
+fn match_picture_work(model: &Model) -> Result<Work, String> {
+    let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
+    let listed = model.pair.listed.clone();
+    let side = |side: Side| {
+        let picture = model.picture_of(side).cloned().ok_or("there is no picture; open a burst first")?;
+        let display = model.look_of(side).display(RangeClass::of(picture.request.kind));
+        Ok::<_, String>((picture, display))
+    };
+    let sides = [side(Side::A)?, side(Side::B)?];
+    Ok(Box::new(move |path| {
+        let lines: Vec<export::MatchLine> = listed
+            .iter()
+            .filter_map(|&index| matches.row(index))
+            .map(|row| {
+                let (inlier, row) = (row.inlier != Some(false), export_row(&row));
+                export::MatchLine { a: row.a, b: row.b, inlier }
+            })
+            .collect();
+        let drawn = sides.each_ref().map(|(picture, display)| to_rgba8(&on_image_pixels(picture), display));
+        let [a, b] = drawn.each_ref().map(|rgba| {
+            let (width, height) = rgba.dimensions();
+            export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
+        });
+        export::write_match_picture(path, a, b, &lines).map_err(|e| e.to_string())
+    }))
 }
 
 fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {

@@ -1,9 +1,88 @@
 //! What burst features are compared with: a burst made into one image, on which an ordinary detector runs.
 //!
-//! Each baseline is a function from a burst to a burst of one frame. The same detector then runs on it with [`crate::detector::Method::Sift`],
-//! so that a comparison shows what the burst search adds and nothing else. (SIFT on a single frame needs no baseline: that is the same
-//! method on the burst itself, of which it takes the middle frame.)
+//! Each baseline is a function from a burst to a burst of one frame: [`merge_burst`], the robust merge of aligned frames, and [`plain_mean`]. The same detector then runs on
+//! it, so that a comparison shows what the burst search adds and nothing else. (SIFT on a single frame needs no baseline: that is the same detector on the burst
+//! itself, of which it takes the middle frame. Nor does the gold standard: it is SIFT on an image that was taken with enough light.)
+//!
+//! [`detect`] is the detector with every [`Method`]; [`prepare`] is what a method does before the search.
 
 mod mean;
+mod merge;
 
 pub use mean::plain_mean;
+pub use merge::merge_burst;
+
+use crate::burst::Burst;
+use crate::detector::{self, DetectError, Detection, DetectorParams, Method};
+use crate::monitor::Monitor;
+
+/// Finds the features of a burst by the method that `params` ask for.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
+    let frames_used = params.used_frames(burst.len());
+    let (burst, params) = prepare(burst, params, monitor)?;
+    Ok(Detection { frames_used, ..detector::detect(&burst, &params, monitor)? })
+}
+
+/// The burst that is searched, and with which parameters: for [`Method::Merge`] one merged frame, otherwise just what is given.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+pub fn prepare(
+    burst: &Burst,
+    params: &DetectorParams,
+    monitor: &Monitor,
+) -> Result<(Burst, DetectorParams), DetectError> {
+    match params.method {
+        Method::Buff | Method::Sift => Ok((burst.clone(), params.clone())),
+        Method::Merge => {
+            params.validate_for(burst.len(), burst.size())?;
+            let merged = merge_burst(burst, params.used_frames(burst.len()), monitor)?;
+            Ok((merged, DetectorParams { frames: None, ..params.clone() }))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::FrameRange;
+    use crate::synth::{SceneParams, synth_scene};
+
+    #[test]
+    fn the_merge_is_searched_as_one_image_would_be() {
+        let scene = SceneParams { width: 240, height: 180, frames: 6, layers: 1, ..SceneParams::default() };
+        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
+        let frames = Some(FrameRange { start: 1, end: 6 });
+        let params = DetectorParams { method: Method::Merge, frames, ..DetectorParams::default() };
+        let found = detect(&burst, &params, &Monitor::default()).expect("detected");
+        let merged = merge_burst(&burst, 1..6, &Monitor::default()).expect("merged");
+        let sift = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
+        let by_hand = detector::detect(&merged, &sift, &Monitor::default()).expect("detected");
+        assert!(!found.features.is_empty());
+        assert_eq!((&found.features, &found.descriptors), (&by_hand.features, &by_hand.descriptors));
+        assert_eq!((found.frames_used, found.slopes.len()), (1..6, 1));
+        // What the gate goes by is the merged image's noise: less than half of a frame's.
+        let one = detect(&burst, &sift, &Monitor::default()).expect("detected").frame_noise;
+        let ideal = one / 5f32.sqrt();
+        assert!((found.frame_noise / ideal - 1.0).abs() < 0.15, "{} of {one}", found.frame_noise);
+    }
+
+    #[test]
+    fn other_methods_search_the_burst_itself() {
+        let burst = Burst::from_planes("two", vec![crate::Plane::zeros(20, 20); 2]);
+        for method in [Method::Buff, Method::Sift] {
+            let params = DetectorParams { method, ..DetectorParams::default() };
+            let (same, with) = prepare(&burst, &params, &Monitor::default()).expect("prepared");
+            assert_eq!((same.len(), with), (2, params));
+        }
+        let past = DetectorParams {
+            method: Method::Merge,
+            frames: Some(FrameRange { start: 1, end: 3 }),
+            ..DetectorParams::default()
+        };
+        assert!(matches!(prepare(&burst, &past, &Monitor::default()), Err(DetectError::Param(_))));
+    }
+}

@@ -16,7 +16,7 @@ pub use error::OpenError;
 pub use limits::Limits;
 pub use luma::LUMA_WEIGHTS;
 pub use open::OpenOptions;
-pub use sequence::{SequenceCut, cut_sequence};
+pub use sequence::{SequenceCut, cut_sequence, name_among_several};
 pub use source::{BurstSource, find_bursts, supported_extensions};
 
 use crate::plane::Plane;

@@ -49,7 +49,7 @@ impl SequenceCut {
 /// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order.
 ///
 /// A burst is named after its middle frame (of N frames that with index N/2, which is also the frame that SIFT on one frame looks at), so that what is
-/// found in it can be put beside what is known of that frame, such as the camera's pose. Whoever cuts several sequences puts the sequence's name in front.
+/// found in it can be put beside what is known of that frame, such as the camera's pose. Whoever cuts several sequences tells them apart by [`name_among_several`].
 ///
 /// # Errors
 /// A folder that cannot be read; a sequence that is shorter than one burst; a stack, whose frames are in one file.
@@ -66,6 +66,11 @@ pub fn cut_sequence(sequence: &BurstSource, cut: SequenceCut) -> Result<Vec<Burs
     let mut bursts: Vec<BurstSource> = ranges.map(|range| burst_of(&frames[range])).collect();
     make_names_unique(&mut bursts);
     Ok(bursts)
+}
+
+/// The name of a burst of one of several sequences.
+pub fn name_among_several(sequence: &str, burst: &str) -> String {
+    format!("{sequence}_{burst}")
 }
 
 fn burst_of(frames: &[PathBuf]) -> BurstSource {

@@ -3,16 +3,18 @@
 use super::choices::{VIEW_KINDS, words};
 use super::colmap_args::ColmapArgs;
 use super::evaluate_args::EvaluateArgs;
+use super::match_args::MatchArgs;
 use super::search_options::{ParamsFileArg, SearchArgs};
 use super::synth_args::SynthArgs;
 use crate::app::state::scrub::ViewKind;
-use crate::detector::Slope;
+use crate::detector::params::doc;
+use crate::detector::{FrameRange, Slope};
 use crate::export::ExportFormat;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use std::str::FromStr;
 
-pub(super) const INPUT_HELP: &str =
-    "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], or 'demo'";
+pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], 'demo', or 'demo-later'";
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
 ///
@@ -24,15 +26,23 @@ pub(super) const INPUT_HELP: &str =
     args_conflicts_with_subcommands = true,
     after_long_help = "Examples:\n  burstscope                                       open the window on the demo burst\n  \
         burstscope night/                                open the window on a folder of frames\n  \
+        burstscope night/ later/                         two bursts side by side, with their matches\n  \
+        burstscope nights/                               a folder of bursts: a dataset\n  \
+        burstscope film/ --burst-length 7                a long sequence, cut into bursts\n  \
         burstscope detect night/ --out found             features of a burst as CSV\n  \
         burstscope detect nights/ --slopes-u -6:6:25 --out found --format csv,npz\n  \
-        burstscope stack night/ --slope -2.1,0 --out sign.tiff\n\n\
+        burstscope stack night/ --slope -2.1,0 --out sign.tiff\n  \
+        burstscope match night/a night/b --out matched      two bursts, their matches, and a picture of them\n\n\
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
 )]
 pub struct Cli {
-    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'.
+    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'; two of them side by side; or a
+    /// folder of bursts, or several, as a dataset.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     /// The parameter file to begin with.
     #[command(flatten)]
     pub params: ParamsFileArg,
@@ -46,8 +56,12 @@ pub struct Cli {
 pub enum Command {
     /// Find the features of one or many bursts.
     Detect(DetectArgs),
+    /// Match the features of two bursts, verify the matches, and draw them.
+    Match(MatchArgs),
     /// Write the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
     Stack(StackArgs),
+    /// Align the frames of a burst and average them into one image.
+    Merge(MergeArgs),
     /// Make a burst with exactly known truth (16-bit PNG frames and truth.json), or noisy copies of real frames.
     Synth(SynthArgs),
     /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
@@ -170,10 +184,33 @@ pub struct StackArgs {
     pub output: OutputArgs,
 }
 
+/// Align the frames of a burst and average them into one image: the burst-merge baseline.
+///
+/// Tiles of each frame are searched for where the middle frame has them, from coarse to fine, and averaged robustly: what does not fit is left out. Values are
+/// fractions of full scale, written as 32-bit float TIFF. 'detect --method merge' finds the features of this image.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    #[allow(missing_docs)]
+    pub inputs: Vec<PathBuf>,
+    /// The TIFF file to write.
+    #[arg(long, short, value_name = "FILE.tiff")]
+    pub out: PathBuf,
+    #[arg(long = doc::FRAMES.name, value_name = "A..B", help = doc::FRAMES.meaning, value_parser = FrameRange::from_str)]
+    #[allow(missing_docs)]
+    pub frames: Option<FrameRange>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub bias: BiasArg,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
 /// Draw the window into a PNG file, without a display.
 ///
-/// The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the
-/// picture is taken at the slope with the most features.
+/// Of two bursts the window shows both side by side, with the matches between them; of a dataset it shows the first. The window is drawn as it is on a
+/// screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the picture is taken at the slope with the most features.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
@@ -215,6 +252,9 @@ pub struct RenderArgs {
     /// Give up after this many seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,

@@ -18,7 +18,7 @@ fn read_word<T: DeserializeOwned>(word: &str) -> Result<T, serde_json::Error> {
 }
 
 /// The words of [`crate::detector::Method`].
-pub(super) const METHODS: &[&str] = &["buff", "sift"];
+pub(super) const METHODS: &[&str] = &["buff", "sift", "merge"];
 /// The words of [`crate::detector::SlopeNeighbours`].
 pub(super) const SLOPE_NEIGHBOURS: &[&str] = &["adjacent", "all"];
 /// The words of [`crate::detector::Interpolation`].
@@ -26,7 +26,9 @@ pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest", "truncated"];
 /// The words of [`crate::detector::Localisation`].
 pub(super) const LOCALISATIONS: &[&str] = &["continuous", "quadratic"];
 /// The words of [`crate::dataset::ImageKind`].
-pub(super) const IMAGE_KINDS: &[&str] = &["middle"];
+pub(super) const IMAGE_KINDS: &[&str] = &["middle", "merged"];
+/// The words of [`crate::matching::Geometry`].
+pub(super) const GEOMETRIES: &[&str] = &["none", "fundamental", "essential", "homography"];
 /// The words of [`crate::matching::CameraModel`].
 pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "OPENCV"];
 /// The words of [`crate::evaluate::poses::Association`].
@@ -41,7 +43,7 @@ mod tests {
     use crate::dataset::ImageKind;
     use crate::detector::{Interpolation, Localisation, Method, SlopeNeighbours};
     use crate::evaluate::poses::Association;
-    use crate::matching::CameraModel;
+    use crate::matching::{CameraModel, Geometry};
 
     #[test]
     fn every_word_is_known_to_its_type() {
@@ -52,6 +54,9 @@ mod tests {
         assert!(INTERPOLATIONS.iter().all(|w| read_word::<Interpolation>(w).is_ok()));
         assert!(LOCALISATIONS.iter().all(|w| read_word::<Localisation>(w).is_ok()));
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
+        let geometries: Vec<Geometry> = GEOMETRIES.iter().map(|w| read_word(w).expect(w)).collect();
+        assert_eq!(geometries, Geometry::ALL);
+        assert_eq!(Geometry::ALL.map(Geometry::name).as_slice(), GEOMETRIES);
         let models: Vec<CameraModel> = CAMERA_MODELS.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(models, CameraModel::ALL);
         assert!(ASSOCIATIONS.iter().all(|w| read_word::<Association>(w).is_ok()));

@@ -8,7 +8,7 @@ use super::report::FailureReport;
 use crate::burst::BurstSource;
 use crate::dataset::{CameraChoice, ColmapJob, ColmapReport, Event, FeatureJob, export_colmap};
 use crate::detector::DetectorParams;
-use crate::matching::{Geometry, MatchParams};
+use crate::matching::MatchParams;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -28,21 +28,17 @@ struct Answer<'a> {
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let detector = args.search.params()?;
-    let camera = args.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
-    let geometry = if camera.is_known() { Geometry::Essential } else { Geometry::Fundamental };
+    let matching = args.matching.params()?;
+    let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
-    if inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+    if inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
         return Err(Failure::usage(
             "colmap: a reconstruction needs bursts from several places, and the demo is one burst",
         ));
     }
     let open = open_options(&inputs, args.bias.bias.as_ref())?;
-    let job = ColmapJob {
-        features: FeatureJob { detector, open, images: args.images },
-        matching: MatchParams { geometry, ..MatchParams::default() },
-        pairs: args.pairs,
-        camera,
-    };
+    let job =
+        ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs: args.pairs, camera };
     let console = Console::new(&args.output)?;
     let mut failures: Vec<FailureReport> = Vec::new();
     let mut fail = |name: &str, error: String| {
@@ -54,7 +50,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         match input.place {
             Place::Paths(paths) => bursts.push(BurstSource { name: input.name, paths }),
             Place::Broken(error) => fail(&input.name, error.to_string()),
-            Place::Demo => {}
+            Place::Demo { .. } => {}
         }
     }
     let mut said = Ok(());

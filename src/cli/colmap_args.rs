@@ -2,12 +2,12 @@
 
 use super::args::{BiasArg, OutputArgs, SequenceArgs};
 use super::choices::{CAMERA_MODELS, IMAGE_KINDS, words};
+use super::matching_args::MatchingArgs;
 use super::search_options::SearchArgs;
-use crate::dataset::camera::read_camera;
 use crate::dataset::{ImageKind, PairSelection};
-use crate::matching::{Camera, CameraModel};
+use crate::matching::CameraModel;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
@@ -27,12 +27,9 @@ pub struct ColmapArgs {
     /// Which bursts are matched: all, or each with the next K (sequential:K).
     #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
     pub pairs: PairSelection,
-    /// The picture that stands for a burst: middle, its middle frame, stretched to 8 bit.
+    /// The picture that stands for a burst: middle, its middle frame, or merged, its frames merged; stretched to 8 bit.
     #[arg(long, value_name = "KIND", default_value = "middle", value_parser = words::<ImageKind>(IMAGE_KINDS))]
     pub images: ImageKind,
-    /// The one camera of all images: MODEL,WIDTH,HEIGHT,PARAMETERS… in COLMAP's order and convention, or a TOML file [default: guessed].
-    #[arg(long, value_name = "CAMERA", value_parser = parse_camera)]
-    pub camera: Option<Camera>,
     /// The model of a guessed camera: focal length 1.2 times the larger side, as COLMAP guesses.
     #[arg(long, value_name = "MODEL", default_value = "SIMPLE_RADIAL", conflicts_with = "camera",
         value_parser = words::<CameraModel>(CAMERA_MODELS))]
@@ -40,6 +37,9 @@ pub struct ColmapArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub matching: MatchingArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,
@@ -59,7 +59,8 @@ Files in DIR:
                              add what is theirs, earlier ones overlook rigs and frames
   manifest.json              what is finished, and with which parameters
 
-Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. Models: SIMPLE_PINHOLE f,cx,cy;
+Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. One camera is shared by all images;
+without one, COLMAP's guess is taken. Models: SIMPLE_PINHOLE f,cx,cy;
 PINHOLE fx,fy,cx,cy; SIMPLE_RADIAL f,cx,cy,k; OPENCV fx,fy,cx,cy,k1,k2,p1,p2. The centre of the first pixel is at (0.5, 0.5). With a known camera matches are
 verified by the essential matrix, otherwise by the fundamental matrix.
 
@@ -68,11 +69,3 @@ JSON (--json):
    \"images\": [{\"id\", \"burst\", \"image\", \"features\", \"resumed\"}],
    \"pairs\": [{\"ids\": [a, b], \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\"}],
    \"failures\": [{\"name\", \"error\"}], \"next\": [command]}";
-
-/// A camera in words, or in a file that ends in `.toml`.
-fn parse_camera(text: &str) -> Result<Camera, String> {
-    if text.to_lowercase().ends_with(".toml") {
-        return read_camera(Path::new(text)).map_err(|e| format!("{}; {}", e.problem, e.remedy));
-    }
-    text.parse()
-}

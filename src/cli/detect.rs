@@ -5,24 +5,41 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::report::{BurstReport, DetectReport, FailureReport, summary};
-use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, detect};
+use crate::baseline::detect;
+use crate::burst::{Burst, OpenOptions};
+use crate::detector::{Detection, DetectorParams};
 use crate::export::{ExportFormat, write_detection};
 use crate::monitor::Stage;
 use std::path::Path;
 use std::time::Instant;
 
+/// What is done with every burst: how its features are found and what is written of them.
+pub(super) struct Job<'a> {
+    out: &'a Path,
+    formats: Vec<ExportFormat>,
+    params: &'a DetectorParams,
+}
+
+impl<'a> Job<'a> {
+    /// Features found with `params`, written into the folder `out` in `formats`.
+    ///
+    /// # Errors
+    /// When `out` is not a folder.
+    pub fn new(out: &'a Path, formats: &[ExportFormat], params: &'a DetectorParams) -> Result<Self, Failure> {
+        if out.exists() && !out.is_dir() {
+            let problem = "--out: this is not a folder; name a folder for the features";
+            return Err(Failure::usage(format!("{problem}: {}", out.display())));
+        }
+        let mut formats = formats.to_vec();
+        formats.sort_unstable();
+        formats.dedup();
+        Ok(Self { out, formats, params })
+    }
+}
+
 pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
-    if args.out.exists() && !args.out.is_dir() {
-        return Err(Failure::usage(format!(
-            "--out: this is not a folder; name a folder for the features: {}",
-            args.out.display()
-        )));
-    }
-    let mut formats = args.format.clone();
-    formats.sort_unstable();
-    formats.dedup();
+    let job = Job::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
     let options = open_options(&inputs, args.bias.bias.as_ref())?;
@@ -31,8 +48,8 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     for (index, input) in inputs.into_iter().enumerate() {
         let name = input.name.clone();
         console.begin(if count > 1 { format!("[{}/{count}] {name}: ", index + 1) } else { format!("{name}: ") });
-        match one_burst(input, &options, &params, &args.out, &formats, &console) {
-            Ok(burst) => report.bursts.push(burst),
+        match detect_burst(input, &options, &job, &console) {
+            Ok((burst, ..)) => report.bursts.push(burst),
             Err(Failure::Interrupted) => return Err(Failure::Interrupted),
             Err(Failure::Failed(error) | Failure::Usage(error)) => {
                 console.complain(&format!("{name}: {error:#}"));
@@ -50,27 +67,29 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
-fn one_burst(
+/// Opens a burst, finds its features, writes them and says so.
+///
+/// # Errors
+/// A burst that cannot be opened, parameters that make no sense for it, files that cannot be written, or an interruption.
+pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,
-    params: &DetectorParams,
-    out: &Path,
-    formats: &[ExportFormat],
+    job: &Job<'_>,
     console: &Console,
-) -> Result<BurstReport, Failure> {
+) -> Result<(BurstReport, Burst, Detection), Failure> {
     let (name, paths) = (input.name.clone(), input.paths());
     let start = Instant::now();
     let burst = input.open(options, &console.monitor)?;
     let open_secs = start.elapsed().as_secs_f32();
-    let detection = detect(&burst, params, &console.monitor)?;
+    let detection = detect(&burst, job.params, &console.monitor)?;
     // From here on the features are written for good; a Ctrl-C stops before the next burst.
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     let start = Instant::now();
-    let files = write_detection(out, &name, &detection, formats)?;
+    let files = write_detection(job.out, &name, &detection, &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
-    let files = formats.iter().map(ToString::to_string).zip(files).collect();
+    let files = job.formats.iter().map(ToString::to_string).zip(files).collect();
     let report = BurstReport::new(&name, paths, &burst, &detection, files, open_secs, write_secs);
-    console.say(&summary(&report, params, &detection))?;
-    Ok(report)
+    console.say(&summary(&report, job.params, &detection))?;
+    Ok((report, burst, detection))
 }

@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
+use super::evaluate_matches;
 use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
@@ -21,6 +22,7 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
         EvaluateStudy::Chart(args) => chart(args),
         EvaluateStudy::Accuracy(args) => accuracy(args),
         EvaluateStudy::Noise(args) => noise(args),
+        EvaluateStudy::Matches(args) => evaluate_matches::run(args),
         EvaluateStudy::Poses(args) => evaluate_poses::run(args),
     }
 }
@@ -41,7 +43,7 @@ impl<'a, R> Document<'a, R> {
 }
 
 /// The detector's parameters, and the slopes if any were given.
-fn searched(search: &SearchArgs) -> Result<(DetectorParams, Option<SlopeGrid>), Failure> {
+pub(super) fn searched(search: &SearchArgs) -> Result<(DetectorParams, Option<SlopeGrid>), Failure> {
     let detector = search.params()?;
     let given = search.file.params.is_some()
         || search.slopes_u.is_some()
@@ -49,6 +51,26 @@ fn searched(search: &SearchArgs) -> Result<(DetectorParams, Option<SlopeGrid>), 
         || search.slope_direction.is_some();
     let slopes = given.then_some(detector.slopes);
     Ok((detector, slopes))
+}
+
+/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF 2D has it on both axes.
+pub(super) fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
+    if slopes.is_plane() {
+        return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
+    }
+    let axis = if slopes.u.count > 1 { slopes.u } else { slopes.v };
+    (slopes, SlopeGrid { u: axis, v: axis, ..slopes })
+}
+
+/// The list without repetitions, in its order.
+pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
+    let mut once = Vec::with_capacity(list.len());
+    for item in list {
+        if !once.contains(item) {
+            once.push(*item);
+        }
+    }
+    once
 }
 
 fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
@@ -59,32 +81,24 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
         check_plot(path)?;
     }
     let (detector, slopes) = searched(&args.search)?;
-    let mut study = ChartStudy {
+    let default = ChartStudy::default();
+    let (slopes_1d, slopes_2d) = match slopes {
+        Some(plane) if plane.is_plane() => slopes_of(plane),
+        Some(line) => (line, default.slopes_2d),
+        None => (default.slopes_1d, default.slopes_2d),
+    };
+    let study = ChartStudy {
         chart: args.charts.params(args.max_slope),
         snrs: args.snr.clone(),
         first_seed: args.charts.seed,
         seeds: args.charts.seeds,
-        methods: args.methods.clone(),
+        methods: once_each(&args.methods),
         detector,
+        slopes_1d,
+        slopes_2d,
         ranking: args.ranking,
         false_fraction: args.false_fraction,
-        ..ChartStudy::default()
     };
-    let mut seen = Vec::new();
-    study.methods.retain(|method| {
-        !seen.contains(method) && {
-            seen.push(*method);
-            true
-        }
-    });
-    match slopes {
-        Some(plane) if plane.is_plane() => {
-            study.slopes_2d = plane;
-            study.slopes_1d = SlopeGrid { v: SlopeAxis::ZERO, ..plane };
-        }
-        Some(line) => study.slopes_1d = line,
-        None => {}
-    }
     let console = Console::new(&args.output)?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_table(&report))?;
@@ -149,6 +163,7 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     };
     let searches = match (detector.method, slopes) {
         (Method::Sift, _) => one("SIFT"),
+        (Method::Merge, _) => one("SIFT, merged"),
         (Method::Buff, Some(slopes)) => one(if slopes.is_plane() { "BuFF 2D" } else { "BuFF 1D" }),
         (Method::Buff, None) => NoiseStudy::searches(&detector),
     };

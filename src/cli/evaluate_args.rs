@@ -1,10 +1,11 @@
 //! The arguments of `evaluate` as they are written.
 
 use super::args::OutputArgs;
+use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
 use super::search_options::SearchArgs;
 use super::synth_args::motions;
-use crate::evaluate::{ChartMethod, Ranking};
+use crate::evaluate::{BurstMethod, Ranking};
 use crate::synth::{ChartParams, Motion};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -27,6 +28,8 @@ pub enum EvaluateStudy {
     Accuracy(AccuracyArgs),
     /// Count what is found on noise alone, where there is nothing.
     Noise(NoiseArgs),
+    /// Count the matches between the bursts of a dataset, method by method.
+    Matches(MatchesArgs),
     /// Compare camera poses that were estimated with the true ones.
     Poses(PosesArgs),
 }
@@ -78,10 +81,10 @@ pub struct EvaluateChartArgs {
     /// Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO,…", value_delimiter = ',', default_value = "0.2,0.35,0.6")]
     pub snr: Vec<f64>,
-    /// Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean of all frames), buff-1d, buff-2d.
-    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "sift-frame,sift-mean,buff-1d,buff-2d",
-        value_parser = ChartMethod::from_str)]
-    pub methods: Vec<ChartMethod>,
+    /// Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean of all frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d.
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "sift-frame,sift-mean,sift-merge,buff-1d,buff-2d",
+        value_parser = BurstMethod::from_str)]
+    pub methods: Vec<BurstMethod>,
     /// What a threshold is put on: strength (the detector's own ranking), response or snr.
     #[arg(long, value_name = "RANKING", default_value = "strength", value_parser = Ranking::from_str)]
     pub ranking: Ranking,

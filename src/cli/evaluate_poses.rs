@@ -26,7 +26,7 @@ fn study() -> PoseStudy {
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = POSES_HELP)]
 pub struct PosesArgs {
-    /// COLMAP's sparse model (its folder, or the one above: then its largest part is taken), or a trajectory file.
+    /// COLMAP's sparse model (its folder or a file in it, or the folder above: then its largest part is taken), or a trajectory file.
     #[arg(long, value_name = "SPARSE_DIR")]
     pub estimate: PathBuf,
     /// The true poses: a trajectory file 'timestamp tx ty tz qx qy qz qw' (an image's name may stand for the time), or a sparse model.

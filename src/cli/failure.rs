@@ -5,6 +5,7 @@ use crate::dataset::DatasetError;
 use crate::detector::{DetectError, ParamError};
 use crate::evaluate::EvaluateError;
 use crate::evaluate::poses::PoseError;
+use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 use crate::synth::{SynthError, WriteBurstError};
 use std::process::ExitCode;
@@ -65,6 +66,15 @@ impl From<DetectError> for Failure {
         match error {
             DetectError::Cancelled(_) => Self::Interrupted,
             DetectError::Param(error) => error.into(),
+        }
+    }
+}
+
+impl From<MatchError> for Failure {
+    fn from(error: MatchError) -> Self {
+        match error {
+            MatchError::Cancelled(_) => Self::Interrupted,
+            MatchError::Param(error) => error.into(),
         }
     }
 }

@@ -5,15 +5,19 @@
 
 use super::args::SequenceArgs;
 use super::failure::Failure;
-use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts};
-use crate::export::safe_file_name;
+use crate::burst::{
+    Burst, BurstSource, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, name_among_several,
+};
+use crate::dataset::DatasetSource;
+use crate::export::make_file_names_unique;
 use crate::monitor::Monitor;
-use crate::synth::demo_burst;
-use std::collections::HashSet;
+use crate::synth::{demo_burst, later_demo_burst};
 use std::path::{Path, PathBuf};
 
 /// The word that names the built-in burst; a folder of that name is `./demo`.
 pub(super) const DEMO: &str = "demo";
+/// The word that names the other built-in burst: the same street a little later.
+pub(super) const DEMO_LATER: &str = "demo-later";
 
 /// One burst that was asked for.
 #[derive(Debug)]
@@ -28,7 +32,10 @@ pub(super) struct Input {
 #[derive(Debug)]
 pub(super) enum Place {
     /// Built into the program.
-    Demo,
+    Demo {
+        /// The one that is a little later.
+        later: bool,
+    },
     /// In files.
     Paths(Vec<PathBuf>),
     /// Nowhere: it could not even be looked for.
@@ -36,13 +43,20 @@ pub(super) enum Place {
 }
 
 impl Input {
+    /// A built-in burst.
+    pub fn demo(later: bool) -> Self {
+        let name = if later { DEMO_LATER } else { DEMO };
+        Self { name: name.to_owned(), place: Place::Demo { later } }
+    }
+
     /// Opens the burst.
     ///
     /// # Errors
     /// As [`Burst::open_with`], or why it was not found.
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, OpenError> {
         match &self.place {
-            Place::Demo => Ok(demo_burst()),
+            Place::Demo { later: false } => Ok(demo_burst()),
+            Place::Demo { later: true } => Ok(later_demo_burst()),
             Place::Paths(paths) => Burst::open_with(paths, options, monitor),
             Place::Broken(error) => Err(error.clone()),
         }
@@ -59,12 +73,12 @@ impl Input {
 
 /// The bursts that `arguments` name, in their order; files come at the place of the first one.
 pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
-    let is_demo = |path: &PathBuf| path.as_os_str() == DEMO;
+    let is_demo = |path: &PathBuf| [DEMO, DEMO_LATER].iter().any(|word| path.as_os_str() == *word);
     let mut inputs = Vec::new();
     let mut files_done = false;
     for argument in arguments {
         if is_demo(argument) {
-            inputs.push(Input { name: DEMO.to_owned(), place: Place::Demo });
+            inputs.push(Input::demo(argument.as_os_str() == DEMO_LATER));
         } else if argument.is_dir() {
             inputs.extend(look(std::slice::from_ref(argument)));
         } else if !files_done {
@@ -73,7 +87,7 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
             inputs.extend(resolve_files(&files));
         }
     }
-    make_names_unique(&mut inputs);
+    make_file_names_unique(inputs.iter_mut().map(|i| &mut i.name));
     inputs
 }
 
@@ -88,7 +102,7 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     };
     let cut =
         SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
-    if inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+    if inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
         return Err(Failure::usage("--burst-length: the demo is a single burst and is not cut; leave the option out"));
     }
     let several = inputs.len() > 1;
@@ -101,12 +115,12 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
         match cut_sequence(&BurstSource { name: input.name.clone(), paths }, cut) {
             Err(error) => bursts.push(Input { name: input.name, place: Place::Broken(error) }),
             Ok(sources) => bursts.extend(sources.into_iter().map(found).map(|burst| {
-                let name = if several { format!("{}_{}", input.name, burst.name) } else { burst.name };
+                let name = if several { name_among_several(&input.name, &burst.name) } else { burst.name };
                 Input { name, ..burst }
             })),
         }
     }
-    make_names_unique(&mut bursts);
+    make_file_names_unique(bursts.iter_mut().map(|i| &mut i.name));
     Ok(bursts)
 }
 
@@ -143,20 +157,6 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// Numbers names that would make the same file name, also where upper and lower case are the same.
-fn make_names_unique(inputs: &mut [Input]) {
-    let key = |name: &str| safe_file_name(name).to_lowercase();
-    let mut taken: HashSet<String> = HashSet::new();
-    for input in inputs {
-        if !taken.insert(key(&input.name)) {
-            let number =
-                (2..).find(|n| !taken.contains(&key(&format!("{}_{n}", input.name)))).expect("numbers never end");
-            input.name = format!("{}_{number}", input.name);
-            taken.insert(key(&input.name));
-        }
-    }
-}
-
 /// The one burst that `arguments` name.
 ///
 /// # Errors
@@ -175,12 +175,73 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
     }
 }
 
+/// The two bursts that two arguments name, one each; `None` for anything else: two files may be frames of one burst, and a folder of bursts is a dataset.
+pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
+    let [first, second] = arguments else { return None };
+    let inputs = resolve(arguments);
+    let each = |argument: &PathBuf| resolve(std::slice::from_ref(argument)).len() == 1;
+    let two: [Input; 2] = inputs.try_into().ok()?;
+    (each(first) && each(second)).then_some(two)
+}
+
+/// The bursts A and B, one each, with different names.
+///
+/// # Errors
+/// When either argument names several.
+pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
+    let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match");
+    let mut inputs = vec![one(a)?, one(b)?];
+    make_file_names_unique(inputs.iter_mut().map(|i| &mut i.name));
+    Ok(inputs)
+}
+
+/// What the window opens.
+#[derive(Debug)]
+pub(super) enum Opening {
+    /// One burst.
+    Burst(Input),
+    /// Two side by side.
+    Two([Input; 2]),
+    /// Many.
+    Dataset(DatasetSource),
+}
+
+/// What `arguments` name: one burst, two if each argument is one, or a dataset if there are more or a sequence is cut.
+///
+/// # Errors
+/// A cut that makes no sense; the demo among others; several bursts of which one was not found.
+pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
+    let SequenceArgs { burst_length, burst_step } = sequence;
+    let inputs = resolve(arguments);
+    if inputs.len() < 2 && burst_length.is_none() {
+        return Ok(Opening::Burst(resolve_one(arguments, "the window")?));
+    }
+    if let Some(two) = two_of(arguments).filter(|_| burst_length.is_none()) {
+        return Ok(Opening::Two(two));
+    }
+    if let Some(length) = burst_length {
+        SequenceCut::new(length, burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
+    }
+    for input in inputs {
+        match input.place {
+            Place::Paths(_) => {}
+            Place::Broken(error) => return Err(error.into()),
+            Place::Demo { .. } => {
+                return Err(Failure::usage(
+                    "the demo is a burst alone: open it without a cut, and beside one other burst at most",
+                ));
+            }
+        }
+    }
+    Ok(Opening::Dataset(DatasetSource { paths: arguments.to_vec(), burst_length, burst_step }))
+}
+
 /// How to open bursts with this bias frame.
 ///
 /// # Errors
 /// A bias frame for the demo burst.
 pub(super) fn open_options(inputs: &[Input], bias: Option<&PathBuf>) -> Result<OpenOptions, Failure> {
-    if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo)) {
+    if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
         return Err(Failure::usage(
             "--bias: the demo burst was made without a camera and has no bias frame; leave the option out",
         ));
@@ -213,7 +274,42 @@ mod tests {
         assert!(matches!(inputs[1].place, Place::Broken(_)));
         let inputs = resolve(&[file(2), file(0), file(1)]);
         assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
-        assert!(resolve_one(&[DEMO.into(), folder], "stack").is_err());
+        assert!(resolve_one(&[DEMO.into(), folder.clone()], "stack").is_err());
+        let names = |two: [Input; 2]| two.map(|input| input.name);
+        assert_eq!(
+            two_of(&[folder.clone(), DEMO_LATER.into()]).map(names),
+            Some(["night".into(), "demo-later".into()])
+        );
+        assert!(two_of(&[file(0), file(1)]).is_none(), "two pictures are frames of one burst");
+        assert!(two_of(std::slice::from_ref(&folder)).is_none());
+        // Two pictures are two bursts of one frame each, not the frames of one.
+        let pair = resolve_pair(&file(0), &folder).expect("two bursts");
+        assert_eq!((pair[0].name.as_str(), pair[1].name.as_str()), ("f0", "night"));
+        assert_eq!(resolve_pair(&folder, &folder).expect("two bursts")[1].name, "night_2");
+    }
+
+    #[test]
+    fn several_bursts_are_a_dataset_for_the_window() {
+        let home = tempfile::tempdir().expect("a folder");
+        let film = |name: &str| home.path().join(name);
+        for name in ["a", "b"] {
+            std::fs::create_dir(film(name)).expect("made");
+            (0..4).for_each(|t| picture(&film(name).join(format!("{t}.png"))));
+        }
+        let open =
+            |paths: &[PathBuf], burst_length| what_to_open(paths, SequenceArgs { burst_length, burst_step: None });
+        let dataset = |opening: Result<Opening, Failure>| match opening.expect("found") {
+            Opening::Dataset(source) => source.bursts().expect("bursts").into_iter().map(|b| b.name).collect(),
+            Opening::Burst(_) | Opening::Two(_) => Vec::new(),
+        };
+        assert!(matches!(open(&[film("a")], None), Ok(Opening::Burst(_))));
+        assert!(matches!(open(&[DEMO.into()], None), Ok(Opening::Burst(_))));
+        assert_eq!(dataset(open(&[home.path().into()], None)), ["a", "b"]);
+        assert_eq!(dataset(open(&[film("a")], Some(2))), ["1", "3"]);
+        assert_eq!(dataset(open(&[home.path().into()], Some(4))), ["a_2", "b_2"]);
+        assert!(matches!(open(&[DEMO.into(), film("a")], None), Ok(Opening::Two(_))));
+        assert!(open(&[DEMO.into(), home.path().into()], None).is_err() && open(&[DEMO.into()], Some(2)).is_err());
+        assert!(open(&[film("a"), film("b"), film("gone")], None).is_err() && open(&[film("a")], Some(0)).is_err());
     }
 
     #[test]
@@ -235,14 +331,5 @@ mod tests {
         assert!(resolve_bursts(&[film("day")], args(0, None)).is_err());
         assert!(resolve_bursts(&[DEMO.into()], args(2, None)).is_err());
         assert_eq!(resolve_bursts(&[film("day")], SequenceArgs::default()).expect("whole").len(), 1);
-    }
-
-    #[test]
-    fn names_that_would_share_a_file_are_numbered() {
-        let input = |name: &str| Input { name: name.to_owned(), place: Place::Demo };
-        let mut inputs = [input("a"), input("A"), input("a_2"), input("a:"), input("a?")];
-        make_names_unique(&mut inputs);
-        let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();
-        assert_eq!(names, ["a", "A_2", "a_2_2", "a:", "a?_2"]);
     }
 }

@@ -13,10 +13,15 @@ mod console;
 mod detect;
 mod evaluate;
 pub mod evaluate_args;
+pub mod evaluate_matches;
 pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
 mod inputs;
+pub mod match_args;
+mod match_bursts;
+pub mod matching_args;
+mod merge;
 mod render;
 mod report;
 pub mod search_options;
@@ -47,6 +52,8 @@ pub fn run() -> ExitCode {
     let result = match &cli.command {
         None => window::open(&cli),
         Some(Command::Detect(args)) => detect::run(args),
+        Some(Command::Match(args)) => match_bursts::run(args),
+        Some(Command::Merge(args)) => merge::run(args),
         Some(Command::Stack(args)) => stack::run(args),
         Some(Command::Synth(args)) => synth::run(args),
         Some(Command::Evaluate(args)) => evaluate::run(args),

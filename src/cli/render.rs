@@ -3,8 +3,9 @@
 use super::args::RenderArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{Input, Place, resolve_one};
+use super::inputs::{Input, Opening, Place, what_to_open};
 use crate::app::{RenderOptions, render_to_png};
+use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
 use serde_json::json;
 use std::time::Duration;
@@ -12,9 +13,11 @@ use std::time::Duration;
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
-    let source = source_of(resolve_one(&args.inputs, "render")?)?;
+    let Sources { source, second, dataset } = sources_of(what_to_open(&args.inputs, args.sequence)?)?;
     let options = RenderOptions {
-        source,
+        source: source.unwrap_or(BurstSource::Demo),
+        second,
+        dataset,
         params,
         size_points: args.size,
         scale: args.scale,
@@ -44,13 +47,37 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console.say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": args.out }))
 }
 
+/// What the window opens: a burst, perhaps with a second one beside it, or a dataset.
+pub(super) struct Sources {
+    /// The burst.
+    pub source: Option<BurstSource>,
+    /// The second one.
+    pub second: Option<BurstSource>,
+    /// The dataset.
+    pub dataset: Option<DatasetSource>,
+}
+
+/// Where what is to be opened is.
+///
+/// # Errors
+/// Why a burst was not found.
+pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
+    let none = Sources { source: None, second: None, dataset: None };
+    match opening {
+        Opening::Dataset(source) => Ok(Sources { dataset: Some(source), ..none }),
+        Opening::Burst(input) => Ok(Sources { source: Some(source_of(input)?), ..none }),
+        Opening::Two([a, b]) => Ok(Sources { source: Some(source_of(a)?), second: Some(source_of(b)?), ..none }),
+    }
+}
+
 /// What the window opens for `input`.
 ///
 /// # Errors
 /// Why the input was not found.
 pub(super) fn source_of(input: Input) -> Result<BurstSource, Failure> {
     match input.place {
-        Place::Demo => Ok(BurstSource::Demo),
+        Place::Demo { later: false } => Ok(BurstSource::Demo),
+        Place::Demo { later: true } => Ok(BurstSource::DemoLater),
         Place::Paths(paths) => Ok(BurstSource::Paths(paths)),
         Place::Broken(error) => Err(error.into()),
     }

@@ -5,28 +5,25 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use crate::SlopeGrid;
+use crate::baseline::prepare;
 use crate::detector::view::{dog_view, stack_view};
 use crate::export::write_tiff;
 use crate::monitor::Stage;
 use serde_json::json;
+use std::path::Path;
 
 pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let mut params = args.search.params()?;
     // Only this slope is looked at, so only this slope has to make sense.
     params.slopes = SlopeGrid::single(args.slope);
-    let extension = args.out.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if !["tif", "tiff"].contains(&extension.as_str()) {
-        return Err(Failure::usage(format!(
-            "--out: float values are written as TIFF; name the file .tiff: {}",
-            args.out.display()
-        )));
-    }
+    check_tiff(&args.out)?;
     let console = Console::new(&args.output)?;
     let input = resolve_one(&args.inputs, "stack")?;
     let options = open_options(std::slice::from_ref(&input), args.bias.bias.as_ref())?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
     params.validate_for(burst.len(), burst.size())?;
+    let (burst, params) = prepare(&burst, &params, &console.monitor)?;
     let image = match (args.octave, args.level) {
         (Some(octave), Some(level)) => dog_view(&burst, &params, args.slope, octave, level, &console.monitor)?,
         _ => stack_view(&burst, &params, args.slope, &console.monitor)?,
@@ -61,4 +58,16 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
         "max": high,
         "mean": mean,
     }))
+}
+
+/// Whether a file is named as TIFF.
+///
+/// # Errors
+/// When it is not.
+pub(super) fn check_tiff(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if ["tif", "tiff"].contains(&extension.as_str()) {
+        return Ok(());
+    }
+    Err(Failure::usage(format!("--out: float values are written as TIFF; name the file .tiff: {}", path.display())))
 }

@@ -3,29 +3,34 @@
 use super::args::{Cli, OutputArgs};
 use super::console::{Console, print};
 use super::failure::Failure;
-use super::inputs::{DEMO, Input, Place, resolve_one};
-use super::render::source_of;
+use super::inputs::{DEMO, Input, Opening, what_to_open};
+use super::render::{Sources, source_of, sources_of};
 use super::table::feature_table;
 use crate::app::{RenderOptions, Startup, render_to_png};
+use crate::baseline::detect;
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, detect};
+use crate::dataset::DatasetSource;
+use crate::detector::DetectorParams;
 use crate::export::safe_file_name;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Features that the table shows.
 const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let params = cli.params.read()?;
-    let input = if cli.inputs.is_empty() {
-        Input { name: DEMO.to_owned(), place: Place::Demo }
-    } else {
-        resolve_one(&cli.inputs, "the window")?
-    };
+    let demo = [PathBuf::from(DEMO)];
+    let inputs = if cli.inputs.is_empty() { &demo[..] } else { &cli.inputs };
+    let opening = what_to_open(inputs, cli.sequence)?;
     if !has_display() {
-        return without_display(input, params);
+        return match opening {
+            Opening::Burst(input) => without_display(input, None, params),
+            Opening::Two([a, b]) => without_display(a, Some(b), params),
+            Opening::Dataset(source) => dataset_without_display(source, params),
+        };
     }
-    let startup = Startup { source: Some(source_of(input)?), params, ..Startup::default() };
+    let Sources { source, second, dataset } = sources_of(opening)?;
+    let startup = Startup { source, second, dataset, params, ..Startup::default() };
     crate::app::run(startup).map_err(Failure::Failed)
 }
 
@@ -35,16 +40,36 @@ fn has_display() -> bool {
     !cfg!(all(unix, not(target_os = "macos"))) || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(set)
 }
 
-fn without_display(input: Input, params: DetectorParams) -> Result<(), Failure> {
-    let file = PathBuf::from(format!("burstscope-{}.png", safe_file_name(&input.name)));
+/// Says that the window becomes a picture, and what `else_is_done`. Answers the picture's file and the console.
+fn begin_without_display(name: &str, else_is_done: &str) -> Result<(PathBuf, Console), Failure> {
+    let file = PathBuf::from(format!("burstscope-{}.png", safe_file_name(name)));
     print(&format!(
-        "There is no display here (neither DISPLAY nor WAYLAND_DISPLAY is set).\nThe window is drawn into {} instead, and the strongest features are listed.\n\n",
+        "There is no display here (neither DISPLAY nor WAYLAND_DISPLAY is set).\nThe window is drawn into {} instead, and {else_is_done}.\n\n",
         file.display()
     ))?;
-    let console = Console::new(&OutputArgs { json: false, quiet: false, threads: None })?;
+    Ok((file, Console::new(&OutputArgs { json: false, quiet: false, threads: None })?))
+}
+
+fn draw(options: &RenderOptions, file: &Path, console: &Console) -> Result<(), Failure> {
+    render_to_png(options, file)
+        .map_err(|e| Failure::Failed(anyhow::Error::new(e).context("the window cannot be drawn")))?;
+    console.say(&format!("wrote {}\n", file.display()))
+}
+
+fn dataset_without_display(source: DatasetSource, params: DetectorParams) -> Result<(), Failure> {
+    let (file, console) = begin_without_display(&source.label(), "the bursts are listed")?;
+    for burst in source.bursts()? {
+        let frames = burst.files()?.len();
+        console.say(&format!("{}: {frames} {}\n", burst.name, if frames == 1 { "file" } else { "files" }))?;
+    }
+    draw(&RenderOptions { dataset: Some(source), params, ..RenderOptions::default() }, &file, &console)
+}
+
+/// The features listed are those of `input`; the picture shows `second` beside it, if there is one.
+fn without_display(input: Input, second: Option<Input>, params: DetectorParams) -> Result<(), Failure> {
+    let (file, console) = begin_without_display(&input.name, "the strongest features are listed")?;
     let name = input.name.clone();
     console.begin(format!("{name}: "));
-    let paths = input.paths();
     let burst = input.open(&OpenOptions::default(), &console.monitor)?;
     let detection = detect(&burst, &params, &console.monitor)?;
     console.say(&format!(
@@ -55,9 +80,7 @@ fn without_display(input: Input, params: DetectorParams) -> Result<(), Failure> 
         detection.features.len(),
         feature_table(&detection, TABLE_ROWS)
     ))?;
-    let place = if paths.is_empty() { Place::Demo } else { Place::Paths(paths) };
-    let options = RenderOptions { source: source_of(Input { name, place })?, params, ..RenderOptions::default() };
-    render_to_png(&options, &file)
-        .map_err(|e| Failure::Failed(anyhow::Error::new(e).context("the window cannot be drawn")))?;
-    console.say(&format!("wrote {}\n", file.display()))
+    let second = second.map(source_of).transpose()?;
+    let options = RenderOptions { source: source_of(input)?, second, params, ..RenderOptions::default() };
+    draw(&options, &file, &console)
 }

@@ -4,14 +4,14 @@
 //! matches and verified geometries. Bursts that are finished are not done again, see [`super::features`]; matches are, for they take
 //! little time beside the features.
 
-use super::features::{BurstFeatures, FeatureJob, IMAGES_FOLDER, Store};
+use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::geometry::{database_camera, database_geometry, match_indices};
+use super::pairs::match_pairs;
 use super::{CameraChoice, DatasetError, PairSelection};
 use crate::burst::BurstSource;
 use crate::export::write_colmap_database;
-use crate::matching::{Camera, Geometry, MatchCounts, MatchParams, MatchResult, MatchSide, match_features};
-use crate::monitor::{Monitor, Stage};
-use rayon::prelude::*;
+use crate::matching::{Camera, Geometry, MatchCounts, MatchParams, MatchResult};
+use crate::monitor::Monitor;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -98,9 +98,6 @@ pub struct ColmapReport {
     pub pairs: Vec<PairReport>,
 }
 
-/// Pairs that are matched before their matches are written: enough for all threads, few enough for memory.
-const PAIRS_AT_ONCE: usize = 64;
-
 /// Finds the features of `bursts`, matches them, and writes what COLMAP's mapper takes into the folder `out`. `on` hears what happens. A burst that cannot be
 /// opened is left out.
 ///
@@ -154,28 +151,19 @@ pub fn export_colmap(
                 resumed: burst.resumed,
             });
         }
-        let places: Vec<Vec<[f64; 2]>> =
-            all.iter().map(|b| b.keypoints.iter().map(|k| k.pos_image()).collect()).collect();
-        let side = |k: usize| MatchSide { places: &places[k], descriptors: &all[k].descriptors };
-        for some in pairs.chunks(PAIRS_AT_ONCE) {
-            monitor.report(Stage::Match, report.pairs.len() as f32 / pairs.len().max(1) as f32);
-            let matched: Vec<MatchResult> = some
-                .par_iter()
-                .map(|&(a, b)| match_features(side(a), side(b), &matching, &monitor.silent()))
-                .collect::<Result<_, _>>()?;
-            for (&(a, b), result) in some.iter().zip(&matched) {
-                let ids = [report.images[a].id, report.images[b].id];
-                report.pairs.push(PairReport { ids, counts: result.counts });
-                // COLMAP too has no row for a pair without a match.
-                if !result.matches.is_empty() {
-                    let geometry = database_geometry(&all[a], &all[b], result);
-                    database.add_pair(ids[0], ids[1], &match_indices(result), geometry.as_ref())?;
-                }
+        let mut write = |(a, b): (usize, usize), result: &MatchResult| -> Result<(), DatasetError> {
+            let ids = [report.images[a].id, report.images[b].id];
+            report.pairs.push(PairReport { ids, counts: result.counts });
+            // COLMAP too has no row for a pair without a match.
+            if !result.matches.is_empty() {
+                let geometry = database_geometry(&all[a], &all[b], result);
+                database.add_pair(ids[0], ids[1], &match_indices(result), geometry.as_ref())?;
             }
-        }
+            Ok(())
+        };
+        match_pairs(&all, &pairs, &matching, &mut write, monitor)?;
         Ok(monitor.check()?)
     })?;
-    monitor.report(Stage::Match, 1.0);
     Ok(report)
 }
 
@@ -187,19 +175,17 @@ fn features_of_all(
     on: &mut dyn FnMut(Event<'_>),
     monitor: &Monitor,
 ) -> Result<Vec<BurstFeatures>, DatasetError> {
-    let mut store = Store::open(out, &job.features)?;
+    let mut store = FeatureStore::open(out, &job.features)?;
     let mut all = Vec::with_capacity(bursts.len());
-    for (index, source) in bursts.iter().enumerate() {
-        on(Event::Begin { index, count: bursts.len(), name: &source.name });
-        match store.features(source, &job.camera, monitor) {
-            Ok(features) => {
-                on(Event::Done(&features));
-                all.push(features);
-            }
-            Err(error) if error.is_final() => return Err(error),
-            Err(error) => on(Event::Failed { name: &source.name, error: &error }),
+    let mut tell = |event: BurstEvent<'_>| match event {
+        BurstEvent::Begin { index } => on(Event::Begin { index, count: bursts.len(), name: &bursts[index].name }),
+        BurstEvent::Done { features, .. } => {
+            on(Event::Done(&features));
+            all.push(features);
         }
-    }
+        BurstEvent::Failed { index, error } => on(Event::Failed { name: &bursts[index].name, error }),
+    };
+    detect_all(&mut store, bursts, &job.camera, &mut tell, monitor)?;
     Ok(all)
 }
 

@@ -1,14 +1,16 @@
 //! The features of each burst of a dataset: found once, kept in files, and taken from there the next time.
 
-use super::manifest::{FileStamp, Finished, Manifest};
+use super::manifest::{DETECTOR_KEY, FileStamp, Finished, Manifest};
 use super::picture::{ImageKind, write_picture};
 use super::{CameraChoice, DatasetError};
+use crate::baseline::detect;
 use crate::burst::{Burst, BurstSource, OpenOptions};
-use crate::detector::{Descriptor, DetectorParams, detect};
+use crate::detector::{Descriptor, DetectorParams};
 use crate::export::{ColmapKeypoint, read_colmap, safe_file_name, write_colmap_keypoints};
 use crate::monitor::Monitor;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// The features of one burst, in COLMAP's convention.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +27,24 @@ pub struct BurstFeatures {
     pub descriptors: Vec<Descriptor>,
     /// Whether they were taken from files that an earlier run wrote.
     pub resumed: bool,
+    /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not say.
+    pub seconds: Option<f64>,
+}
+
+impl BurstFeatures {
+    /// What is told of a finished burst without its features.
+    pub fn summary(&self) -> FinishedBurst {
+        FinishedBurst { features: self.keypoints.len(), seconds: self.seconds }
+    }
+}
+
+/// A finished burst in numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FinishedBurst {
+    /// Number of features.
+    pub features: usize,
+    /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not say.
+    pub seconds: Option<f64>,
 }
 
 /// How features are found, and what is kept of each burst.
@@ -43,78 +63,147 @@ pub const IMAGES_FOLDER: &str = "images";
 /// The folder of feature files in the dataset's folder.
 pub const FEATURES_FOLDER: &str = "features";
 
+/// What happens to the bursts of a dataset, as it happens.
+#[derive(Debug)]
+pub enum BurstEvent<'a> {
+    /// A burst is begun.
+    Begin {
+        /// Its place in the dataset, from 0.
+        index: usize,
+    },
+    /// A burst is finished.
+    Done {
+        /// Its place in the dataset, from 0.
+        index: usize,
+        /// What was found, now or earlier.
+        features: BurstFeatures,
+    },
+    /// A burst cannot be opened; the others go on.
+    Failed {
+        /// Its place in the dataset, from 0.
+        index: usize,
+        /// Why.
+        error: &'a DatasetError,
+    },
+}
+
 /// The files of a dataset: what is finished and what is not.
-pub(super) struct Store<'a> {
-    folder: &'a Path,
-    job: &'a FeatureJob,
+#[derive(Debug)]
+pub struct FeatureStore {
+    folder: PathBuf,
+    job: FeatureJob,
     manifest: Manifest,
 }
 
-impl<'a> Store<'a> {
-    /// The dataset in `folder`, begun or to begin.
+impl FeatureStore {
+    /// The dataset in `folder`, begun or to begin. Nothing is written.
     ///
     /// # Errors
     /// [`DatasetError::Occupied`] when the folder holds something else, [`DatasetError::Open`] when the bias frame cannot be looked at.
-    pub(super) fn open(folder: &'a Path, job: &'a FeatureJob) -> Result<Self, DatasetError> {
+    pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self, DatasetError> {
         let bias = match &job.open.bias {
             Some(path) => FileStamp::of(&BurstSource { name: String::new(), paths: vec![path.clone()] }.files()?)?,
             None => Vec::new(),
         };
         // By way of text, because that is how the file has it: a number may look different as a value.
-        let settings = json!({ "detector": job.detector.to_toml(), "bias": bias, "full_scale": job.open.full_scale });
-        Ok(Self { folder, job, manifest: Manifest::read(folder, settings)? })
+        let mut settings = Map::new();
+        settings.insert(DETECTOR_KEY.to_owned(), Value::String(job.detector.to_toml()));
+        settings.insert("bias".to_owned(), json!(bias));
+        settings.insert("full_scale".to_owned(), json!(job.open.full_scale));
+        let manifest = Manifest::read(folder, Value::Object(settings))?;
+        Ok(Self { folder: folder.into(), job: job.clone(), manifest })
+    }
+
+    /// The parameters with which the features in `folder` were found; `None` where there are none, or none that this program can read.
+    pub fn params_in(folder: &Path) -> Option<DetectorParams> {
+        DetectorParams::from_toml(&Manifest::detector_text(folder)?).ok()
+    }
+
+    /// Whether `source` is finished, as far as can be told without reading its features.
+    pub fn finished(&self, source: &BurstSource) -> Option<FinishedBurst> {
+        let finished = self.manifest_entry(source)?;
+        let there = self.feature_file(&image_name(source)).is_file();
+        there.then_some(FinishedBurst { features: finished.features, seconds: finished.seconds })
+    }
+
+    /// The features of `source` if it is finished, from its files.
+    pub fn kept(&self, source: &BurstSource) -> Option<BurstFeatures> {
+        let Finished { size, features, seconds, .. } = self.manifest_entry(source)?.clone();
+        let image_name = image_name(source);
+        let (keypoints, descriptors) = read_colmap(&self.feature_file(&image_name)).ok()?;
+        let name = source.name.clone();
+        let whole = keypoints.len() == features;
+        whole.then_some(BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, seconds })
     }
 
     /// The features of `source`, from its files if it is finished. Otherwise they are found, and written with its picture.
     ///
     /// # Errors
     /// [`DatasetError`]; what was finished before stays finished.
-    pub(super) fn features(
+    pub fn features(
         &mut self,
         source: &BurstSource,
         camera: &CameraChoice,
         monitor: &Monitor,
     ) -> Result<BurstFeatures, DatasetError> {
-        let image_name = format!("{}.png", safe_file_name(&source.name));
         let stamps = FileStamp::of(&source.files()?)?;
-        let feature_file = self.feature_file(&image_name);
-        let picture_file = self.folder.join(IMAGES_FOLDER).join(&image_name);
-        let name = source.name.clone();
-        let mut opened: Option<Burst> = None;
-        let earlier = self.manifest.bursts.get(&source.name).filter(|f| f.files == stamps).cloned();
-        let kept = earlier.as_ref().and_then(|finished| {
-            let (keypoints, descriptors) = read_colmap(&feature_file).ok()?;
-            (keypoints.len() == finished.features).then_some((finished.size, keypoints, descriptors))
-        });
-        let resumed = kept.is_some();
-        let (size, keypoints, descriptors) = match kept {
-            Some(kept) => kept,
+        let picture_file = self.folder.join(IMAGES_FOLDER).join(image_name(source));
+        let (found, opened) = match self.kept(source) {
+            Some(kept) => (kept, None),
             None => {
-                let burst = self.burst(source, monitor)?;
-                camera.for_images(burst.size())?;
-                let detection = detect(&burst, &self.job.detector, monitor)?;
-                let keypoints: Vec<ColmapKeypoint> = detection.features.iter().map(ColmapKeypoint::from).collect();
-                write_colmap_keypoints(&feature_file, &keypoints, &detection.descriptors)?;
-                let size = burst.size();
-                opened = Some(burst);
-                (size, keypoints, detection.descriptors)
+                let (found, burst) = self.find(source, camera, monitor)?;
+                (found, Some(burst))
             }
         };
-        camera.for_images(size)?;
-        let has_picture = resumed && earlier.is_some_and(|e| e.picture == self.job.images) && picture_file.is_file();
+        camera.for_images(found.size)?;
+        let same_picture = self.manifest.bursts.get(&source.name).is_some_and(|f| f.picture == self.job.images);
+        let has_picture = found.resumed && same_picture && picture_file.is_file();
         if !has_picture {
             let burst = match opened {
                 Some(burst) => burst,
                 None => self.burst(source, monitor)?,
             };
             write_picture(&picture_file, &burst, self.job.images, &self.job.detector, monitor)?;
+            let BurstFeatures { size, seconds, .. } = found;
+            let features = found.keypoints.len();
+            let finished = Finished { files: stamps, size, features, picture: self.job.images, seconds };
+            self.manifest.bursts.insert(source.name.clone(), finished);
+            self.manifest.write(&self.folder)?;
         }
-        if !(resumed && has_picture) {
-            let finished = Finished { files: stamps, size, features: keypoints.len(), picture: self.job.images };
-            self.manifest.bursts.insert(name.clone(), finished);
-            self.manifest.write(self.folder)?;
-        }
-        Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, resumed })
+        Ok(found)
+    }
+
+    /// Finds the features and writes their file.
+    fn find(
+        &self,
+        source: &BurstSource,
+        camera: &CameraChoice,
+        monitor: &Monitor,
+    ) -> Result<(BurstFeatures, Burst), DatasetError> {
+        let started = Instant::now();
+        let burst = self.burst(source, monitor)?;
+        camera.for_images(burst.size())?;
+        let detection = detect(&burst, &self.job.detector, monitor)?;
+        let image_name = image_name(source);
+        let keypoints: Vec<ColmapKeypoint> = detection.features.iter().map(ColmapKeypoint::from).collect();
+        write_colmap_keypoints(&self.feature_file(&image_name), &keypoints, &detection.descriptors)?;
+        let found = BurstFeatures {
+            name: source.name.clone(),
+            image_name,
+            size: burst.size(),
+            keypoints,
+            descriptors: detection.descriptors,
+            resumed: false,
+            seconds: Some(started.elapsed().as_secs_f64()),
+        };
+        Ok((found, burst))
+    }
+
+    /// What the manifest has of `source`, if its files are as they were.
+    fn manifest_entry(&self, source: &BurstSource) -> Option<&Finished> {
+        let entry = self.manifest.bursts.get(&source.name)?;
+        let stamps = FileStamp::of(&source.files().ok()?).ok()?;
+        (entry.files == stamps).then_some(entry)
     }
 
     fn burst(&self, source: &BurstSource, monitor: &Monitor) -> Result<Burst, DatasetError> {
@@ -125,4 +214,31 @@ impl<'a> Store<'a> {
     fn feature_file(&self, image_name: &str) -> PathBuf {
         self.folder.join(FEATURES_FOLDER).join(format!("{image_name}.txt"))
     }
+}
+
+fn image_name(source: &BurstSource) -> String {
+    format!("{}.png", safe_file_name(&source.name))
+}
+
+/// The features of every one of `bursts` in turn; `on` is handed what was found. `monitor` hears of the progress through all of them.
+///
+/// # Errors
+/// [`DatasetError`] when it concerns all bursts, or it was cancelled. A burst that cannot be opened is told by [`BurstEvent::Failed`] and left out.
+pub fn detect_all(
+    store: &mut FeatureStore,
+    bursts: &[BurstSource],
+    camera: &CameraChoice,
+    on: &mut dyn FnMut(BurstEvent<'_>),
+    monitor: &Monitor,
+) -> Result<(), DatasetError> {
+    let share = 1.0 / bursts.len().max(1) as f32;
+    for (index, source) in bursts.iter().enumerate() {
+        on(BurstEvent::Begin { index });
+        match store.features(source, camera, &monitor.part(index as f32 * share, share)) {
+            Ok(features) => on(BurstEvent::Done { index, features }),
+            Err(error) if error.is_final() => return Err(error),
+            Err(error) => on(BurstEvent::Failed { index, error: &error }),
+        }
+    }
+    Ok(monitor.check()?)
 }

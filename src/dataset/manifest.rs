@@ -15,6 +15,9 @@ use std::time::UNIX_EPOCH;
 /// The name of the file.
 pub(super) const MANIFEST_FILE: &str = "manifest.json";
 
+/// The detector's parameters among the settings.
+pub(super) const DETECTOR_KEY: &str = "detector";
+
 /// A file as it was when it was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct FileStamp {
@@ -53,6 +56,9 @@ pub(super) struct Finished {
     pub features: usize,
     /// The kind of picture that was written.
     pub picture: super::ImageKind,
+    /// How long it took to open the burst and find the features, seconds; absent in older files.
+    #[serde(default)]
+    pub seconds: Option<f64>,
 }
 
 /// The content of the file.
@@ -79,6 +85,13 @@ impl Manifest {
         };
         let earlier = serde_json::from_str::<Self>(&text).ok();
         Ok(earlier.filter(|e| e.version == fresh.version && e.settings == fresh.settings).unwrap_or(fresh))
+    }
+
+    /// The detector's parameters, as text, with which the features in `folder` were found; `None` where there are none.
+    pub(super) fn detector_text(folder: &Path) -> Option<String> {
+        let text = std::fs::read_to_string(folder.join(MANIFEST_FILE)).ok()?;
+        let manifest: Self = serde_json::from_str(&text).ok()?;
+        manifest.settings.get(DETECTOR_KEY)?.as_str().map(str::to_owned)
     }
 
     /// Writes it into `folder`.

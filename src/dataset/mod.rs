@@ -11,10 +11,14 @@ mod geometry;
 mod manifest;
 pub mod pairs;
 mod picture;
+mod source;
+mod thumbnail;
 
 pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
 pub use colmap::{ColmapJob, ColmapReport, Event, ImageReport, PairReport, export_colmap};
 pub use error::DatasetError;
-pub use features::{BurstFeatures, FeatureJob};
-pub use pairs::PairSelection;
-pub use picture::ImageKind;
+pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all};
+pub use pairs::{PairSelection, match_pairs};
+pub use picture::{BurstPicture, ImageKind, burst_picture};
+pub use source::DatasetSource;
+pub use thumbnail::{Thumbnail, thumbnail};

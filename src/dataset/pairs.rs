@@ -1,7 +1,14 @@
-//! Which pairs of bursts are matched.
+//! Which pairs of bursts are matched, and their matching.
 
+use super::{BurstFeatures, DatasetError};
+use crate::matching::{MatchParams, MatchResult, MatchSide, match_features};
+use crate::monitor::{Monitor, Stage};
+use rayon::prelude::*;
 use std::fmt;
 use std::str::FromStr;
+
+/// Pairs that are matched before they are handed on: enough for all threads, few enough for memory and for being told soon.
+const PAIRS_AT_ONCE: usize = 16;
 
 /// A choice of pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -46,6 +53,43 @@ impl FromStr for PairSelection {
             _ => Err(format!("'{text}' is neither 'all' nor 'sequential:K' with K of 1 or more, such as sequential:5")),
         }
     }
+}
+
+/// Takes the result of one pair, given by its places.
+pub type OnPair<'a> = dyn FnMut((usize, usize), &MatchResult) -> Result<(), DatasetError> + 'a;
+
+/// Matches the bursts of each of `pairs` (indices into `bursts`); `on` is handed the results in the order of `pairs`.
+///
+/// # Errors
+/// [`DatasetError::Param`] for parameters that make no sense, [`DatasetError::Cancelled`] once `monitor` was cancelled, and what `on` answers.
+///
+/// # Panics
+/// When a pair has an index that `bursts` has not: a mistake of the caller.
+pub fn match_pairs(
+    bursts: &[BurstFeatures],
+    pairs: &[(usize, usize)],
+    params: &MatchParams,
+    on: &mut OnPair<'_>,
+    monitor: &Monitor,
+) -> Result<(), DatasetError> {
+    params.validate()?;
+    let places: Vec<Vec<[f64; 2]>> =
+        bursts.iter().map(|b| b.keypoints.iter().map(|k| k.pos_image()).collect()).collect();
+    let side = |k: usize| MatchSide { places: &places[k], descriptors: &bursts[k].descriptors };
+    let mut done = 0;
+    for some in pairs.chunks(PAIRS_AT_ONCE) {
+        monitor.report(Stage::Match, done as f32 / pairs.len() as f32);
+        let matched: Vec<MatchResult> = some
+            .par_iter()
+            .map(|&(a, b)| match_features(side(a), side(b), params, &monitor.silent()))
+            .collect::<Result<_, _>>()?;
+        for (&pair, result) in some.iter().zip(&matched) {
+            on(pair, result)?;
+        }
+        done += some.len();
+    }
+    monitor.report(Stage::Match, 1.0);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! The picture of a burst for programs that take one image: of 8 bit, stretched so that a dark one can be seen.
 
 use super::DatasetError;
+use crate::baseline::prepare;
 use crate::burst::Burst;
-use crate::detector::DetectorParams;
+use crate::detector::{DetectError, DetectorParams, Method};
 use crate::export::{Picture, write_png};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
@@ -18,10 +19,51 @@ pub enum ImageKind {
     /// The middle frame of those used, which lies at the features' reference time (half a frame after it for an even number of frames).
     #[default]
     Middle,
+    /// The frames used, merged where the middle one is: what a dark burst shows.
+    Merged,
+}
+
+/// A picture of 8 bit, three bytes a pixel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BurstPicture {
+    /// (columns, rows).
+    pub size: (usize, usize),
+    /// Red, green, blue of each pixel, row by row.
+    pub rgb: Vec<u8>,
+}
+
+impl BurstPicture {
+    /// As it is written.
+    pub fn picture(&self) -> Picture<'_> {
+        Picture::rgb(self.size.0, self.size.1, &self.rgb)
+    }
 }
 
 /// The percentiles of the pixels that become black and white.
 const BLACK_WHITE_PERCENT: [f32; 2] = [0.1, 99.9];
+
+/// The picture of `burst`, of the frames that `params` use.
+///
+/// # Errors
+/// Frames that the burst has not, or that it was cancelled.
+pub fn burst_picture(
+    burst: &Burst,
+    kind: ImageKind,
+    params: &DetectorParams,
+    monitor: &Monitor,
+) -> Result<BurstPicture, DetectError> {
+    monitor.check()?;
+    let method = match kind {
+        ImageKind::Middle => Method::Sift,
+        ImageKind::Merged => Method::Merge,
+    };
+    let params = DetectorParams { method, ..params.clone() };
+    params.validate_for(burst.len(), burst.size())?;
+    let (burst, params) = prepare(burst, &params, monitor)?;
+    let plane = &burst.frames[params.used_frames(burst.len()).start];
+    let shown = to_rgba8(plane, &stretched(plane));
+    Ok(BurstPicture { size: plane.size(), rgb: shown.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect() })
+}
 
 /// Writes the picture of `burst` to `path` as PNG.
 pub(super) fn write_picture(
@@ -31,21 +73,11 @@ pub(super) fn write_picture(
     params: &DetectorParams,
     monitor: &Monitor,
 ) -> Result<(), DatasetError> {
-    monitor.check()?;
-    let plane = match kind {
-        ImageKind::Middle => {
-            let used =
-                DetectorParams { method: crate::detector::Method::Sift, ..params.clone() }.used_frames(burst.len());
-            burst.frames[used.start].clone()
-        }
-    };
-    let shown = to_rgba8(&plane, &stretched(&plane));
-    let rgb: Vec<u8> = shown.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
-    Ok(write_png(path, Picture::rgb(plane.width(), plane.height(), &rgb))?)
+    Ok(write_png(path, burst_picture(burst, kind, params, monitor)?.picture())?)
 }
 
 /// The range that shows nearly all pixels.
-fn stretched(plane: &Plane) -> Display {
+pub(super) fn stretched(plane: &Plane) -> Display {
     match percentiles(plane, &Region::whole(plane), &BLACK_WHITE_PERCENT).as_deref() {
         Some([black, white]) => Display::default().with_range(*black, *white),
         _ => Display::default(),

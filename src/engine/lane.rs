@@ -85,10 +85,9 @@ impl<Q: Send + 'static, A: Send + 'static> Lane<Q, A> {
         });
         let key = unique_key(name);
         let (its, update) = (shared.clone(), on_update.clone());
-        let pool = pool(&key);
         std::thread::Builder::new()
             .name(format!("{}{key}", fault::THREAD_PREFIX))
-            .spawn(move || worker(&its, &key, pool.as_ref(), grace, &update, &work))
+            .spawn(move || worker(&its, &key, grace, &update, &work))
             .expect("the system can start a handful of threads");
         Self { shared, grace, on_update }
     }
@@ -196,11 +195,12 @@ fn supersede<Q, A>(slots: &mut Slots<Q, A>, grace: Duration) {
 fn worker<Q: Send, A: Send>(
     shared: &Shared<Q, A>,
     key: &str,
-    pool: Option<&rayon::ThreadPool>,
     grace: Duration,
     on_update: &OnUpdate,
     work: &(impl Fn(Q, &Monitor) -> Result<A, JobError> + Sync),
 ) {
+    // Made when there is work for it: many a lane never gets any.
+    let threads = std::cell::LazyCell::new(|| pool(key));
     loop {
         let (id, request, monitor, started) = {
             let mut slots = shared.lock();
@@ -219,7 +219,7 @@ fn worker<Q: Send, A: Send>(
                 slots = shared.wake.wait(slots).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let result = fault::guard(key, || match pool {
+        let result = fault::guard(key, || match &*threads {
             Some(pool) => pool.install(|| work(request, &monitor)),
             None => work(request, &monitor),
         });

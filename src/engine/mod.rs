@@ -1,7 +1,8 @@
 //! Background workers: requests in, answers out, so that whoever asks never waits.
 //!
 //! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the picture on show, the patch of the selected
-//! feature, a detection. A lane is a named thread with a single-slot mailbox: a new request replaces one that still waits, and
+//! feature, a detection; and, beside them, those of a second burst and of the matches between the two, and those of a [dataset](DatasetWorkers). A lane is
+//! a named thread with a single-slot mailbox: a new request replaces one that still waits, and
 //! the one that runs is cancelled. So the latest request wins, and scrubbing stays live while a detection runs. Each
 //! request is an immutable snapshot with an id. An answer is published first; only then is `on_update` called, so that
 //! whoever wakes up finds it. A panic in the work becomes an error with its place, and the lane lives on.
@@ -9,22 +10,35 @@
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
 mod cache;
+mod compare;
+mod dataset;
 mod fault;
 mod lane;
+mod pair;
 mod picture;
+mod picture_lane;
+mod poses;
 mod source;
 mod task;
 
 pub use cache::PictureCache;
+pub use compare::{CompareRequest, Compared, Comparer};
+pub use dataset::{
+    Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
+};
 pub use fault::JobError;
 pub use lane::{Answer, JobId, Lane};
+pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
+pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
-use crate::detector::{Detection, DetectorParams, detect};
+use crate::baseline::detect;
+use crate::detector::{Detection, DetectorParams};
 use crate::monitor::Progress;
-use std::sync::{Arc, Mutex};
+use picture_lane::{PictureLane, SharedCache};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Called after something was published; may come from any thread.
@@ -83,6 +97,10 @@ pub enum Update {
     Detected(Answer<Detected>),
     /// A task ended.
     Task(TaskDone),
+    /// Something about a dataset.
+    Dataset(DatasetUpdate),
+    /// Trajectories were read and compared.
+    ComparedPoses(Answer<ComparedPoses>),
 }
 
 /// How far a lane's running request is.
@@ -99,11 +117,17 @@ pub struct Running {
 /// The workers of one window.
 pub struct Engine {
     open: Lane<BurstSource, OpenBurst>,
-    picture: Lane<PictureRequest, Picture>,
-    patch: Lane<PictureRequest, Picture>,
+    picture: PictureLane,
+    patch: PictureLane,
     detect: Lane<DetectRequest, Detected>,
+    pair: PairWorkers,
+    comparer: Comparer,
+    /// Work on many bursts.
+    pub datasets: DatasetWorkers,
+    /// Work on trajectories.
+    pub poses: PoseWorker,
     tasks: task::Tasks,
-    cache: Arc<Mutex<PictureCache>>,
+    cache: SharedCache,
 }
 
 impl std::fmt::Debug for Engine {
@@ -116,28 +140,29 @@ impl Engine {
     /// Starts the workers. `on_update` is called (from a worker's thread) whenever [`Self::poll`] has news;
     /// pictures are kept up to `cache_bytes`.
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
-        let cache = Arc::new(Mutex::new(PictureCache::new(cache_bytes)));
-        let picture_lane = |name: &'static str| {
-            let cache = cache.clone();
-            Lane::new(name, PICTURE_GRACE, on_update.clone(), move |request: PictureRequest, monitor| {
-                let picture = request.compute(monitor)?;
-                cache.lock().unwrap_or_else(std::sync::PoisonError::into_inner).insert(&picture);
-                Ok(picture)
-            })
-        };
+        let cache = SharedCache::new(cache_bytes);
         Self {
-            open: Lane::new("open", Duration::ZERO, on_update.clone(), |source: BurstSource, monitor| {
-                source.open(monitor)
-            }),
-            picture: picture_lane("picture"),
-            patch: picture_lane("patch"),
-            detect: Lane::new("detect", Duration::ZERO, on_update.clone(), |request: DetectRequest, monitor| {
-                let found = detect(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
-                Ok(Detected { burst: request.burst.id, params: request.params, detection: Arc::new(found) })
-            }),
+            open: open_lane("open", &on_update),
+            picture: PictureLane::new("picture", &cache, on_update.clone()),
+            patch: PictureLane::new("patch", &cache, on_update.clone()),
+            detect: detect_lane("detect", &on_update),
+            pair: PairWorkers::new(&cache, &on_update),
+            comparer: Comparer::new(&on_update),
+            datasets: DatasetWorkers::new(&on_update),
+            poses: PoseWorker::new(&on_update),
             tasks: task::Tasks::new(on_update),
             cache,
         }
+    }
+
+    /// The workers of a second burst and of the matches. What they publish is polled there.
+    pub fn pair(&self) -> &PairWorkers {
+        &self.pair
+    }
+
+    /// The worker that compares methods. What it publishes is polled there.
+    pub fn comparer(&self) -> &Comparer {
+        &self.comparer
     }
 
     /// Opens a burst in the background.
@@ -147,20 +172,12 @@ impl Engine {
 
     /// Asks for the picture on show. One that is still in the cache is there at the next [`Self::poll`].
     pub fn request_picture(&self, request: PictureRequest) -> JobId {
-        self.request_on(&self.picture, request)
+        self.picture.request(request)
     }
 
     /// Asks for the motion-stack image from which the selected feature's patch is cut.
     pub fn request_patch(&self, request: PictureRequest) -> JobId {
-        self.request_on(&self.patch, request)
-    }
-
-    fn request_on(&self, lane: &Lane<PictureRequest, Picture>, request: PictureRequest) -> JobId {
-        let hit = self.cache.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get(&request);
-        match hit {
-            Some(picture) => lane.publish(picture),
-            None => lane.submit(request),
-        }
+        self.patch.request(request)
     }
 
     /// Starts a detection; the one that runs is cancelled.
@@ -179,13 +196,15 @@ impl Engine {
 
     /// What was published since the last call, in no particular order between lanes. Never waits.
     pub fn poll(&self) -> Vec<Update> {
-        self.picture.enforce_grace();
-        self.patch.enforce_grace();
+        self.picture.lane.enforce_grace();
+        self.patch.lane.enforce_grace();
         let mut updates = Vec::new();
         updates.extend(self.open.take_answer().map(Update::Opened));
-        updates.extend(self.picture.take_answer().map(Update::Picture));
-        updates.extend(self.patch.take_answer().map(Update::Patch));
+        updates.extend(self.picture.lane.take_answer().map(Update::Picture));
+        updates.extend(self.patch.lane.take_answer().map(Update::Patch));
         updates.extend(self.detect.take_answer().map(Update::Detected));
+        updates.extend(self.datasets.poll().into_iter().map(Update::Dataset));
+        updates.extend(self.poses.poll().map(Update::ComparedPoses));
         updates.extend(self.tasks.take_done().into_iter().map(Update::Task));
         updates
     }
@@ -194,8 +213,8 @@ impl Engine {
     pub fn running(&self, lane: LaneKind) -> Option<Running> {
         match lane {
             LaneKind::Open => self.open.running(),
-            LaneKind::Picture => self.picture.running(),
-            LaneKind::Patch => self.patch.running(),
+            LaneKind::Picture => self.picture.lane.running(),
+            LaneKind::Patch => self.patch.lane.running(),
             LaneKind::Detect => self.detect.running(),
         }
     }
@@ -204,8 +223,8 @@ impl Engine {
     pub fn cancel(&self, lane: LaneKind) {
         match lane {
             LaneKind::Open => self.open.cancel(),
-            LaneKind::Picture => self.picture.cancel(),
-            LaneKind::Patch => self.patch.cancel(),
+            LaneKind::Picture => self.picture.lane.cancel(),
+            LaneKind::Patch => self.patch.lane.cancel(),
             LaneKind::Detect => self.detect.cancel(),
         }
     }
@@ -213,9 +232,13 @@ impl Engine {
     /// Whether nothing runs and nothing waits. Answers may still be there to be polled.
     pub fn is_idle(&self) -> bool {
         self.open.is_idle()
-            && self.picture.is_idle()
-            && self.patch.is_idle()
+            && self.picture.lane.is_idle()
+            && self.patch.lane.is_idle()
             && self.detect.is_idle()
+            && self.pair.is_idle()
+            && self.comparer.is_idle()
+            && self.datasets.is_idle()
+            && self.poses.is_idle()
             && self.tasks.is_idle()
     }
 
@@ -233,8 +256,21 @@ impl Engine {
 
     /// Bytes of pictures that the cache holds now.
     pub fn cache_bytes(&self) -> usize {
-        self.cache.lock().unwrap_or_else(std::sync::PoisonError::into_inner).bytes()
+        self.cache.lock().bytes()
     }
+}
+
+/// A lane that opens bursts.
+fn open_lane(name: &str, on_update: &OnUpdate) -> Lane<BurstSource, OpenBurst> {
+    Lane::new(name, Duration::ZERO, on_update.clone(), |source: BurstSource, monitor| source.open(monitor))
+}
+
+/// A lane that finds features.
+fn detect_lane(name: &str, on_update: &OnUpdate) -> Lane<DetectRequest, Detected> {
+    Lane::new(name, Duration::ZERO, on_update.clone(), |request: DetectRequest, monitor| {
+        let found = detect(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
+        Ok(Detected { burst: request.burst.id, params: request.params, detection: Arc::new(found) })
+    })
 }
 
 #[cfg(test)]

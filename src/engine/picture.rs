@@ -2,8 +2,9 @@
 
 use super::fault::JobError;
 use super::source::{BurstId, OpenBurst};
+use crate::baseline::prepare;
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{DetectError, DetectorParams, Interpolation, Slope};
+use crate::detector::{DetectError, DetectorParams, Interpolation, Method, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use std::sync::Arc;
@@ -69,6 +70,7 @@ struct StackKey {
     slope_bits: (u32, u32),
     frames: (usize, usize),
     interpolation: Interpolation,
+    merged: bool,
 }
 
 impl PictureRequest {
@@ -77,7 +79,12 @@ impl PictureRequest {
             let used = self.params.used_frames(self.burst.burst.len());
             // Adding 0 makes −0 and 0 one slope.
             let slope_bits = ((slope.u + 0.0).to_bits(), (slope.v + 0.0).to_bits());
-            StackKey { slope_bits, frames: (used.start, used.end), interpolation: self.params.interpolation }
+            StackKey {
+                slope_bits,
+                frames: (used.start, used.end),
+                interpolation: self.params.interpolation,
+                merged: self.params.method == Method::Merge,
+            }
         };
         let kind = match self.kind {
             PictureKind::Frame(index) => KindKey::Frame(index),
@@ -109,9 +116,13 @@ impl PictureRequest {
             PictureKind::Frame(index) => burst.frames.get(index).cloned().ok_or_else(|| {
                 JobError::Failed(format!("there is no frame {index}; the burst has {} frames", burst.len()))
             })?,
-            PictureKind::Stack { slope } => Arc::new(stack_view(burst, &self.params, slope, monitor)?),
+            PictureKind::Stack { slope } => {
+                let (burst, params) = prepare(burst, &self.params, monitor).map_err(job_error)?;
+                Arc::new(stack_view(&burst, &params, slope, monitor)?)
+            }
             PictureKind::Dog { octave, level, slope } => {
-                Arc::new(dog_view(burst, &self.params, slope, octave, level, monitor).map_err(job_error)?)
+                let (burst, params) = prepare(burst, &self.params, monitor).map_err(job_error)?;
+                Arc::new(dog_view(&burst, &params, slope, octave, level, monitor).map_err(job_error)?)
             }
         };
         Ok(Picture { request: self.clone(), plane })

@@ -14,6 +14,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub enum BurstSource {
     /// The demo burst that is built into the program.
     Demo,
+    /// The demo street a little later: another burst that is built into the program.
+    DemoLater,
     /// A folder of frames, image files, a multi-page TIFF, or a `.npy` stack.
     Paths(Vec<PathBuf>),
 }
@@ -50,6 +52,7 @@ impl BurstSource {
     pub fn open(&self, monitor: &Monitor) -> Result<OpenBurst, JobError> {
         let burst = match self {
             Self::Demo => crate::synth::demo::demo_burst(),
+            Self::DemoLater => crate::synth::demo::later_demo_burst(),
             Self::Paths(paths) => {
                 let found = bursts_at(paths);
                 if found.len() > 1 {
@@ -67,6 +70,7 @@ impl BurstSource {
     pub fn label(&self) -> String {
         match self {
             Self::Demo => "Demo burst".to_owned(),
+            Self::DemoLater => "Later demo burst".to_owned(),
             Self::Paths(paths) => match paths.as_slice() {
                 [] => "nothing".to_owned(),
                 [one] => one.file_name().unwrap_or(one.as_os_str()).to_string_lossy().into_owned(),

@@ -5,67 +5,15 @@
 //! compares methods whatever their defaults; what they do *at* their defaults stands beside it.
 
 use super::jobs::run_jobs;
+use super::methods::{BurstMethod, Searches};
 use super::score::{Curve, Ranking, judge, mean_curve};
 use super::statistics::Mean;
 use super::{EvaluateError, check_lists, motion_name};
-use crate::baseline::plain_mean;
-use crate::detector::{Detection, DetectorParams, Method, SlopeGrid, detect};
+use crate::detector::{Detection, DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
+use crate::synth::Truth;
 use crate::synth::{ChartParams, synth_chart};
-use crate::{Burst, synth::Truth};
 use serde::Serialize;
-
-/// A way from a burst to features.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ChartMethod {
-    /// SIFT on the middle frame.
-    SiftFrame,
-    /// SIFT on the plain mean of all frames.
-    SiftMean,
-    /// The burst search over a line of slopes.
-    #[serde(rename = "buff-1d")]
-    Buff1d,
-    /// The burst search over a plane of slopes.
-    #[serde(rename = "buff-2d")]
-    Buff2d,
-}
-
-impl ChartMethod {
-    /// All methods, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::SiftFrame, Self::SiftMean, Self::Buff1d, Self::Buff2d];
-
-    /// The word for it on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::SiftFrame => "sift-frame",
-            Self::SiftMean => "sift-mean",
-            Self::Buff1d => "buff-1d",
-            Self::Buff2d => "buff-2d",
-        }
-    }
-
-    /// What a table or figure calls it.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::SiftFrame => "SIFT, one frame",
-            Self::SiftMean => "SIFT, plain mean",
-            Self::Buff1d => "BuFF 1D",
-            Self::Buff2d => "BuFF 2D",
-        }
-    }
-}
-
-impl std::str::FromStr for ChartMethod {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|method| method.name() == text)
-            .ok_or_else(|| format!("'{text}' is not a method; give sift-frame, sift-mean, buff-1d or buff-2d"))
-    }
-}
 
 /// What is to be compared, and on which charts.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +27,7 @@ pub struct ChartStudy {
     /// How many seeds, counting up from the first; 1 or more.
     pub seeds: u64,
     /// The methods, each at most once.
-    pub methods: Vec<ChartMethod>,
+    pub methods: Vec<BurstMethod>,
     /// The detector's parameters, for all methods; method and slopes are set by each of them.
     pub detector: DetectorParams,
     /// The slopes of BuFF 1D.
@@ -100,7 +48,7 @@ impl Default for ChartStudy {
             snrs: vec![0.2, 0.35, 0.6],
             first_seed: 1,
             seeds: 5,
-            methods: ChartMethod::ALL.to_vec(),
+            methods: BurstMethod::ALL.to_vec(),
             detector: DetectorParams::default(),
             slopes_1d: SlopeGrid::line(-3.0..=3.0, 13),
             slopes_2d: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7),
@@ -188,14 +136,14 @@ pub struct ChartRow {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodReport {
     /// The method.
-    pub method: ChartMethod,
+    pub method: BurstMethod,
     /// Discs found at the threshold where the asked-for share of the detections is false.
     pub true_positives: Mean,
     /// Discs found among all that the detector returned.
     pub default_true_positives: Mean,
     /// False features among all that the detector returned.
     pub default_false_features: Mean,
-    /// The detector's estimate of a frame's noise over the true one at the background; absent for the mean image and for charts without noise.
+    /// The detector's estimate of a frame's noise over the true one at the background; absent for mean and merged images and for charts without noise.
     pub noise_estimate_ratio: Option<Mean>,
     /// Mean count of discs found with at most 0, 1, 2 … false features.
     pub roc: Vec<f64>,
@@ -236,35 +184,13 @@ impl ChartStudy {
             return Err(EvaluateError::param("false-fraction", self.false_fraction.to_string(), remedy));
         }
         for &method in &self.methods {
-            self.params(method).validate_for(self.chart.frames, (self.chart.width, self.chart.height))?;
+            self.searches().params(method).validate_for(self.chart.frames, (self.chart.width, self.chart.height))?;
         }
         Ok(())
     }
 
-    /// The detector's parameters for `method`.
-    fn params(&self, method: ChartMethod) -> DetectorParams {
-        let (method, slopes) = match method {
-            ChartMethod::SiftFrame | ChartMethod::SiftMean => (Method::Sift, self.detector.slopes),
-            ChartMethod::Buff1d => (Method::Buff, self.slopes_1d),
-            ChartMethod::Buff2d => (Method::Buff, self.slopes_2d),
-        };
-        DetectorParams { method, slopes, ..self.detector.clone() }
-    }
-
-    /// Runs `method` on `burst`.
-    ///
-    /// # Errors
-    /// [`EvaluateError::Detector`] for parameters that make no sense, [`EvaluateError::Cancelled`].
-    pub fn detect(&self, method: ChartMethod, burst: &Burst, monitor: &Monitor) -> Result<Detection, EvaluateError> {
-        let params = self.params(method);
-        if method != ChartMethod::SiftMean {
-            return Ok(detect(burst, &params, monitor)?);
-        }
-        // SIFT uses one frame; the mean is of all those that the burst search would use.
-        let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
-        let used = Burst { frames: burst.frames[all].to_vec(), ..burst.clone() };
-        let params = DetectorParams { frames: None, ..params };
-        Ok(detect(&plain_mean(&used, monitor)?, &params, monitor)?)
+    fn searches(&self) -> Searches<'_> {
+        Searches { detector: &self.detector, slopes_1d: self.slopes_1d, slopes_2d: self.slopes_2d }
     }
 
     /// Makes the charts, runs the methods and scores what they find.
@@ -278,15 +204,15 @@ impl ChartStudy {
             self.snrs.iter().flat_map(|&snr| seeds.clone().map(move |seed| (snr, seed))).collect();
         let scores = run_jobs(&jobs, self.methods.len(), monitor, |&(snr, seed), monitor, steps| {
             let (burst, truth) = synth_chart(&ChartParams { snr, seed, ..self.chart.clone() }, monitor)?;
-            let score = |&method: &ChartMethod| {
-                let detection = self.detect(method, &burst, monitor)?;
+            let score = |&method: &BurstMethod| {
+                let detection = self.searches().detect(method, &burst, monitor)?;
                 steps.done();
                 Ok(self.score(method, seed, &detection, &truth))
             };
             self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, EvaluateError>>()
         })?;
         let row = |(&snr, scores): (&f64, &[Vec<ChartScore>])| {
-            let method = |(index, &method): (usize, &ChartMethod)| {
+            let method = |(index, &method): (usize, &BurstMethod)| {
                 self.method_report(method, scores.iter().map(|chart| chart[index].clone()).collect())
             };
             ChartRow { snr, methods: self.methods.iter().enumerate().map(method).collect() }
@@ -304,9 +230,9 @@ impl ChartStudy {
         })
     }
 
-    fn score(&self, method: ChartMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {
+    fn score(&self, method: BurstMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {
         let curve = Curve::of(&judge(&detection.features, truth, self.ranking));
-        let of_one_frame = method != ChartMethod::SiftMean;
+        let of_one_frame = !matches!(method, BurstMethod::SiftMean | BurstMethod::SiftMerge);
         ChartScore {
             seed,
             true_positives: curve.at_false_fraction(self.false_fraction).true_positives,
@@ -318,7 +244,7 @@ impl ChartStudy {
         }
     }
 
-    fn method_report(&self, method: ChartMethod, charts: Vec<ChartScore>) -> MethodReport {
+    fn method_report(&self, method: BurstMethod, charts: Vec<ChartScore>) -> MethodReport {
         let mean = |count: fn(&ChartScore) -> usize| {
             Mean::of(&charts.iter().map(|chart| count(chart) as f64).collect::<Vec<_>>())
         };
@@ -339,39 +265,6 @@ impl ChartStudy {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn methods_and_their_names_agree() {
-        for method in ChartMethod::ALL {
-            assert_eq!(method.name().parse(), Ok(method));
-            assert_eq!(serde_json::to_value(method).expect("a word"), method.name());
-        }
-        assert!("surf".parse::<ChartMethod>().expect_err("unknown").contains("sift-frame"));
-    }
-
-    #[test]
-    fn the_mean_is_of_all_frames_and_one_frame_is_one() {
-        let chart = ChartParams {
-            width: 200,
-            height: 150,
-            discs: 8,
-            radius: 4.0..=9.0,
-            max_slope: 0.0,
-            snr: 2.0,
-            ..ChartParams::default()
-        };
-        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
-        let study = ChartStudy::default();
-        let noise = |method, study: &ChartStudy| {
-            f64::from(study.detect(method, &burst, &Monitor::default()).expect("detected").frame_noise)
-        };
-        let one = noise(ChartMethod::SiftFrame, &study);
-        // Ten frames have a √10 lower noise, four of them half of it.
-        assert!((noise(ChartMethod::SiftMean, &study) * 10f64.sqrt() / one - 1.0).abs() < 0.05);
-        let frames = Some("3..7".parse().expect("a range"));
-        let some = ChartStudy { detector: DetectorParams { frames, ..DetectorParams::default() }, ..study };
-        assert!((noise(ChartMethod::SiftMean, &some) * 2.0 / one - 1.0).abs() < 0.05);
-    }
 
     #[test]
     fn nonsense_is_named_with_its_remedy() {

@@ -4,16 +4,18 @@
 //! palette, which colour-blind readers can tell apart) *and* in dashes. A grey line marks where the asked-for share of the detections
 //! is false: the numbers of the table are read near it. The dot at the end of a curve is what the method finds at its default threshold.
 
-use super::chart::{ChartMethod, ChartReport, ChartRow, MethodReport};
+use super::chart::{ChartReport, ChartRow, MethodReport};
+use super::methods::BurstMethod;
 use std::fmt::Write;
 
 /// How a method's line looks: colour, dashes (empty for solid) and width in pixels.
-fn style(method: ChartMethod) -> (&'static str, &'static str, f64) {
+fn style(method: BurstMethod) -> (&'static str, &'static str, f64) {
     match method {
-        ChartMethod::SiftFrame => ("#666666", "1.5 4", 2.0),
-        ChartMethod::SiftMean => ("#d55e00", "9 3 2 3", 2.0),
-        ChartMethod::Buff1d => ("#0072b2", "", 2.4),
-        ChartMethod::Buff2d => ("#007a58", "7 4", 2.4),
+        BurstMethod::SiftFrame => ("#666666", "1.5 4", 2.0),
+        BurstMethod::SiftMean => ("#d55e00", "9 3 2 3", 2.0),
+        BurstMethod::SiftMerge => ("#cc79a7", "5 3", 2.0),
+        BurstMethod::Buff1d => ("#0072b2", "", 2.4),
+        BurstMethod::Buff2d => ("#007a58", "7 4", 2.4),
     }
 }
 
@@ -38,8 +40,8 @@ pub fn roc_svg(report: &ChartReport) -> String {
 
 fn write_figure(out: &mut String, report: &ChartReport) -> std::fmt::Result {
     let panel_width = SIDES.0 + PLOT.0 + SIDES.1;
-    // A single panel is as wide as two, so that caption and legend fit.
-    let width = panel_width * (report.rows.len() as f64).max(2.0);
+    // A single panel is as wide as more than two, so that caption and legend fit.
+    let width = panel_width * (report.rows.len() as f64).max(2.2);
     let height = ABOVE + PLOT.1 + BELOW;
     writeln!(
         out,
@@ -209,8 +211,8 @@ mod tests {
 
     #[test]
     fn no_two_methods_look_alike_even_without_colour() {
-        for a in ChartMethod::ALL {
-            for b in ChartMethod::ALL {
+        for a in BurstMethod::ALL {
+            for b in BurstMethod::ALL {
                 if a != b {
                     assert_ne!(style(a).0, style(b).0);
                     assert_ne!(style(a).1, style(b).1);

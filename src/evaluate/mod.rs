@@ -7,6 +7,8 @@
 //! - [`accuracy`]: in enough light. How far are places, scales and motions from the truth?
 //! - [`pure_noise`]: on noise alone. How many features are found where there is nothing to find?
 //!
+//! One of what the features are for, on real or synthetic bursts, [`matches`] (`burstscope evaluate matches`): how many of them match between bursts, and how many matches are right?
+//!
 //! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far is a reconstruction's trajectory from the true one?
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel over them and answers with a report that
@@ -17,13 +19,17 @@ pub mod accuracy;
 pub mod chart;
 pub mod figure;
 mod jobs;
+pub mod matches;
+mod methods;
 pub mod poses;
 pub mod pure_noise;
 pub mod score;
 pub mod statistics;
 
 pub use accuracy::{AccuracyReport, AccuracyStudy};
-pub use chart::{ChartMethod, ChartReport, ChartStudy};
+pub use chart::{ChartReport, ChartStudy};
+pub use matches::{MatchMethod, MatchReport, MatchStudy, Shot};
+pub use methods::BurstMethod;
 pub use pure_noise::{NoiseReport, NoiseStudy};
 pub use score::{Curve, Ranking};
 

@@ -6,9 +6,10 @@
 
 use super::EvaluateError;
 use super::jobs::run_jobs;
+use crate::baseline::detect;
 use crate::burst::Burst;
 use crate::detector::noise::gate_factor;
-use crate::detector::{DetectorParams, SlopeGrid, detect};
+use crate::detector::{DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::synth::noise::{quantisation_step, quantised_word};

@@ -5,6 +5,7 @@ use super::csv::write_csv;
 use super::error::ExportError;
 use super::npz::write_npz;
 use crate::detector::Detection;
+use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -108,6 +109,19 @@ pub fn safe_file_name(name: &str) -> String {
     if name.is_empty() { "burst".into() } else { name.into() }
 }
 
+/// Numbers names that would make the same file name ([`safe_file_name`]), also where upper and lower case are the same.
+pub fn make_file_names_unique<'a>(names: impl Iterator<Item = &'a mut String>) {
+    let key = |name: &str| safe_file_name(name).to_lowercase();
+    let mut taken: HashSet<String> = HashSet::new();
+    for name in names {
+        if !taken.insert(key(name)) {
+            let number = (2..).find(|n| !taken.contains(&key(&format!("{name}_{n}")))).expect("numbers never end");
+            *name = format!("{name}_{number}");
+            taken.insert(key(name));
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,5 +149,12 @@ mod tests {
         for (name, safe) in cases {
             assert_eq!(safe_file_name(name), safe);
         }
+    }
+
+    #[test]
+    fn names_that_would_share_a_file_are_numbered() {
+        let mut names = ["a", "A", "a_2", "a:", "a?"].map(str::to_owned);
+        make_file_names_unique(names.iter_mut());
+        assert_eq!(names, ["a", "A_2", "a_2_2", "a:", "a?_2"]);
     }
 }

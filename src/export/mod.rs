@@ -1,7 +1,7 @@
 //! What leaves the program: one file of code for each file format.
 //!
 //! Features go out as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as `.npz`; pictures as 32-bit float TIFF (exact values) or PNG (as shown);
-//! figures as SVG with a vector overlay. Every file is written whole or not at all, see [`write_whole`].
+//! figures as SVG with a vector overlay; matches as CSV and as a picture of both images. Every file is written whole or not at all, see [`write_whole`].
 
 mod atomic;
 mod base64;
@@ -10,6 +10,8 @@ mod columns;
 mod csv;
 mod error;
 mod format;
+mod match_picture;
+mod matches;
 mod npz;
 mod png;
 mod svg;
@@ -23,7 +25,9 @@ pub use colmap::{
 pub use columns::{COLUMNS, FeatureRow};
 pub use csv::{read_features_csv, write_csv};
 pub use error::ExportError;
-pub use format::{ExportFormat, UnknownFormat, safe_file_name, write_detection};
+pub use format::{ExportFormat, UnknownFormat, make_file_names_unique, safe_file_name, write_detection};
+pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
+pub use matches::{MATCH_COLUMNS, MatchRow, write_matches_csv};
 pub use npz::write_npz;
 pub use png::{Picture, write_png};
 pub use svg::{FigureOptions, LegendEntry, write_svg};

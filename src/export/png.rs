@@ -40,6 +40,12 @@ impl<'a> Picture<'a> {
         (self.width, self.height)
     }
 
+    /// Red, green and blue of each pixel, row by row.
+    pub(super) fn rgb_pixels(&self) -> Vec<[u8; 3]> {
+        let bytes = if self.color == ExtendedColorType::Rgba8 { 4 } else { 3 };
+        self.pixels.chunks_exact(bytes).map(|p| [p[0], p[1], p[2]]).collect()
+    }
+
     /// Fails when PNG cannot hold the size.
     pub(super) fn check_size(&self, path: &Path) -> Result<(), ExportError> {
         // PNG's own limit is 2³¹ − 1 a side.

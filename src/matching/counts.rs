@@ -48,6 +48,66 @@ impl MatchCounts {
     }
 }
 
+/// The numbers of many images that were matched with one another, as in the paper's table: of each image, with all others that it was paired with, and
+/// then the mean over the images.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ImageCounts {
+    /// Features of an image.
+    pub keypoints_per_image: f64,
+    /// Putative matches of an image.
+    pub putative_per_image: f64,
+    /// Inliers of an image.
+    pub inliers_per_image: f64,
+    /// Putative matches over keypoints.
+    pub match_ratio: f64,
+    /// Inliers over keypoints.
+    pub match_score: f64,
+    /// Inliers over putative matches, of all pairs together; `None` without matches.
+    pub precision: Option<f64>,
+    /// Pairs with inliers.
+    pub verified_pairs: usize,
+}
+
+impl ImageCounts {
+    /// Of images with so many `keypoints` each, and of pairs of them (by their places) that were matched. Pairs that were not verified count as
+    /// pairs without inliers. `None` without images.
+    ///
+    /// # Panics
+    /// When a pair has a place that `keypoints` has not: a mistake of the caller.
+    pub fn of(keypoints: &[usize], pairs: &[((usize, usize), MatchCounts)]) -> Option<Self> {
+        if keypoints.is_empty() {
+            return None;
+        }
+        let images = keypoints.len() as f64;
+        // Each match is one of both images.
+        let of_images = |count: &dyn Fn(&MatchCounts) -> usize| {
+            let mut sums = vec![0; keypoints.len()];
+            for ((a, b), counts) in pairs {
+                sums[*a] += count(counts);
+                sums[*b] += count(counts);
+            }
+            sums
+        };
+        let putative = of_images(&|c| c.putative);
+        let inliers = of_images(&|c| c.inliers.unwrap_or(0));
+        let mean = |sums: &[usize]| sums.iter().sum::<usize>() as f64 / images;
+        let share = |sums: &[usize]| {
+            let of_one = |(&sum, &all): (&usize, &usize)| if all > 0 { sum as f64 / all as f64 } else { 0.0 };
+            sums.iter().zip(keypoints).map(of_one).sum::<f64>() / images
+        };
+        let all_putative = putative.iter().sum::<usize>();
+        Some(Self {
+            keypoints_per_image: mean(keypoints),
+            putative_per_image: mean(&putative),
+            inliers_per_image: mean(&inliers),
+            match_ratio: share(&putative),
+            match_score: share(&inliers),
+            precision: (all_putative > 0).then(|| inliers.iter().sum::<usize>() as f64 / all_putative as f64),
+            verified_pairs: pairs.iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count(),
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -59,6 +119,20 @@ mod tests {
         assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
         assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
         assert_eq!(counts.precision(), Some(0.75));
+    }
+
+    #[test]
+    fn an_images_matches_with_all_others_are_added_up() {
+        let counts = |putative, inliers| MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() };
+        let pairs = [((0, 1), counts(4, 3)), ((0, 2), counts(6, 0))];
+        let all = ImageCounts::of(&[10, 8, 0], &pairs).expect("three images");
+        // Image 0 has 10 putative matches, image 1 has 4, image 2 has 6 (and no keypoint to divide them by).
+        assert_eq!((all.keypoints_per_image, all.putative_per_image, all.inliers_per_image), (6.0, 20.0 / 3.0, 2.0));
+        assert!((all.match_ratio - (1.0 + 0.5) / 3.0).abs() < 1e-12);
+        assert!((all.match_score - (0.3 + 0.375) / 3.0).abs() < 1e-12);
+        assert_eq!((all.precision, all.verified_pairs), (Some(0.3), 1));
+        assert_eq!(ImageCounts::of(&[], &[]), None);
+        assert_eq!(ImageCounts::of(&[5], &[]).expect("one image").precision, None);
     }
 
     #[test]

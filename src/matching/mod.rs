@@ -17,7 +17,7 @@ pub mod params;
 pub mod putative;
 
 pub use camera::{Camera, CameraModel};
-pub use counts::MatchCounts;
+pub use counts::{ImageCounts, MatchCounts};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};

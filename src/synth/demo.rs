@@ -26,6 +26,9 @@ pub const DEMO_SIZE: (usize, usize) = (480, 360);
 pub const DEMO_FRAMES: usize = 10;
 
 const SEED: u64 = 20_220_919;
+/// From the middle of the demo to the middle of the later burst, in frames.
+pub const LATER_FRAMES: f64 = 12.0;
+/// Frames from mid-burst to the first and last one.
 const HALF_SPAN: f64 = 0.5 * (DEMO_FRAMES as f64 - 1.0);
 /// How much of the light that the layers are painted with reaches the camera: the dial between a picture that one frame shows
 /// and one that needs the burst.
@@ -40,15 +43,26 @@ fn camera() -> Camera {
 
 /// The demo burst: 10 frames of 480×360 pixels, always the same bits.
 pub fn demo_burst() -> Burst {
-    let layers = layers();
+    demo_burst_at("demo", 0.0, SEED)
+}
+
+/// The same street [`LATER_FRAMES`] frames later, with noise of its own: what the first burst can be matched with. Its layers have moved on by as many slopes:
+/// three of them horizontally, as for a camera that moves sideways past a still street, while the lanterns rise and fit no such camera.
+pub fn later_demo_burst() -> Burst {
+    demo_burst_at("demo-later", LATER_FRAMES, SEED + 1)
+}
+
+/// The burst whose middle is `later` frames after the demo's.
+fn demo_burst_at(name: &str, later: f64, noise_seed: u64) -> Burst {
+    let layers = layers(HALF_SPAN + later);
     let never = Monitor::default();
-    capture_burst("demo", DEMO_FRAMES, SEED, &camera(), &never, |dt| draw_demo(&layers, dt, &never))
+    capture_burst(name, DEMO_FRAMES, noise_seed, &camera(), &never, |dt| draw_demo(&layers, later + dt, &never))
         .expect("nobody can cancel this monitor")
 }
 
 /// What is known about the demo burst.
 pub fn demo_truth() -> Truth {
-    let layers = layers();
+    let layers = layers(HALF_SPAN);
     Truth {
         kind: TruthKind::Demo,
         width: DEMO_SIZE.0,
@@ -72,12 +86,13 @@ fn draw_demo(layers: &[Layer], dt: f64, monitor: &Monitor) -> Result<Plane, Canc
     Ok(signal)
 }
 
-fn layers() -> [Layer; 4] {
-    [skyline(), houses(), sign(), lanterns()]
+/// The layers as they are at the demo's mid-burst, painted as far as they are seen `reach` frames away from it.
+fn layers(reach: f64) -> [Layer; 4] {
+    [skyline(reach), houses(reach), sign(reach), lanterns(reach)]
 }
 
-fn skyline() -> Layer {
-    let mut layer = Layer::new("skyline", DEMO_SIZE, (0.95, 0.0), HALF_SPAN);
+fn skyline(reach: f64) -> Layer {
+    let mut layer = Layer::new("skyline", DEMO_SIZE, (0.95, 0.0), reach);
     layer.sheet.fill(|u, v| {
         let dusk = SKY + 0.00003 * v;
         // Clouds, down to where the houses begin.
@@ -129,8 +144,8 @@ fn skyline() -> Layer {
     layer
 }
 
-fn houses() -> Layer {
-    let mut layer = Layer::new("houses", DEMO_SIZE, (-1.05, 0.0), HALF_SPAN);
+fn houses(reach: f64) -> Layer {
+    let mut layer = Layer::new("houses", DEMO_SIZE, (-1.05, 0.0), reach);
     let mut stream = Stream::new(SEED, 101);
     let mut left = -14.0f32;
     let mut house = 0i64;
@@ -199,8 +214,8 @@ const LETTERS: [[u8; 7]; 5] = [
     [0b11111, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100],
 ];
 
-fn sign() -> Layer {
-    let mut layer = Layer::new("sign", DEMO_SIZE, (-2.1, 0.0), HALF_SPAN);
+fn sign(reach: f64) -> Layer {
+    let mut layer = Layer::new("sign", DEMO_SIZE, (-2.1, 0.0), reach);
     // A board of lamps that spells BURST, on two posts.
     for post in [238.0, 372.0] {
         layer.sheet.rectangle(Area::new(post - 3.0, 150.0, post + 3.0, 380.0), 0.026);
@@ -240,8 +255,8 @@ fn sign() -> Layer {
     layer
 }
 
-fn lanterns() -> Layer {
-    let mut layer = Layer::new("lanterns", DEMO_SIZE, (1.6, -1.2), HALF_SPAN);
+fn lanterns(reach: f64) -> Layer {
+    let mut layer = Layer::new("lanterns", DEMO_SIZE, (1.6, -1.2), reach);
     for (u, v, size) in [
         (150.0f32, 150.0f32, 1.15f32),
         (304.0, 74.0, 0.85),

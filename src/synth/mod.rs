@@ -32,7 +32,7 @@ pub mod truth;
 pub mod write;
 
 pub use chart::{ChartParams, synth_chart};
-pub use demo::{demo_burst, demo_truth};
+pub use demo::{demo_burst, demo_truth, later_demo_burst};
 pub use noise::Camera;
 pub use noisy::{FrameLevels, NoisyExposure, NoisyParams, NoisyTruth, write_noisy};
 pub use scene::{SceneParams, synth_scene};

@@ -186,3 +186,41 @@ fn colmap_reads_what_was_written() {
         }
     }
 }
+
+/// For each pair the number of inliers of COLMAP's fundamental matrix on the same matches, with the same largest error.
+const ESTIMATE_ALL: &str = r#"
+import json, sys
+import numpy as np
+import pycolmap
+
+database = pycolmap.Database.open(sys.argv[1]) if hasattr(pycolmap.Database, "open") else pycolmap.Database(sys.argv[1])
+options = pycolmap.RANSACOptions()
+options.max_error = 4.0
+if hasattr(options, "random_seed"):
+    options.random_seed = 0
+counts = []
+for a, b in json.loads(sys.argv[2]):
+    matches = np.asarray(database.read_matches(a, b))
+    xa, xb = np.asarray(database.read_keypoints(a)), np.asarray(database.read_keypoints(b))
+    found = pycolmap.estimate_fundamental_matrix(xa[matches[:, 0], :2].astype(float), xb[matches[:, 1], :2].astype(float), options)
+    counts.append(found["num_inliers"] if found else 0)
+print(json.dumps(counts))
+"#;
+
+#[test]
+fn inliers_are_as_many_as_colmaps() {
+    let Some(python) = python() else { return };
+    let home = tempfile::tempdir().expect("a folder");
+    let (report, _) = written(home.path(), false);
+    let pairs: Vec<[u32; 2]> = report.pairs.iter().map(|pair| pair.ids).collect();
+    let pairs = serde_json::to_string(&pairs).expect("JSON");
+    let answer = Command::new(&python).args(["-c", ESTIMATE_ALL]).arg(&report.database).arg(pairs).output();
+    let answer = answer.expect("it starts");
+    assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+    let theirs: Vec<usize> = serde_json::from_slice(&answer.stdout).expect("counts");
+    for (pair, theirs) in report.pairs.iter().zip(theirs) {
+        let ours = pair.counts.inliers.expect("verified");
+        println!("of {} matches: {ours} inliers, COLMAP {theirs}", pair.counts.putative);
+        assert!(ours * 100 >= theirs * 97, "{ours} and {theirs}");
+    }
+}

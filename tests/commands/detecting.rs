@@ -196,7 +196,9 @@ fn help_and_version_are_answers_not_errors() {
     }
     // Only commands that exist are offered.
     let commands = run_well(home.path(), &["--help"]);
-    for later in ["match", "probe", "merge"] {
-        assert!(!commands.contains(&format!("\n  {later} ")), "{later}");
+    for command in ["detect", "match", "merge", "stack", "synth", "evaluate", "colmap", "render"] {
+        assert!(commands.contains(&format!("\n  {command} ")), "{command}");
+        run_well(home.path(), &[command, "--help"]);
     }
+    assert!(!commands.contains("\n  probe "));
 }

@@ -107,3 +107,46 @@ fn error_message() {
     );
     window.snapshot("error_message");
 }
+
+/// Two bursts of the demo street in a window of `size`.
+fn open_pair(size: [f32; 2]) -> Window {
+    let mut start = Start { size, ..Start::default() };
+    start.startup.second = Some(burstscope::engine::BurstSource::DemoLater);
+    start.open()
+}
+
+#[test]
+fn two_bursts() {
+    open_pair([1400.0, 900.0]).snapshot("two_bursts");
+}
+
+#[test]
+fn single_match() {
+    let mut window = open_pair([1400.0, 1000.0]);
+    window.key(Key::Home);
+    window.snapshot("single_match");
+}
+
+#[test]
+fn methods() {
+    let mut window = open_pair([1400.0, 900.0]);
+    window.click("Methods");
+    window.snapshot("methods");
+}
+
+#[test]
+fn methods_matches() {
+    let mut window = open_pair([1400.0, 1000.0]);
+    window.click("Methods");
+    window.settle();
+    window.click("Matches");
+    window.snapshot("methods_matches");
+}
+
+#[test]
+fn wipe() {
+    let mut window = open();
+    window.click("Methods");
+    window.key(Key::W);
+    window.snapshot("wipe");
+}

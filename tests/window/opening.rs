@@ -39,24 +39,6 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
 }
 
 #[test]
-fn of_a_folder_of_bursts_one_is_chosen() {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, frames) in [("first", 3), ("second", 6)] {
-        std::fs::create_dir(folder.path().join(name)).unwrap();
-        noisy_stack(&folder.path().join(name), frames, 40, 40);
-    }
-    let mut window = Start::without_auto_detect().open();
-    window.dialogs.will_choose(folder.path());
-    window.click("Open…");
-    window.settle();
-    assert!(window.shows("2 bursts in this folder"));
-    assert_eq!(window.app().model.frame_count(), 10, "until one is chosen the demo stays");
-    window.harness.get_by_label_contains("second in ").click();
-    window.settle();
-    assert_eq!(window.app().model.frame_count(), 6);
-}
-
-#[test]
 fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("broken-frame.png");
@@ -90,21 +72,10 @@ fn where_the_system_has_no_dialog_a_path_can_be_typed() {
 
 #[test]
 fn files_that_are_dropped_are_opened() {
-    #[derive(Debug)]
-    struct Dropped(std::path::PathBuf);
-    impl egui::DroppedFile for Dropped {
-        fn path(&self) -> &std::path::Path {
-            &self.0
-        }
-        fn bytes(&self) -> Result<Vec<u8>, String> {
-            std::fs::read(&self.0).map_err(|e| e.to_string())
-        }
-    }
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 5, 40, 40);
     let mut window = Start::without_auto_detect().open();
-    window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
-    window.harness.step();
+    window.drop_file(path);
     window.settle();
     assert_eq!(window.app().model.frame_count(), 5);
 }

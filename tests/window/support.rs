@@ -145,6 +145,22 @@ impl Window {
         self.harness.run_steps(2);
     }
 
+    /// Lets a file or folder go over the window.
+    pub fn drop_file(&mut self, path: PathBuf) {
+        #[derive(Debug)]
+        struct Dropped(PathBuf);
+        impl egui::DroppedFile for Dropped {
+            fn path(&self) -> &Path {
+                &self.0
+            }
+            fn bytes(&self) -> Result<Vec<u8>, String> {
+                std::fs::read(&self.0).map_err(|e| e.to_string())
+            }
+        }
+        self.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
+        self.harness.step();
+    }
+
     /// Moves a slider.
     pub fn slide(&mut self, label: &str, value: f64) {
         self.harness.get_by_role_and_label(Role::Slider, label).set_value_accesskit(value);
@@ -182,6 +198,12 @@ impl Window {
         self.settle();
         // How long it took differs from run to run.
         if let Some(found) = &mut self.app_mut().model.found {
+            found.elapsed = Duration::from_millis(120);
+        }
+        if let Some(matches) = &mut self.app_mut().model.pair.matches {
+            matches.elapsed = Duration::from_millis(10);
+        }
+        for found in self.app_mut().model.compare.all_found_mut() {
             found.elapsed = Duration::from_millis(120);
         }
         self.harness.run_steps(2);

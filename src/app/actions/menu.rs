@@ -1,16 +1,19 @@
 //! The menu bar, drawn from the registry.
 
 use super::{ACTIONS, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
+use crate::app::settings::{Recent, Settings};
 use crate::app::state::Model;
+use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
+use std::path::PathBuf;
 
-/// Draws the menus. A recent burst that is chosen is put into `open_recent`.
+/// Draws the menus. What is chosen of what was open before is put into `open_recent`.
 pub fn menu_bar_ui(
     ui: &mut egui::Ui,
     model: &Model,
-    recent: &[BurstSource],
+    remembered: &Settings,
     queue: &mut Queue,
-    open_recent: &mut Option<BurstSource>,
+    open_recent: &mut Option<Recent>,
 ) {
     egui::MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
@@ -24,7 +27,7 @@ pub fn menu_bar_ui(
                     last_group = Some(action.group);
                     item_ui(ui, model, queue, action.id);
                     if action.id == ActionId::OpenDemo {
-                        recent_ui(ui, recent, open_recent);
+                        recent_ui(ui, remembered, open_recent);
                     }
                 }
             });
@@ -32,7 +35,8 @@ pub fn menu_bar_ui(
     });
 }
 
-fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
+/// One item of a menu.
+pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     let action = id.action();
     let mark = match checked(id, model) {
         Some(true) => "✔ ",
@@ -49,23 +53,35 @@ fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     }
 }
 
-fn recent_ui(ui: &mut egui::Ui, recent: &[BurstSource], open_recent: &mut Option<BurstSource>) {
-    ui.add_enabled_ui(!recent.is_empty(), |ui| {
+fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, open_recent: &mut Option<Recent>) {
+    let Settings { recent, datasets, .. } = remembered;
+    ui.add_enabled_ui(!(recent.is_empty() && datasets.is_empty()), |ui| {
         ui.menu_button("Open recent", |ui| {
-            for source in recent {
-                let response = ui.button(source.label());
-                let response = match source {
-                    BurstSource::Paths(paths) => {
-                        let lines: Vec<String> = paths.iter().take(8).map(|p| p.display().to_string()).collect();
-                        response.on_hover_text(lines.join("\n"))
-                    }
-                    BurstSource::Demo => response,
-                };
-                if response.clicked() {
-                    *open_recent = Some(source.clone());
+            let mut item = |ui: &mut egui::Ui, label: String, paths: &[PathBuf], what: Recent| {
+                let lines: Vec<String> = paths.iter().take(8).map(|p| p.display().to_string()).collect();
+                if ui.button(label).on_hover_text(lines.join("\n")).clicked() {
+                    *open_recent = Some(what);
                     ui.close();
                 }
+            };
+            for source in recent {
+                let paths = if let BurstSource::Paths(paths) = source { &paths[..] } else { &[] };
+                item(ui, source.label(), paths, Recent::Burst(source.clone()));
+            }
+            if !(recent.is_empty() || datasets.is_empty()) {
+                ui.separator();
+            }
+            for source in datasets {
+                item(ui, dataset_label(source), &source.paths, Recent::Dataset(source.clone()));
             }
         });
     });
+}
+
+/// A dataset as it stands among single bursts.
+pub fn dataset_label(source: &DatasetSource) -> String {
+    match source.burst_length {
+        Some(length) => format!("{}, in bursts of {length}", source.label()),
+        None => format!("{}, a dataset", source.label()),
+    }
 }

@@ -15,13 +15,18 @@ pub enum Menu {
     Detect,
     /// The features found.
     Features,
+    /// A second burst, and the matches with it.
+    Pair,
+    /// Many bursts.
+    Dataset,
     /// Finding one's way.
     Help,
 }
 
 impl Menu {
     /// All menus.
-    pub const ALL: [Self; 6] = [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Help];
+    pub const ALL: [Self; 8] =
+        [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Pair, Self::Dataset, Self::Help];
 
     /// Its name.
     pub fn label(self) -> &'static str {
@@ -31,6 +36,8 @@ impl Menu {
             Self::Scrub => "Scrub",
             Self::Detect => "Detection",
             Self::Features => "Features",
+            Self::Pair => "Pair",
+            Self::Dataset => "Dataset",
             Self::Help => "Help",
         }
     }
@@ -91,6 +98,7 @@ macro_rules! actions {
 actions! {
     OpenFolder, File 0, "Open folder…", [CTRL O], "Open a folder of frames";
     OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack";
+    OpenDataset, File 0, "Open dataset…", [CTRL_SHIFT D], "Open a folder of bursts, or a long sequence that is cut into bursts";
     OpenPath, File 0, "Open path…", [CTRL L], "Type or paste the path of a burst";
     OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program";
     RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file";
@@ -103,26 +111,34 @@ actions! {
     ExportTiff, File 4, "Export picture as 32-bit TIFF…", [], "Write the picture's values as they are";
     ExportPng, File 4, "Export picture as PNG…", [CTRL_SHIFT E], "Write the picture as it is shown, in its range and colours";
     ExportSvg, File 4, "Export figure as SVG…", [], "Write the picture with the features over it as vectors, for papers";
-    Quit, File 5, "Quit", [CTRL Q], "Close the window";
+    ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
+    ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";
+    Quit, File 6, "Quit", [CTRL Q], "Close the window";
 
-    ShowFrame, View 0, "Show frame", [NONE Num1], "Show one frame as it was taken";
-    ShowStack, View 0, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
-    ShowDog, View 0, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
-    Fit, View 1, "Fit picture", [NONE F], "Show the whole picture";
-    OneToOne, View 1, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
-    ZoomIn, View 1, "Zoom in", [NONE Plus], "Enlarge around the centre";
-    ZoomOut, View 1, "Zoom out", [NONE Minus], "Reduce around the centre";
-    ToggleOverlay, View 2, "Features over the picture", [NONE O], "Show or hide the features";
-    ToggleMotion, View 2, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
-    ToggleOrientation, View 2, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
-    ToggleLegend, View 2, "Legend", [NONE L], "Show or hide the legend of the features' colours";
-    NextColouring, View 2, "Next feature colouring", [NONE C], "Colour features by slope, scale or response in turn";
-    ToggleLeft, View 3, "Scrub and parameters", [CTRL B], "Show or hide the panel on the left";
-    ToggleRight, View 3, "Feature and display", [CTRL R], "Show or hide the panel on the right";
-    ToggleBottom, View 3, "Table and tally", [CTRL J], "Show or hide the panel below";
-    ThemeSystem, View 4, "Theme as the system", [], "Follow the system's light or dark theme";
-    ThemeLight, View 4, "Light theme", [], "Dark text on a light ground";
-    ThemeDark, View 4, "Dark theme", [], "Light text on a dark ground";
+    RoomBurst, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
+    RoomPair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
+    RoomMethods, View 0, "Methods", [CTRL Num3], "Compare several methods on the same burst: panes, a wipe, a flip, their matches, and their numbers";
+    RoomMatches, View 0, "Matches", [CTRL Num4], "Look at the matches of all pairs of a dataset";
+    RoomTrajectories, View 0, "Trajectories", [CTRL Num5], "Look at an estimated trajectory beside the true one";
+    ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
+    ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
+    ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
+    Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
+    OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
+    ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
+    ZoomOut, View 2, "Zoom out", [NONE Minus], "Reduce around the centre";
+    ToggleOverlay, View 3, "Features over the picture", [NONE O], "Show or hide the features";
+    ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
+    ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
+    ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours";
+    NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale or response in turn";
+    ToggleLeft, View 4, "Scrub and parameters", [CTRL B], "Show or hide the panel on the left";
+    ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right";
+    ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below";
+    ToggleFilmstrip, View 4, "Filmstrip", [CTRL K], "Show or hide the bursts of the dataset";
+    ThemeSystem, View 5, "Theme as the system", [], "Follow the system's light or dark theme";
+    ThemeLight, View 5, "Light theme", [], "Dark text on a light ground";
+    ThemeDark, View 5, "Dark theme", [], "Light text on a dark ground";
 
     SlopeULess, Scrub 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis";
     SlopeUMore, Scrub 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis";
@@ -145,14 +161,53 @@ actions! {
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame";
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search 7 × 7 slopes over ±3 px/frame in both directions";
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline";
-    ResetParams, Detect 2, "Reset parameters", [], "Give every parameter its default";
+    NextLayout, Detect 2, "Next layout of methods", [NONE W], "Lay the methods out as panes, a wipe, a flip or rows of matches in turn";
+    Flip, Detect 2, "Flip", [NONE Y], "Show the other of two methods in the same place";
+    CompareAgain, Detect 2, "Compare again", [], "Run the methods again that failed or were cancelled";
+    OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light";
+    OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light";
+    ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default";
 
-    NextFeature, Features 0, "Next feature", [NONE N], "Select the next feature of the table";
-    PreviousFeature, Features 0, "Previous feature", [NONE P], "Select the previous feature of the table";
-    StrongestFeature, Features 0, "Strongest feature", [NONE Home], "Select the first feature of the table";
-    GoToFeature, Features 0, "Go to selected feature", [NONE Enter], "Show the motion stack at its slope, with the feature in the middle";
-    ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature";
+    NextFeature, Features 0, "Next feature or match", [NONE N], "Select the next feature (or match, with two bursts) of the table";
+    PreviousFeature, Features 0, "Previous feature or match", [NONE P], "Select the previous feature (or match, with two bursts) of the table";
+    StrongestFeature, Features 0, "First feature or match", [NONE Home], "Select the first feature (or match, with two bursts) of the table";
+    GoToFeature, Features 0, "Go to the selection", [NONE Enter], "Show the motion stack at the slope of the selected feature or match, with it in the middle";
+    ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match";
     ClearFilter, Features 1, "Clear filter", [], "Show all features";
+
+    OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst";
+    OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst";
+    OpenPathB, Pair 0, "Open B: path…", [], "Type or paste the path of the second burst";
+    OpenDemoB, Pair 0, "Later demo burst as B", [], "Take the demo street a little later as the second burst";
+    CloseB, Pair 0, "Close B", [], "Close the second burst";
+    SwapSides, Pair 1, "Swap A and B", [], "Make the second burst the first, and the first the second";
+    OtherSide, Pair 1, "Hand on the other burst", [NONE T], "Let sliders and keys move the frame, slope and scale of the other burst";
+    LinkHands, Pair 1, "Slope and scale together", [NONE K], "Move kind of picture, frame, slope, octave and level of both bursts at once";
+    LinkViews, Pair 1, "Zoom and pan together", [NONE V], "Zoom and pan both pictures at once";
+    LinkRanges, Pair 1, "One value range", [], "Show both bursts in the same range and colours, so that they can be compared";
+    Match, Pair 2, "Match", [NONE H], "Match the features of both bursts with these parameters";
+    ResetMatching, Pair 2, "Reset matching parameters", [], "Give every parameter of matching its default";
+    ToggleInliers, Pair 3, "Inliers", [NONE I], "Show or hide the matches that agree with the geometry of the two views";
+    ToggleOutliers, Pair 3, "Outliers", [NONE U], "Show or hide the matches that do not agree with the geometry of the two views";
+    ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others";
+    ToggleEpipolar, Pair 3, "Epipolar lines", [NONE E], "Show or hide where in the other picture the point of a match can be";
+
+    DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts with these parameters; what is finished is not done again";
+    CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop what is done with all bursts; what is finished stays";
+    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one";
+    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one";
+    BurstAsA, Dataset 1, "Use burst as A", [], "Make the burst that is open the first of a pair";
+    BurstAsB, Dataset 1, "Use burst as B", [], "Make the burst that is open the second of a pair";
+    MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen";
+    MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts that are chosen as A and B";
+    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Look at the two bursts that are chosen as A and B, with their matches";
+    OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file";
+    OpenTruth, Dataset 3, "Open true trajectory…", [], "Open the true camera poses: a trajectory file, or a sparse model such as a gold standard's";
+    CloseTrajectories, Dataset 3, "Close trajectories", [], "Forget the estimated and the true trajectory";
+    CutSequence, Dataset 4, "Cut into bursts…", [], "Cut the frames of the burst that is open into shorter bursts, as a dataset";
+    FeatureFolder, Dataset 4, "Choose feature folder…", [], "Keep the dataset's features elsewhere, such as in a folder that burstscope colmap wrote";
+    UseFolderParams, Dataset 4, "Use the folder's parameters", [], "Take the parameters with which the features in the dataset's folder were found";
+    CloseDataset, Dataset 5, "Close dataset", [], "Close the dataset; its features stay in their folder";
 
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show all actions with their keys";
@@ -192,9 +247,10 @@ mod tests {
     #[test]
     fn what_asks_first_ends_in_an_ellipsis() {
         for action in ACTIONS {
-            let asks = ["Open ", "Save ", "Load ", "Export "].iter().any(|p| action.label.starts_with(p))
-                && action.id != ActionId::OpenDemo;
-            let asks = asks || action.id == ActionId::Palette;
+            let asks =
+                ["Open ", "Save ", "Load ", "Export ", "Choose ", "Cut "].iter().any(|p| action.label.starts_with(p))
+                    && action.id != ActionId::OpenDemo;
+            let asks = asks || matches!(action.id, ActionId::Palette | ActionId::OpenGoldA | ActionId::OpenGoldB);
             assert_eq!(action.label.ends_with('…'), asks, "{}", action.label);
         }
     }

@@ -1,13 +1,16 @@
 //! What each action does.
 
 use super::ActionId;
+use crate::app::canvas::View;
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::dialogs::{ExportKind, Purpose};
 use crate::app::state::Model;
+use crate::app::state::pair::Side;
+use crate::app::state::room::Room;
 use crate::app::state::scrub::{ViewKind, play_step_of, snapped, stepped};
 use crate::app::window::BurstscopeApp;
 use crate::detector::{DetectorParams, Method, Slope, SlopeGrid};
-use crate::engine::{BurstSource, LaneKind};
+use crate::engine::BurstSource;
 
 impl BurstscopeApp {
     /// Does an action, as if it had been chosen from a menu. One that cannot be done now does nothing.
@@ -19,6 +22,7 @@ impl BurstscopeApp {
         match id {
             A::OpenFolder => self.ask(Purpose::OpenFolder),
             A::OpenFiles => self.ask(Purpose::OpenFiles),
+            A::OpenDataset => self.ask(Purpose::OpenDataset),
             A::OpenPath => self.open_path_field(Purpose::OpenPath, false),
             A::OpenDemo => self.open(BurstSource::Demo),
             A::RestoreSession => self.ask(Purpose::RestoreSession),
@@ -31,26 +35,68 @@ impl BurstscopeApp {
             A::ExportTiff => self.ask(Purpose::Export(ExportKind::Tiff)),
             A::ExportPng => self.ask(Purpose::Export(ExportKind::Png)),
             A::ExportSvg => self.ask(Purpose::Export(ExportKind::Svg)),
+            A::ExportMatches => self.ask(Purpose::Export(ExportKind::Matches)),
+            A::ExportMatchPicture => self.ask(Purpose::Export(ExportKind::MatchPicture)),
             A::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            A::Fit => self.view.set_fit(),
-            A::OneToOne => self.view.set_one_to_one(ctx.pixels_per_point()),
-            A::ZoomIn => self.view.zoom_by(1.25),
-            A::ZoomOut => self.view.zoom_by(0.8),
+            A::Fit => self.change_views(View::set_fit),
+            A::OneToOne => self.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
+            A::ZoomIn => self.change_views(|view| view.zoom_by(1.25)),
+            A::ZoomOut => self.change_views(|view| view.zoom_by(0.8)),
             A::Play => {
                 self.model.playing = !self.model.playing;
-                self.play_step = play_step_of(&self.model.usable_params.slopes, self.model.scrub.slope);
+                self.play_step = play_step_of(&self.model.usable_params.slopes, self.model.hand().slope);
                 self.play_due = None;
             }
-            A::Detect => self.start_detection(),
-            A::Cancel => {
-                self.engine.cancel(LaneKind::Detect);
-                self.engine.cancel(LaneKind::Open);
+            A::Detect => {
+                self.start_detection();
+                if self.model.room == Room::Pair && self.model.pair.b.param_error.is_none() {
+                    self.start_second_detection();
+                }
             }
+            A::DetectAll => self.detect_all(),
+            A::CancelDataset => self.engine.datasets.cancel(),
+            A::PreviousBurst => self.step_burst(-1),
+            A::NextBurst => self.step_burst(1),
+            A::BurstAsA => self.choose_open_burst(0),
+            A::BurstAsB => self.choose_open_burst(1),
+            A::MatchPairs => self.match_pairs(),
+            A::MatchSelected => self.match_selected(),
+            A::ShowPair => self.show_selected_pair(),
+            A::OpenEstimate => self.ask(Purpose::OpenEstimate),
+            A::OpenTruth => self.ask(Purpose::OpenTruth),
+            A::CloseTrajectories => self.model.trajectories.clear(),
+            A::CutSequence => self.ask_for_cut(),
+            A::FeatureFolder => self.ask(Purpose::FeatureFolder),
+            A::UseFolderParams => self.use_folder_params(),
+            A::CloseDataset => self.close_dataset(),
+            A::Cancel => self.cancel_all(),
+            A::GoToFeature if self.model.room == Room::Pair => self.go_to_match(),
             A::GoToFeature => self.go_to_selected(),
+            A::OpenFolderB => self.ask(Purpose::OpenFolderB),
+            A::OpenFilesB => self.ask(Purpose::OpenFilesB),
+            A::OpenPathB => self.open_path_field(Purpose::OpenPathB, false),
+            A::OpenDemoB => self.open_second(BurstSource::DemoLater),
+            A::OpenGoldA => self.ask(Purpose::OpenGold(Side::A)),
+            A::OpenGoldB => self.ask(Purpose::OpenGold(Side::B)),
+            A::CloseB => self.close_second(),
+            A::SwapSides => self.swap_sides(),
+            A::Match => self.start_matching(),
             A::Palette => self.palette.open(),
             A::Shortcuts => self.sheet_open = !self.sheet_open,
             A::About => self.about_open = true,
             _ => change_model(&mut self.model, id),
+        }
+    }
+
+    /// Changes the view of the picture; with two bursts that of the one that the hand moves, and of the other where they zoom together.
+    fn change_views(&mut self, change: impl Fn(&mut View)) {
+        let (side, linked) = (self.model.active_side(), self.model.pair.links.views);
+        let both = linked && self.model.room == Room::Pair;
+        if both || side == Side::A {
+            change(&mut self.view);
+        }
+        if both || side == Side::B {
+            change(&mut self.pair_panels.view_b);
         }
     }
 }
@@ -59,9 +105,16 @@ impl BurstscopeApp {
 fn change_model(model: &mut Model, id: ActionId) {
     use ActionId as A;
     match id {
-        A::ShowFrame => model.show_kind(ViewKind::Frame),
-        A::ShowStack => model.show_kind(ViewKind::Stack),
-        A::ShowDog => model.show_kind(ViewKind::Dog),
+        A::RoomBurst => model.room = Room::Burst,
+        A::RoomPair => model.room = Room::Pair,
+        A::RoomMatches => model.room = Room::Matches,
+        A::RoomTrajectories => model.room = Room::Trajectories,
+        A::RoomMethods => model.room = Room::Methods,
+        A::NextLayout => model.compare.look.layout = model.compare.look.layout.next(),
+        A::Flip => model.compare.look.flipped ^= true,
+        A::CompareAgain => model.compare.forget_failures(),
+        A::ToggleOverlay if model.room == Room::Methods => model.compare.look.features ^= true,
+        A::ToggleOverlay if model.room == Room::Pair => model.pair.look.features ^= true,
         A::ToggleOverlay => model.look.overlay ^= true,
         A::ToggleMotion => model.look.motion_vectors ^= true,
         A::ToggleOrientation => model.look.orientations ^= true,
@@ -73,6 +126,7 @@ fn change_model(model: &mut Model, id: ActionId) {
         A::ToggleLeft => model.panels.left ^= true,
         A::ToggleRight => model.panels.right ^= true,
         A::ToggleBottom => model.panels.bottom ^= true,
+        A::ToggleFilmstrip => model.panels.filmstrip ^= true,
         A::ThemeSystem => model.theme = egui::ThemePreference::System,
         A::ThemeLight => model.theme = egui::ThemePreference::Light,
         A::ThemeDark => model.theme = egui::ThemePreference::Dark,
@@ -87,12 +141,36 @@ fn change_model(model: &mut Model, id: ActionId) {
             model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
         }
         A::PresetSift => model.params.method = Method::Sift,
+        A::NextFeature if model.room == Room::Pair => model.pair.select_neighbour(true),
+        A::PreviousFeature if model.room == Room::Pair => model.pair.select_neighbour(false),
+        A::StrongestFeature if model.room == Room::Pair => model.pair.selected = model.pair.listed.first().copied(),
+        A::ClearSelection if model.room == Room::Pair => model.pair.selected = None,
         A::NextFeature => model.select_neighbour(true),
         A::PreviousFeature => model.select_neighbour(false),
         A::StrongestFeature => model.selected = model.listed.first().copied(),
         A::ClearSelection => model.selected = None,
         A::ClearFilter => model.filter = Default::default(),
-        _ => move_hand(model, id),
+        A::OtherSide => model.pair.active = model.active_side().other(),
+        A::LinkHands => {
+            model.pair.links.hands ^= true;
+            if model.pair.links.hands {
+                model.bring_hands_together();
+            }
+        }
+        A::LinkViews => model.pair.links.views ^= true,
+        A::LinkRanges => {
+            model.pair.links.ranges ^= true;
+            model.pair.b.look = model.look.clone();
+        }
+        A::ResetMatching => model.pair.params = Default::default(),
+        A::ToggleInliers => model.pair.look.inliers ^= true,
+        A::ToggleOutliers => model.pair.look.outliers ^= true,
+        A::ToggleAlone => model.pair.look.alone ^= true,
+        A::ToggleEpipolar => model.pair.look.geometry ^= true,
+        _ => {
+            let side = model.active_side();
+            model.on_side(side, |model| move_hand(model, id));
+        }
     }
 }
 
@@ -115,6 +193,9 @@ fn move_hand(model: &mut Model, id: ActionId) {
         (model.slope_chosen, model.playing) = (true, false);
     }
     match id {
+        A::ShowFrame => model.show_kind(ViewKind::Frame),
+        A::ShowStack => model.show_kind(ViewKind::Stack),
+        A::ShowDog => model.show_kind(ViewKind::Dog),
         A::BusiestSlope => {
             model.go_to_busiest_slope();
             (model.slope_chosen, model.playing) = (true, false);

@@ -10,7 +10,7 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
     }
     let modal = egui::Modal::new(egui::Id::unique("shortcuts sheet")).show(ctx, |ui| {
         let room = ui.ctx().content_rect().size();
-        ui.set_width((room.x - 80.0).min(980.0));
+        ui.set_width((room.x - 60.0).min(1280.0));
         ui.horizontal(|ui| {
             ui.heading("Keyboard shortcuts");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -22,11 +22,14 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
         });
         ui.separator();
         egui::ScrollArea::vertical().max_height(room.y - 130.0).min_scrolled_height(room.y - 130.0).show(ui, |ui| {
-            ui.spacing_mut().item_spacing = egui::vec2(32.0, 1.0);
-            ui.columns(3, |columns| {
-                for (column, menus) in columns.iter_mut().zip(COLUMNS) {
-                    for menu in menus {
-                        menu_ui(column, *menu);
+            ui.spacing_mut().item_spacing = egui::vec2(24.0, 1.0);
+            ui.spacing_mut().interact_size.y = 18.0;
+            // In a narrow window two columns stand below the two others.
+            let beside = if room.x > 1150.0 { COLUMNS.len() } else { COLUMNS.len() / 2 };
+            ui.columns(beside, |columns| {
+                for (place, menus) in COLUMNS.iter().enumerate() {
+                    for menu in *menus {
+                        menu_ui(&mut columns[place % beside], *menu);
                     }
                 }
             });
@@ -38,7 +41,12 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
 }
 
 /// Which menus go into which column: about the same number of rows in each.
-const COLUMNS: [&[Menu]; 3] = [&[Menu::File, Menu::Help], &[Menu::View, Menu::Features], &[Menu::Scrub, Menu::Detect]];
+const COLUMNS: [&[Menu]; 4] = [
+    &[Menu::File, Menu::Help],
+    &[Menu::View, Menu::Features],
+    &[Menu::Scrub, Menu::Detect, Menu::Dataset],
+    &[Menu::Pair],
+];
 
 fn menu_ui(ui: &mut egui::Ui, menu: Menu) {
     ui.add_space(4.0);

@@ -2,29 +2,81 @@
 
 use super::registry::ActionId;
 use crate::app::state::Model;
+use crate::app::state::compare::Layout;
+use crate::app::state::room::Room;
 use crate::app::state::scrub::ViewKind;
 use crate::detector::{DetectorParams, Method};
+use crate::engine::BurstSource;
+use crate::matching::MatchParams;
 
 /// Whether the action can be done now.
 pub fn enabled(id: ActionId, model: &Model) -> bool {
     use ActionId as A;
     let has_burst = model.burst.is_some();
+    let in_pair = model.room == Room::Pair;
+    let in_methods = model.room == Room::Methods;
+    let has_second = model.pair.b.burst.is_some();
     match id {
+        A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
+        A::GoToFeature | A::ClearSelection if in_pair => model.pair.selected.is_some(),
+        A::NextLayout => in_methods,
+        A::Flip => in_methods && model.compare.look.layout == Layout::Flip,
+        A::CompareAgain => in_methods,
+        A::OpenGoldA => has_burst,
+        A::OpenGoldB => has_burst && has_second,
+        A::OpenFolderB | A::OpenFilesB | A::OpenPathB | A::OpenDemoB => has_burst,
+        A::CloseB | A::SwapSides => has_burst && has_second,
+        A::OtherSide => in_pair && has_second,
+        A::LinkHands | A::LinkViews | A::LinkRanges => in_pair,
+        A::ToggleInliers | A::ToggleOutliers | A::ToggleAlone | A::ToggleEpipolar => in_pair,
+        A::Match => in_pair && model.pair.busy.matching.is_none() && model.wanted_matches().is_some(),
+        A::ResetMatching => model.pair.params != MatchParams::default(),
         A::SaveSession | A::ShowFrame | A::ShowStack | A::ShowDog | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => {
             has_burst
         }
         A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => model.found.is_some(),
+        A::ExportMatches => model.pair.matches.is_some(),
+        A::ExportMatchPicture => model.pair.matches.is_some() && model.pair.b.picture.is_some(),
         A::ExportTiff | A::ExportPng | A::ExportSvg => model.picture.is_some(),
         A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope => has_burst,
         A::Play => has_burst && model.usable_params.slopes.len() > 1,
-        A::FramePrevious | A::FrameNext => model.frame_count() > 1,
+        A::FramePrevious | A::FrameNext => model.burst_of(model.active_side()).is_some_and(|open| open.burst.len() > 1),
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => has_burst,
-        A::Detect => has_burst && model.param_error.is_none() && model.busy.detecting.is_none(),
-        A::Cancel => model.busy.detecting.is_some() || model.busy.opening.is_some(),
+        A::Detect => {
+            has_burst
+                && model.param_error.is_none()
+                && model.busy.detecting.is_none()
+                && model.pair.busy.detecting.is_none()
+        }
+        A::Cancel => {
+            let (a, b) = (&model.busy, &model.pair.busy);
+            let comparing = model.compare.busy.map(|busy| busy.running);
+            [a.detecting, a.opening, b.detecting, b.opening, b.matching, comparing].iter().any(Option::is_some)
+        }
         A::ResetParams => model.params != DetectorParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
         A::GoToFeature | A::ClearSelection => model.selected_feature().is_some(),
         A::ClearFilter => !model.filter.is_open(),
+        A::DetectAll => model.datasets.can_detect(model.params.validate().is_ok()),
+        A::CancelDataset => model.datasets.work.is_some(),
+        A::ToggleFilmstrip | A::PreviousBurst | A::NextBurst | A::FeatureFolder | A::CloseDataset => {
+            model.datasets.open.is_some()
+        }
+        A::BurstAsA | A::BurstAsB => {
+            model.datasets.open.as_ref().is_some_and(|d| d.place_of(model.burst.as_ref()).is_some())
+        }
+        A::MatchPairs => model.datasets.can_match(model.pair.params.validate().is_ok()),
+        A::MatchSelected => {
+            let chosen = model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some());
+            chosen && model.datasets.can_match(model.pair.params.validate().is_ok())
+        }
+        A::ShowPair => model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some()),
+        A::CloseTrajectories => !model.trajectories.is_empty(),
+        A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
+        A::CutSequence => {
+            let in_files = model.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
+            in_files && model.frame_count() > 1
+        }
         _ => true,
     }
 }
@@ -32,11 +84,26 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
 /// Whether a switch is on; `None` for what is not a switch.
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
-    let kind = |kind: ViewKind| Some(model.scrub.kind == kind);
+    let kind = |kind: ViewKind| Some(model.hand().kind == kind);
+    let (links, matches) = (&model.pair.links, &model.pair.look);
     match id {
+        A::RoomBurst => Some(model.room == Room::Burst),
+        A::RoomPair => Some(model.room == Room::Pair),
+        A::RoomMatches => Some(model.room == Room::Matches),
+        A::RoomTrajectories => Some(model.room == Room::Trajectories),
+        A::RoomMethods => Some(model.room == Room::Methods),
+        A::ToggleOverlay if model.room == Room::Methods => Some(model.compare.look.features),
         A::ShowFrame => kind(ViewKind::Frame),
         A::ShowStack => kind(ViewKind::Stack),
         A::ShowDog => kind(ViewKind::Dog),
+        A::LinkHands => Some(links.hands),
+        A::LinkViews => Some(links.views),
+        A::LinkRanges => Some(links.ranges),
+        A::ToggleInliers => Some(matches.inliers),
+        A::ToggleOutliers => Some(matches.outliers),
+        A::ToggleAlone => Some(matches.alone),
+        A::ToggleEpipolar => Some(matches.geometry),
+        A::ToggleOverlay if model.room == Room::Pair => Some(matches.features),
         A::ToggleOverlay => Some(model.look.overlay),
         A::ToggleMotion => Some(model.look.motion_vectors),
         A::ToggleOrientation => Some(model.look.orientations),
@@ -44,6 +111,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ToggleLeft => Some(model.panels.left),
         A::ToggleRight => Some(model.panels.right),
         A::ToggleBottom => Some(model.panels.bottom),
+        A::ToggleFilmstrip => Some(model.panels.filmstrip),
         A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),

@@ -166,7 +166,7 @@ impl<'a> Canvas<'a> {
             response: response.clone(),
         };
         if ui.is_rect_visible(rect) {
-            self.draw(ui, &output);
+            self.draw(ui, &output, output.response.id);
         }
         let enabled = ui.is_enabled();
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, enabled, self.name));
@@ -177,7 +177,21 @@ impl<'a> Canvas<'a> {
         CanvasOutput { response, ..output }
     }
 
-    fn draw(&self, ui: &Ui, output: &CanvasOutput) {
+    /// Draws the picture over the canvas that answered `below`, at the same places of the image, but only within `clip_ui`. The pointer belongs to the canvas
+    /// below. Answers what overlays of this picture draw with.
+    pub fn show_over(self, ui: &Ui, below: &CanvasOutput, clip_ui: Rect) -> CanvasOutput {
+        let output = CanvasOutput {
+            response: below.response.clone(),
+            painter: below.painter.with_clip_rect(clip_ui.intersect(below.response.rect)),
+            ..*below
+        };
+        if output.painter.clip_rect().is_positive() {
+            self.draw(ui, &output, output.response.id.with(self.name));
+        }
+        output
+    }
+
+    fn draw(&self, ui: &Ui, output: &CanvasOutput, pane: egui::Id) {
         let rect = output.response.rect;
         let backdrop = backdrop(ui);
         output.painter.rect_filled(rect, 0.0, backdrop);
@@ -198,9 +212,9 @@ impl<'a> Canvas<'a> {
             message(ui, &output.painter, rect, &obstacle);
             return;
         }
-        let dim = ui.ctx().animate_bool(output.response.id.with("dim"), self.dim);
+        let dim = ui.ctx().animate_bool(pane.with("dim"), self.dim);
         let paint = PicturePaint {
-            pane: output.response.id,
+            pane,
             id: picture.id,
             plane: picture.plane.clone(),
             ui_from_picture: picture.ui_from_picture(output.ui_from_image),
@@ -226,12 +240,12 @@ impl<'a> Canvas<'a> {
 }
 
 /// A neutral grey around the picture, so that the surround does not tint what one sees.
-fn backdrop(ui: &Ui) -> Color32 {
+pub fn backdrop(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_gray(20) } else { Color32::from_gray(206) }
 }
 
 /// A sentence in the middle of the canvas.
-fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
+pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
     let font = TextStyle::Body.resolve(ui.style());
     let width = (rect.width() - 32.0).clamp(40.0, 460.0);
     let mut job = egui::text::LayoutJob::simple(text.to_owned(), font, ui.visuals().weak_text_color(), width);
@@ -242,7 +256,7 @@ fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
 }
 
 /// Lets the pointer move the view.
-fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View) {
+pub fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View) {
     if response.double_clicked() {
         view.set_fit();
     }

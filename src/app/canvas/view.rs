@@ -113,6 +113,21 @@ impl View {
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
 
+    /// Moves as another view has moved from `before` to `after`, and zooms as it does. Places stay apart as they were, until both are fitted.
+    pub fn follow(&mut self, before: &Self, after: &Self) {
+        if (before.zoom, before.centre_image) == (after.zoom, after.centre_image) {
+            return;
+        }
+        if after.is_fit() {
+            self.set_fit();
+            return;
+        }
+        for (mine, (b, a)) in self.centre_image.iter_mut().zip(before.centre_image.iter().zip(after.centre_image)) {
+            *mine += a - b;
+        }
+        self.zoom = after.zoom;
+    }
+
     /// Fits the view to this frame's canvas `rect_ui` and image of `image_size` = (columns, rows), keeps the middle of the canvas on the image,
     /// and answers `ui_from_image`.
     pub fn settle(&mut self, rect_ui: Rect, image_size: (usize, usize), pixels_per_point: f32) -> RectTransform {
@@ -182,6 +197,24 @@ mod tests {
                 "{border:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_view_follows_another_and_keeps_its_distance() {
+        let mut other = View::new(Zoom::PointsPerPixel(2.0), [100.0, 80.0]);
+        let mut mine = View::new(Zoom::PointsPerPixel(2.0), [110.0, 85.0]);
+        let before = other;
+        other.zoom_at(pos2(500.0, 300.0), 1.5, canvas());
+        other.pan(Vec2::new(30.0, -12.0));
+        mine.follow(&before, &other);
+        assert_eq!(mine.zoom, other.zoom);
+        for (m, o) in mine.centre_image.iter().zip(other.centre_image).zip([10.0, 5.0]).map(|((m, o), d)| (m - d, o)) {
+            assert!((m - o).abs() < 1e-3);
+        }
+        let before = other;
+        other.set_fit();
+        mine.follow(&before, &other);
+        assert!(mine.is_fit());
     }
 
     #[test]

@@ -7,8 +7,8 @@ use egui::{Color32, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, vec2};
 const CELLS: usize = 4;
 const DIRECTIONS: usize = 8;
 
-/// Draws the roses in a square of `side` points, in the feature's own frame: its orientation points to the right.
-pub fn descriptor_ui(ui: &mut Ui, descriptor: &Descriptor, side: f32, colour: Color32) {
+/// Draws the roses in a square of `side` points, in the feature's own frame: its orientation points to the right. `name` is for screen readers.
+pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32, colour: Color32) {
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
     let painter = ui.painter_at(rect.expand(1.0));
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
@@ -27,7 +27,7 @@ pub fn descriptor_ui(ui: &mut Ui, descriptor: &Descriptor, side: f32, colour: Co
         }
     }
     painter.rect_stroke(rect, 2.0, grid, StrokeKind::Inside);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Descriptor"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     response.on_hover_text(
         "The descriptor: in each of 4×4 cells, how strong the gradients are in eight directions. The feature's orientation points to the right.",
     );

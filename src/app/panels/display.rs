@@ -18,30 +18,44 @@ pub struct DisplayState {
 /// Draws the section.
 pub fn display_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state: &mut DisplayState) {
     section_ui(ui, "Display", |ui| {
-        let kind = model.picture.as_ref().map_or(model.scrub.picture_kind(), |p| p.request.kind);
-        let class = RangeClass::of(kind);
-        ui.weak(format!("One range for all {}", class.label()))
-            .on_hover_text("The range is fixed until you change it, so that pictures can be compared");
-        let panel = match class {
-            RangeClass::Intensity => &mut state.intensity,
-            RangeClass::Response => &mut state.response,
-        };
-        panel.ui(ui, pictures.shown(), pictures.visible_image, model.look.display_mut(class));
+        range_ui(ui, model, pictures, state);
         ui.add_space(4.0);
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 6.0;
-            ui.spacing_mut().icon_spacing = 3.0;
-            let boxes = [
-                (&mut model.look.overlay, "Features", "Features over the picture (O)"),
-                (&mut model.look.motion_vectors, "Motion", "Each feature's motion over the burst (M)"),
-                (&mut model.look.orientations, "Ticks", "Each feature's orientation (R)"),
-                (&mut model.look.legend, "Legend", "What the colours mean (L)"),
-            ];
-            for (on, label, tip) in boxes {
-                ui.checkbox(on, label).on_hover_text(tip);
-            }
-        });
+        overlay_ui(ui, model);
         colouring_ui(ui, model);
+    });
+}
+
+/// Draws the section without what concerns features.
+pub fn ranges_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state: &mut DisplayState) {
+    section_ui(ui, "Display", |ui| range_ui(ui, model, pictures, state));
+}
+
+fn range_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state: &mut DisplayState) {
+    let kind = model.picture.as_ref().map_or(model.scrub.picture_kind(), |p| p.request.kind);
+    let class = RangeClass::of(kind);
+    ui.weak(format!("One range for all {}", class.label()))
+        .on_hover_text("The range is fixed until you change it, so that pictures can be compared");
+    let panel = match class {
+        RangeClass::Intensity => &mut state.intensity,
+        RangeClass::Response => &mut state.response,
+    };
+    panel.ui(ui, pictures.shown(), pictures.visible_image, model.look.display_mut(class));
+}
+
+/// What of the features is drawn.
+fn overlay_ui(ui: &mut Ui, model: &mut Model) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 6.0;
+        ui.spacing_mut().icon_spacing = 3.0;
+        let boxes = [
+            (&mut model.look.overlay, "Features", "Features over the picture (O)"),
+            (&mut model.look.motion_vectors, "Motion", "Each feature's motion over the burst (M)"),
+            (&mut model.look.orientations, "Ticks", "Each feature's orientation (R)"),
+            (&mut model.look.legend, "Legend", "What the colours mean (L)"),
+        ];
+        for (on, label, tip) in boxes {
+            ui.checkbox(on, label).on_hover_text(tip);
+        }
     });
 }
 

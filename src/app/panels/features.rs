@@ -4,7 +4,7 @@ use super::picture::PictureState;
 use crate::app::canvas::{CanvasOutput, overlay};
 use crate::app::state::Model;
 use crate::detector::{Detection, Feature, SlopeGrid};
-use crate::engine::PictureKind;
+use crate::engine::{Picture, PictureKind};
 use egui::{Color32, Frame, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 
 /// Draws the features over the canvas that answered `output`, and lets the pointer choose among them.
@@ -15,7 +15,7 @@ pub fn features_ui(ui: &mut Ui, model: &mut Model, state: &mut PictureState, out
     let Some(found) = &model.found else { return };
     let detection = found.detection.clone();
     // In a frame, features are drawn where they are at its time; everywhere else where they are at mid-burst.
-    let in_frame = frames_from_middle(model, &detection);
+    let in_frame = frames_from_middle(model.picture.as_ref(), &detection);
     let placed: Vec<Feature> = match in_frame {
         Some(dt) => detection.features.iter().map(|f| at_time(f, dt)).collect(),
         None => detection.features.clone(),
@@ -58,9 +58,9 @@ pub fn features_ui(ui: &mut Ui, model: &mut Model, state: &mut PictureState, out
     }
 }
 
-/// How many frames the frame on show is after the middle of those that were searched; `None` when no frame is on show.
-fn frames_from_middle(model: &Model, detection: &Detection) -> Option<f32> {
-    match model.picture.as_ref()?.request.kind {
+/// How many frames the frame in `picture` is after the middle of those that were searched; `None` when it is no frame.
+pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<f32> {
+    match picture?.request.kind {
         PictureKind::Frame(t) => {
             let used = &detection.frames_used;
             Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
@@ -70,7 +70,7 @@ fn frames_from_middle(model: &Model, detection: &Detection) -> Option<f32> {
 }
 
 /// The feature where it is `dt` frames after mid-burst.
-fn at_time(feature: &Feature, dt: f32) -> Feature {
+pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
     Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }
 

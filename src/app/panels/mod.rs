@@ -10,6 +10,7 @@ pub mod filter_bar;
 pub mod messages;
 pub mod parameter_rows;
 pub mod parameters;
+pub mod patch;
 pub mod picture;
 pub mod scrub;
 pub mod selection;

@@ -1,11 +1,47 @@
 //! The pieces of a parameter's row: its name, the editors for each type of value, and the button that gives it its default.
 
-use crate::detector::params::ParamDoc;
+use crate::detector::params::{ParamDoc, ParamError};
 use crate::detector::{FrameRange, NoiseGate, SlopeAxis};
-use egui::{DragValue, Id, RichText, Ui, vec2};
+use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 
 /// Width of the names in front, in points.
 const LABEL_WIDTH: f32 = 106.0;
+
+/// A list of parameters that is edited: what is wrong, and what each is by default.
+pub struct ParamTable<'a, P> {
+    /// What is wrong, if anything.
+    pub error: Option<&'a ParamError>,
+    /// The parameters' defaults.
+    pub defaults: P,
+}
+
+impl<P: Clone> ParamTable<'_, P> {
+    /// One parameter: its name and unit, its editor, a button that gives it its default, and what is wrong with it.
+    pub fn row<T: PartialEq + Clone>(
+        &self,
+        ui: &mut Ui,
+        doc: &ParamDoc,
+        params: &mut P,
+        field: impl Fn(&mut P) -> &mut T,
+        editor: impl FnOnce(&mut Ui, &mut T, Id),
+    ) {
+        let mut defaults = self.defaults.clone();
+        let default = field(&mut defaults).clone();
+        let value = field(params);
+        let wrong = self.error.filter(|e| e.parameter == doc.name);
+        ui.horizontal(|ui| {
+            let label = label_ui(ui, doc, wrong.is_some());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                reset_ui(ui, doc, value, default);
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| editor(ui, value, label.id));
+            });
+        });
+        if let Some(error) = wrong {
+            let text = format!("{}: {}", error.problem, error.remedy);
+            ui.add(egui::Label::new(RichText::new(text).small().color(ui.visuals().error_fg_color)).wrap());
+        }
+    }
+}
 
 /// The parameter's name and unit, with its help as tooltip.
 pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {

@@ -4,9 +4,9 @@ use super::parameter_rows as rows;
 use super::widgets::section_ui;
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::state::Model;
-use crate::detector::params::{ParamDoc, ParamError, doc};
+use crate::detector::params::doc;
 use crate::detector::{DetectorParams, Interpolation, Localisation, Method, NoiseGate, SlopeNeighbours};
-use egui::{Align, Layout, RichText, Ui};
+use egui::{Align, Layout, Ui};
 
 /// Draws the section.
 pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
@@ -24,7 +24,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         let frame_count = model.frame_count();
         let error = model.param_error.clone();
         let p = &mut model.params;
-        let table = Table { error: error.as_ref(), defaults: DetectorParams::default() };
+        let table = rows::ParamTable { error: error.as_ref(), defaults: DetectorParams::default() };
         all_rows_ui(ui, &table, p, frame_count);
     });
 }
@@ -33,44 +33,12 @@ fn method_label(method: Method) -> &'static str {
     match method {
         Method::Buff => "BuFF",
         Method::Sift => "SIFT",
+        Method::Merge => "Merge + SIFT",
     }
 }
 
-struct Table<'a> {
-    error: Option<&'a ParamError>,
-    defaults: DetectorParams,
-}
-
-impl Table<'_> {
-    /// One parameter: its name and unit, its editor, a button that gives it its default, and what is wrong with it.
-    fn row<T: PartialEq + Clone>(
-        &self,
-        ui: &mut Ui,
-        doc: &ParamDoc,
-        params: &mut DetectorParams,
-        field: impl Fn(&mut DetectorParams) -> &mut T,
-        editor: impl FnOnce(&mut Ui, &mut T, egui::Id),
-    ) {
-        let mut defaults = self.defaults.clone();
-        let default = field(&mut defaults).clone();
-        let value = field(params);
-        let wrong = self.error.filter(|e| e.parameter == doc.name);
-        ui.horizontal(|ui| {
-            let label = rows::label_ui(ui, doc, wrong.is_some());
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                rows::reset_ui(ui, doc, value, default);
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| editor(ui, value, label.id));
-            });
-        });
-        if let Some(error) = wrong {
-            let text = format!("{}: {}", error.problem, error.remedy);
-            ui.add(egui::Label::new(RichText::new(text).small().color(ui.visuals().error_fg_color)).wrap());
-        }
-    }
-}
-
-fn all_rows_ui(ui: &mut Ui, table: &Table<'_>, p: &mut DetectorParams, frame_count: usize) {
-    let sift = p.method == Method::Sift;
+fn all_rows_ui(ui: &mut Ui, table: &rows::ParamTable<'_, DetectorParams>, p: &mut DetectorParams, frame_count: usize) {
+    let sift = p.method != Method::Buff;
     let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
     let interpolation = [
         (Interpolation::Linear, "Linear"),

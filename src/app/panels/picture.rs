@@ -25,23 +25,15 @@ pub struct PictureState {
 
 impl PictureState {
     /// The picture as the canvas knows it. The same pixels keep their name, so that the card gets them once.
-    fn refresh(&mut self, picture: Option<&Picture>) {
+    pub(in crate::app) fn refresh(&mut self, picture: Option<&Picture>) {
         let Some(picture) = picture else {
             self.shown = None;
             return;
         };
         let same = self.shown.as_ref().is_some_and(|s| Arc::ptr_eq(&s.plane, &picture.plane));
-        let label = describe(picture);
         match (&mut self.shown, same) {
-            (Some(shown), true) => shown.label = label,
-            _ => {
-                let size = picture.request.burst.burst.size();
-                let plane = picture.plane.clone();
-                self.shown = Some(match picture.request.kind {
-                    PictureKind::Dog { octave, .. } => canvas::Picture::of_octave(plane, octave, size, label),
-                    PictureKind::Frame(_) | PictureKind::Stack { .. } => canvas::Picture::new(plane, label),
-                });
-            }
+            (Some(shown), true) => shown.label = describe(picture),
+            _ => self.shown = Some(canvas_picture(picture)),
         }
     }
 
@@ -61,6 +53,17 @@ impl PictureState {
                 scale
             }
         }
+    }
+}
+
+/// A picture as a canvas knows it, with a fresh name.
+pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
+    let (plane, label) = (picture.plane.clone(), describe(picture));
+    match picture.request.kind {
+        PictureKind::Dog { octave, .. } => {
+            canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
+        }
+        PictureKind::Frame(_) | PictureKind::Stack { .. } => canvas::Picture::new(plane, label),
     }
 }
 

@@ -1,37 +1,19 @@
 //! The selected feature: all its numbers, its patch where the burst agrees and where one frame shows it, its descriptor.
 
 use super::descriptor::descriptor_ui;
+use super::patch::{PatchTexture, PatchView};
 use super::widgets::{number_row_ui, section_ui};
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::canvas::overlay::circle_radius_image;
 use crate::app::state::Model;
 use crate::detector::Feature;
 use crate::engine::PictureKind;
-use crate::plane::Plane;
-use crate::plane::display::{Display, to_rgba8};
-use crate::plane::sample::sample_patch;
-use egui::{Color32, Rect, RichText, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2};
-use std::sync::Arc;
+use egui::{RichText, Sense, Ui, Vec2};
 
-/// Samples on a side of a patch.
-const PATCH_SAMPLES: usize = 72;
-/// A patch reaches this many σ to each side.
-const PATCH_SIGMAS: f32 = 6.0;
-
-/// What the panel keeps from pass to pass: the two patches as textures, and what they show.
+/// What the panel keeps from pass to pass: the two patches.
 #[derive(Default)]
 pub struct SelectionState {
-    stack: Option<(PatchKey, TextureHandle)>,
-    frame: Option<(PatchKey, TextureHandle)>,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-struct PatchKey {
-    plane: usize,
-    centre: (f32, f32),
-    half_width_px: f32,
-    display: Display,
-    dark: bool,
+    stack: PatchTexture,
+    frame: PatchTexture,
 }
 
 /// Draws the section.
@@ -62,7 +44,7 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
             ui.label(RichText::new("Descriptor").small().weak());
             let side = ui.available_width().min(200.0);
             let colour = ui.visuals().hyperlink_color;
-            descriptor_ui(ui, &descriptor, side, colour);
+            descriptor_ui(ui, "Descriptor", &descriptor, side, colour);
         }
     });
 }
@@ -102,8 +84,7 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature) {
 
 fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &Feature) {
     let Some(burst) = &model.burst else { return };
-    let (display, dark) = (model.look.intensity, ui.visuals().dark_mode);
-    let half_width_px = (PATCH_SIGMAS * feature.sigma).max(4.0);
+    let display = model.look.intensity;
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
     let stack = model
         .patch
@@ -112,12 +93,11 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
     ui.horizontal(|ui| {
         ui.vertical(|ui| {
             ui.set_width(side);
-            let centre = (feature.u, feature.v);
             match stack {
                 Some(picture) => {
-                    let key =
-                        PatchKey { plane: Arc::as_ptr(&picture.plane) as usize, centre, half_width_px, display, dark };
-                    patch_ui(ui, "Patch in the motion stack", &mut state.stack, key, &picture.plane, feature, side);
+                    let name = "Patch in the motion stack";
+                    let view = PatchView { name, plane: &picture.plane, feature: *feature, turned: false, display };
+                    view.ui(ui, &mut state.stack, side);
                 }
                 None => {
                     ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
@@ -131,50 +111,12 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
             let used = model.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
             // Frames move the feature along its slope away from the middle of those used.
             let dt = t as f32 - (used.start + used.end - 1) as f32 / 2.0;
-            let centre = (feature.u + dt * feature.slope.u, feature.v + dt * feature.slope.v);
+            let (u, v) = (feature.u + dt * feature.slope.u, feature.v + dt * feature.slope.v);
             let plane = &burst.burst.frames[t];
-            let key = PatchKey { plane: Arc::as_ptr(plane) as usize, centre, half_width_px, display, dark };
-            patch_ui(ui, "Patch in one frame", &mut state.frame, key, plane, feature, side);
+            let name = "Patch in one frame";
+            let feature = Feature { u, v, ..*feature };
+            PatchView { name, plane, feature, turned: false, display }.ui(ui, &mut state.frame, side);
             ui.label(RichText::new(format!("Frame {t}")).small().weak());
         });
     });
-}
-
-/// A patch with the feature's circle, as large as the feature is in it.
-fn patch_ui(
-    ui: &mut Ui,
-    name: &str,
-    cached: &mut Option<(PatchKey, TextureHandle)>,
-    key: PatchKey,
-    plane: &Plane,
-    feature: &Feature,
-    side: f32,
-) {
-    if cached.as_ref().is_none_or(|(k, _)| *k != key) {
-        let patch = sample_patch(plane, key.centre, key.half_width_px, PATCH_SAMPLES);
-        let mut rgba = to_rgba8(&patch, &key.display);
-        let beside = if ui.visuals().dark_mode { 20 } else { 206 };
-        for (pixel, value) in rgba.pixels_mut().zip(patch.data()) {
-            if value.is_nan() {
-                // Beside the picture: the same neutral grey as around it.
-                pixel.0 = [beside, beside, beside, 255];
-            }
-        }
-        let image = egui::ColorImage::from_rgba_unmultiplied([PATCH_SAMPLES; 2], rgba.as_raw());
-        *cached = Some((key, ui.ctx().load_texture(name, image, TextureOptions::NEAREST)));
-    }
-    let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
-    if let Some((_, texture)) = cached {
-        let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-        ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
-    }
-    let points_per_px = 0.5 * side / key.half_width_px;
-    let radius = circle_radius_image(feature) * points_per_px;
-    for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.4, Color32::from_rgb(255, 214, 90))] {
-        ui.painter().circle_stroke(rect.center(), radius, Stroke::new(width, colour));
-        let tip = rect.center() + radius * Vec2::angled(feature.orientation);
-        ui.painter().line_segment([rect.center(), tip], Stroke::new(width, colour));
-    }
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
-    response.on_hover_text(format!("{name}: {:.0} px to each side", key.half_width_px));
 }

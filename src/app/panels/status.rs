@@ -3,6 +3,7 @@
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::Readout;
 use crate::app::state::Model;
+use crate::app::state::room::Room;
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Draws the status bar.
@@ -20,12 +21,13 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&Readout>, queue: &
         ui.separator();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.label(RichText::new(burst_text(model)).weak());
-            if let Some(running) = model.busy.opening {
+            let opening = [("Opening…", model.busy.opening), ("Opening B…", model.pair.busy.opening)];
+            if let Some((what, running)) = opening.into_iter().find_map(|(what, busy)| Some((what, busy?))) {
                 let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
                 if model.burst.is_some() && ui.small_button("Cancel opening").clicked() {
                     queue.push(ActionId::Cancel);
                 }
-                ui.label(format!("Opening… {percent:.0} %"));
+                ui.label(format!("{what} {percent:.0} %"));
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 if let Some(note) = model.messages.last_note() {
@@ -37,7 +39,10 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&Readout>, queue: &
 }
 
 fn burst_text(model: &Model) -> String {
-    let Some(open) = &model.burst else { return "No burst open".to_owned() };
+    let side = model.active_side();
+    let Some(open) = model.burst_of(side) else { return "No burst open".to_owned() };
+    // Where there are two, it is said which one this is.
+    let which = if model.room == Room::Pair { format!("{}: ", side.name()) } else { String::new() };
     let burst = &open.burst;
     let (width, height) = burst.size();
     let depth = if burst.quantisation_step > 0.0 {
@@ -47,5 +52,5 @@ fn burst_text(model: &Model) -> String {
         " · float".to_owned()
     };
     let frames = if burst.len() == 1 { "frame" } else { "frames" };
-    format!("{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
+    format!("{which}{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
 }

@@ -6,7 +6,7 @@ use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
 
 /// Height of a row, in points.
-const ROW_HEIGHT: f32 = 18.0;
+pub(in crate::app) const ROW_HEIGHT: f32 = 18.0;
 
 /// Draws the table.
 pub fn table_ui(ui: &mut Ui, model: &mut Model) {
@@ -37,7 +37,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
             .header(20.0, |mut header| {
                 for column in Column::ALL {
                     let sorted = (model.order.column == column).then_some(model.order.descending);
-                    let (_, cell) = header.col(|ui| heading_ui(ui, column, sorted));
+                    let (_, cell) = header.col(|ui| heading_ui(ui, column.heading(), sorted));
                     let name = format!("Sort by {}", column.heading());
                     cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
                     if cell.on_hover_text(column.help()).clicked() {
@@ -78,19 +78,19 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
 }
 
 /// A heading; `sorted` says whether the table is sorted by it, and whether the largest come first.
-fn heading_ui(ui: &mut Ui, column: Column, sorted: Option<bool>) {
+pub(in crate::app) fn heading_ui(ui: &mut Ui, heading: &str, sorted: Option<bool>) {
     let arrow = match sorted {
         Some(true) => " ⏷",
         Some(false) => " ⏶",
         None => "",
     };
-    let text = RichText::new(format!("{}{arrow}", column.heading())).small();
+    let text = RichText::new(format!("{heading}{arrow}")).small();
     let text = if sorted.is_some() { text.strong() } else { text };
     cell_ui(ui, text);
 }
 
 /// A text at the right end of its cell. (The whole table cannot be laid out from the right: cells would then take clicks of their neighbours.)
-fn cell_ui(ui: &mut Ui, text: RichText) {
+pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         ui.add(Label::new(text).selectable(false).extend());
     });

@@ -2,7 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, tooltip};
 use crate::app::state::Model;
+use crate::app::state::pair;
+use crate::app::state::room::Room;
 use crate::app::state::scrub::ViewKind;
+use crate::engine::Running;
 use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
 /// Draws the toolbar.
@@ -43,17 +46,18 @@ fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if let Some(running) = model.busy.detecting {
+    if let Some((who, running)) = activity(model) {
         button_ui(ui, model, queue, ActionId::Cancel, None);
         let (fraction, stage) =
             running.progress.map_or((0.0, "Starting".to_owned()), |p| (p.fraction, p.stage.to_string()));
         let seconds = running.started.elapsed().as_secs_f32();
-        let text = format!("{stage}  {:.0} %  {seconds:.1} s", 100.0 * fraction);
+        let text = format!("{who}{stage}  {:.0} %  {seconds:.1} s", 100.0 * fraction);
         ui.add(ProgressBar::new(fraction).desired_width(210.0).text(text));
         return;
     }
     let action = ActionId::Detect.action();
-    let needed = model.needs_detection();
+    let in_pair = model.room == Room::Pair;
+    let needed = model.needs_detection() || (in_pair && model.needs_second_detection());
     let mut text = RichText::new("Detect");
     if needed {
         text = text.color(Color32::WHITE).strong();
@@ -75,7 +79,9 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if ui.checkbox(&mut auto, "Auto").on_hover_text(tip).clicked() {
         queue.push(ActionId::AutoDetect);
     }
-    if let Some(found) = &model.found {
+    if in_pair {
+        pair_found_ui(ui, model);
+    } else if let Some(found) = &model.found {
         let count = model.features().len();
         let noun = if count == 1 { "feature" } else { "features" };
         let text = format!("{count} {noun} in {:.2} s", found.elapsed.as_secs_f32());
@@ -86,6 +92,32 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         );
         ui.weak(text).on_hover_text(stages);
     }
+}
+
+/// What runs that takes its time, and for which of two bursts.
+fn activity(model: &Model) -> Option<(&'static str, Running)> {
+    let busy = &model.pair.busy;
+    if model.room != Room::Pair {
+        return Some(("", model.busy.detecting?));
+    }
+    let in_a = model.busy.detecting.map(|running| ("A: ", running));
+    in_a.or(busy.detecting.map(|running| ("B: ", running))).or(busy.matching.map(|running| ("", running)))
+}
+
+/// How many features and matches there are.
+fn pair_found_ui(ui: &mut Ui, model: &Model) {
+    let counts: Vec<String> = pair::Side::BOTH
+        .into_iter()
+        .filter_map(|side| Some(model.found_of(side)?.detection.features.len().to_string()))
+        .collect();
+    if counts.is_empty() {
+        return;
+    }
+    let mut text = format!("{} features", counts.join(" + "));
+    if let Some(matches) = &model.pair.matches {
+        text += &format!(", {} matches in {:.2} s", matches.len(), matches.elapsed.as_secs_f32());
+    }
+    ui.weak(text);
 }
 
 /// Where a panel is.

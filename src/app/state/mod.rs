@@ -3,17 +3,24 @@
 //! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what is wanted with
 //! what is there and asks the engine for the difference.
 
+pub mod compare;
 pub mod filter;
 pub mod look;
 pub mod messages;
+pub mod pair;
+pub mod room;
 pub mod scrub;
 
 use super::canvas::overlay::ColourBy;
+use super::dataset::{Datasets, Trajectories};
 use crate::detector::{Detection, DetectorParams, Feature, ParamError, Slope};
 use crate::engine::{BurstId, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Running};
+use compare::Compare;
 use filter::{Filter, Order};
 use look::Look;
 use messages::Messages;
+use pair::Pair;
+use room::Room;
 use scrub::{Scrub, ViewKind};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -40,11 +47,13 @@ pub struct Panels {
     pub right: bool,
     /// Table and tally.
     pub bottom: bool,
+    /// The bursts of a dataset, while one is open.
+    pub filmstrip: bool,
 }
 
 impl Default for Panels {
     fn default() -> Self {
-        Self { left: true, right: true, bottom: true }
+        Self { left: true, right: true, bottom: true, filmstrip: true }
     }
 }
 
@@ -88,6 +97,8 @@ pub struct SavedSelection {
 /// Everything the window shows.
 #[derive(Debug, Default)]
 pub struct Model {
+    /// What the window is about.
+    pub room: Room,
     /// The open burst, if any.
     pub burst: Option<OpenBurst>,
     /// The parameters as they are being edited; they may make no sense for the moment.
@@ -132,10 +143,18 @@ pub struct Model {
     pub panels: Panels,
     /// The open tab below the picture.
     pub bottom_tab: BottomTab,
+    /// The second burst, and the matches with it.
+    pub pair: Pair,
+    /// Several methods on the same burst.
+    pub compare: Compare,
     /// Errors and the last note.
     pub messages: Messages,
     /// What the engine is doing.
     pub busy: Busy,
+    /// Many bursts.
+    pub datasets: Datasets,
+    /// An estimated and a true trajectory.
+    pub trajectories: Trajectories,
     listed_for: Option<ListedFor>,
 }
 
@@ -174,6 +193,8 @@ impl Model {
         (self.picture, self.patch, self.found) = (None, None, None);
         (self.selected, self.hovered, self.playing, self.slope_chosen) = (None, None, false, false);
         self.look.forget_ranges();
+        self.pair.forget_matches();
+        self.compare.gold[0] = None;
         self.scrub = Scrub { kind: self.scrub.kind, frame: middle, ..Scrub::default() };
         self.check_params();
     }
@@ -199,8 +220,7 @@ impl Model {
 
     /// The picture that is wanted now.
     pub fn wanted_picture(&self) -> Option<PictureRequest> {
-        let burst = self.burst.clone()?;
-        Some(PictureRequest { burst, kind: self.scrub.picture_kind(), params: self.usable_params.clone() })
+        self.wanted_picture_of(pair::Side::A)
     }
 
     /// The motion-stack image that the selected feature's patch is cut from.
@@ -342,15 +362,7 @@ impl Model {
     /// Selects the feature after (or before) the selected one in the table's order.
     pub fn select_neighbour(&mut self, forward: bool) {
         self.refresh_listed();
-        let place = self.selected.and_then(|s| self.listed.iter().position(|&i| i == s));
-        let last = self.listed.len().saturating_sub(1);
-        let next = match (place, forward) {
-            (None, true) => 0,
-            (None, false) => last,
-            (Some(p), true) => (p + 1).min(last),
-            (Some(p), false) => p.saturating_sub(1),
-        };
-        self.selected = self.listed.get(next).copied().or(self.selected);
+        self.selected = neighbour(&self.listed, self.selected, forward);
     }
 
     /// Goes to the slope of the grid at which most features were found, and says so. Does nothing without features.
@@ -376,6 +388,19 @@ impl Model {
     pub fn show_kind(&mut self, kind: ViewKind) {
         self.scrub.kind = kind;
     }
+}
+
+/// Of the items of a list the one after (or before) the selected one: the first (or last) where none is, and the last where there is no further one.
+fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool) -> Option<usize> {
+    let place = selected.and_then(|s| listed.iter().position(|&i| i == s));
+    let last = listed.len().saturating_sub(1);
+    let next = match (place, forward) {
+        (None, true) => 0,
+        (None, false) => last,
+        (Some(p), true) => (p + 1).min(last),
+        (Some(p), false) => p.saturating_sub(1),
+    };
+    listed.get(next).copied().or(selected)
 }
 
 /// Parameters that make sense for any burst of `frame_count` frames whose frames are not tiny.

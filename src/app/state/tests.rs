@@ -7,12 +7,12 @@ use crate::engine::BurstSource;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 
-fn open(size: (usize, usize), frames: usize) -> OpenBurst {
+pub(super) fn open(size: (usize, usize), frames: usize) -> OpenBurst {
     let frame = |t: usize| Plane::from_fn(size.0, size.1, |u, v| ((u + 3 * v + t) % 7) as f32 / 10.0);
     OpenBurst::new(Burst::from_planes("test", (0..frames).map(frame).collect()), BurstSource::Demo)
 }
 
-fn feature(u: f32, v: f32, slope_index: usize, grid: &SlopeGrid) -> Feature {
+pub(super) fn feature(u: f32, v: f32, slope_index: usize, grid: &SlopeGrid) -> Feature {
     Feature {
         u,
         v,
@@ -28,7 +28,7 @@ fn feature(u: f32, v: f32, slope_index: usize, grid: &SlopeGrid) -> Feature {
     }
 }
 
-fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec<Feature>) -> Detected {
+pub(super) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec<Feature>) -> Detected {
     let descriptors = vec![[0; 128]; features.len()];
     let detection = Detection {
         features,

@@ -11,17 +11,20 @@ pub enum Method {
     Buff,
     /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.
     Sift,
+    /// SIFT on the frames used, merged into one image. [`crate::baseline::detect`] merges them; the detector alone takes their mean as it is, at slope 0.
+    Merge,
 }
 
 impl Method {
     /// All methods, in the order in which they are offered.
-    pub const ALL: [Self; 2] = [Self::Buff, Self::Sift];
+    pub const ALL: [Self; 3] = [Self::Buff, Self::Sift, Self::Merge];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Buff => "buff",
             Self::Sift => "sift",
+            Self::Merge => "merge",
         }
     }
 }

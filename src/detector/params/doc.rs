@@ -41,8 +41,8 @@ param_doc!(
     "method",
     "Method",
     "",
-    "The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame.",
-    "Sift is the baseline that the burst has to beat."
+    "The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame; merge aligns the frames to the middle one, averages them robustly and searches that image.",
+    "Sift and merge are the baselines that the burst search has to beat."
 );
 param_doc!(
     SLOPES_U,

@@ -75,11 +75,11 @@ impl Default for DetectorParams {
 }
 
 impl DetectorParams {
-    /// The frames that take part, as indices into the burst: the whole range for BuFF, its middle frame for SIFT.
+    /// The frames that take part, as indices into the burst: the whole range for BuFF and the merge, its middle frame for SIFT.
     pub fn used_frames(&self, frame_count: usize) -> std::ops::Range<usize> {
         let range = self.frames.map_or(0..frame_count, |r| r.start..r.end.min(frame_count));
         match self.method {
-            Method::Buff => range,
+            Method::Buff | Method::Merge => range,
             Method::Sift => {
                 let middle = range.start + range.len() / 2;
                 middle..middle + 1
@@ -87,11 +87,11 @@ impl DetectorParams {
         }
     }
 
-    /// The slopes that take part: the grid for BuFF, slope 0 for SIFT.
+    /// The slopes that take part: the grid for BuFF, slope 0 for one image.
     pub fn used_slopes(&self) -> SlopeGrid {
         match self.method {
             Method::Buff => self.slopes,
-            Method::Sift => SlopeGrid::single(super::slope_grid::Slope::default()),
+            Method::Sift | Method::Merge => SlopeGrid::single(super::slope_grid::Slope::default()),
         }
     }
 

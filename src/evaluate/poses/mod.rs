@@ -11,6 +11,7 @@ pub mod align;
 pub mod associate;
 mod error;
 pub mod errors;
+pub mod plane;
 mod report;
 pub mod sparse;
 pub mod tum;
@@ -19,6 +20,7 @@ pub use align::{Alignment, Similarity, align};
 pub use associate::{Association, Pairing, associate};
 pub use error::PoseError;
 pub use errors::{ErrorSummary, PoseErrors};
+pub use plane::{PlaneAxes, Projection};
 pub use report::{PairReport, PoseReport, PoseStudy, evaluate_poses};
 pub use sparse::{ModelSummary, SparseModel, read_sparse_model};
 pub use tum::read_tum;
@@ -48,13 +50,14 @@ pub struct Trajectory {
     pub model: Option<SparseModel>,
 }
 
-/// Reads the poses at `path`: the folder of a sparse model (see [`read_sparse_model`]), or a trajectory file (see [`read_tum`]).
+/// Reads the poses at `path`: the folder of a sparse model (see [`read_sparse_model`]) or a file in it, or a trajectory file (see [`read_tum`]).
 ///
 /// # Errors
 /// See [`PoseError`].
 pub fn read_trajectory(path: &Path) -> Result<Trajectory, PoseError> {
-    if path.is_dir() {
-        let model = read_sparse_model(path)?;
+    let folder = if path.is_dir() { Some(path) } else { sparse::folder_of_file(path) };
+    if let Some(folder) = folder {
+        let model = read_sparse_model(folder)?;
         Ok(Trajectory { poses: model.poses(), model: Some(model) })
     } else {
         Ok(Trajectory { poses: read_tum(path)?, model: None })

@@ -27,6 +27,12 @@ impl Default for PoseStudy {
 /// A pair of poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairReport {
+    /// Its place in the estimate.
+    #[serde(skip)]
+    pub estimate: usize,
+    /// Its place in the truth.
+    #[serde(skip)]
+    pub truth: usize,
     /// What the estimate calls it: the image's name or the time.
     pub label: String,
     /// Centre of the true camera, in the truth's unit.
@@ -50,6 +56,9 @@ pub struct PoseReport {
     pub associated: Association,
     /// The scale from the estimate's world to the truth's.
     pub scale: f64,
+    /// The whole similarity from the estimate's world to the truth's.
+    #[serde(skip)]
+    pub truth_from_estimate: Similarity,
     /// Whether the cameras stand on a straight line, see [`super::align()`].
     pub straight: bool,
     /// Absolute trajectory error, over all pairs.
@@ -100,6 +109,8 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
     let pair = |k: usize| {
         let (translation_error, rotation_error_deg) = magnitudes(&left_over[k]);
         PairReport {
+            estimate: pairing.pairs[k].0,
+            truth: pairing.pairs[k].1,
             label: estimate.poses[pairing.pairs[k].0].label.clone(),
             true_centre: truths[k].translation.vector.into(),
             aligned_centre: aligned[k].translation.vector.into(),
@@ -112,6 +123,7 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
         registered: estimate.poses.len(),
         associated: pairing.by,
         scale,
+        truth_from_estimate: alignment.truth_from_estimate,
         straight: alignment.straight,
         absolute: PoseErrors::of(&left_over),
         step: study.step,

@@ -81,6 +81,19 @@ impl Strokes {
         self.join(first, first + count, count);
     }
 
+    /// A dashed line; `(dash, gap)` are lengths, in points. It begins and ends with a dash.
+    pub fn dashed(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32, (dash, gap): (f32, f32)) {
+        let length = from.distance(to);
+        let count = ((length + gap) / (dash + gap)).round().max(1.0);
+        // The gaps stretch a little so that the last dash ends at `to`.
+        let step = if count > 1.0 { (length - dash) / (count - 1.0) } else { 0.0 };
+        let at = |distance: f32| from + (distance / length.max(1e-6)) * (to - from);
+        for i in 0..count as usize {
+            let start = step * i as f32;
+            self.line(at(start), at((start + dash).min(length)), width, colour);
+        }
+    }
+
     /// A line with an arrow head at `to`.
     pub fn arrow(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32) {
         self.line(from, to, width, colour);
@@ -138,5 +151,19 @@ mod tests {
             strokes.into_mesh().indices.len()
         };
         assert_eq!(2 * triangles(true), triangles(false));
+    }
+
+    #[test]
+    fn a_dashed_line_begins_and_ends_with_a_dash_and_has_gaps() {
+        let mut strokes = Strokes::new(1.0);
+        strokes.dashed(pos2(10.0, 5.0), pos2(110.0, 5.0), 2.0, Color32::RED, (6.0, 4.0));
+        let mesh = strokes.into_mesh();
+        let bounds = mesh.calc_bounds();
+        assert!((bounds.min.x - 10.0).abs() < 1e-3 && (bounds.max.x - 110.0).abs() < 1e-3, "{bounds:?}");
+        let covered: f32 = mesh.vertices.chunks(8).map(|dash| dash[7].pos.x - dash[0].pos.x).sum();
+        assert!((0.5..0.7).contains(&(covered / 100.0)), "{covered}");
+        let mut point = Strokes::new(1.0);
+        point.dashed(pos2(1.0, 1.0), pos2(1.0, 1.0), 2.0, Color32::RED, (6.0, 4.0));
+        assert!(point.into_mesh().vertices.iter().all(|v| v.pos.is_finite()));
     }
 }

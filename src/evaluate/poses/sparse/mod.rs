@@ -90,6 +90,15 @@ impl SparseModel {
     }
 }
 
+/// The folder of a sparse model of which `path` is a file, told by its name.
+pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
+    let stem = path.file_stem()?.to_str()?;
+    let ending = path.extension()?.to_str()?;
+    let of_model =
+        ["images", "points3D", "cameras", "rigs", "frames"].contains(&stem) && ["bin", "txt"].contains(&ending);
+    path.parent().filter(|_| of_model).map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p })
+}
+
 /// Reads the sparse model in `folder`; binary files are preferred to text. If there is none in the folder itself but some in its subfolders (COLMAP's mapper
 /// writes `0`, `1`, … for parts that it could not join), the one with the most registered images is the answer.
 ///

@@ -1,0 +1,216 @@
+//! Lines from features of one picture to those of another: drawn, and found under the pointer.
+//!
+//! Inliers are solid and yellow, outliers dashed and vermilion: two signs each, so that nobody depends on telling the colours apart. A line is drawn
+//! where both its ends are in sight; an end whose other end is outside its pane is marked by a small ring.
+
+use super::super::RectTransform;
+use super::strokes::Strokes;
+use crate::export::{INLIER_COLOR, OUTLIER_COLOR};
+use egui::{Color32, Painter, Pos2, Rect, Shape};
+
+/// What is known of a match.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LineKind {
+    /// It agrees with the geometry.
+    Inlier,
+    /// It does not.
+    Outlier,
+    /// No geometry was asked for.
+    Unverified,
+}
+
+impl LineKind {
+    /// The kind of a match that is (or is not) an inlier, or was not verified.
+    pub fn of(inlier: Option<bool>) -> Self {
+        match inlier {
+            Some(true) => Self::Inlier,
+            Some(false) => Self::Outlier,
+            None => Self::Unverified,
+        }
+    }
+
+    /// Its colour, which can be seen over dark and bright pictures.
+    pub fn colour(self) -> Color32 {
+        match self {
+            Self::Inlier => rgb(INLIER_COLOR),
+            Self::Outlier => rgb(OUTLIER_COLOR),
+            Self::Unverified => Color32::from_rgb(226, 150, 200),
+        }
+    }
+
+    /// Whether its line is dashed.
+    pub fn is_dashed(self) -> bool {
+        self == Self::Outlier
+    }
+}
+
+/// A match as it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MatchLine {
+    /// Its number, by which it is selected.
+    pub index: usize,
+    /// Its place in A, image pixels.
+    pub a: Pos2,
+    /// Its place in B, image pixels.
+    pub b: Pos2,
+    /// What is known of it.
+    pub kind: LineKind,
+}
+
+/// Where one of the two pictures is.
+#[derive(Debug, Clone, Copy)]
+pub struct Pane {
+    /// From image pixels to points of the window.
+    pub ui_from_image: RectTransform,
+    /// The canvas, in points.
+    pub rect_ui: Rect,
+}
+
+/// How the lines are drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct MatchLineStyle {
+    /// 0 … 1.
+    pub opacity: f32,
+    /// The selected match, above all others.
+    pub selected: Option<usize>,
+    /// The match under the pointer, above all others.
+    pub hovered: Option<usize>,
+    /// Whether the others are drawn much fainter, so that the selected one stands out.
+    pub others_faint: bool,
+}
+
+/// How near the pointer must come to an end or to a line, in points.
+const END_TOLERANCE_POINTS: f32 = 7.0;
+const LINE_TOLERANCE_POINTS: f32 = 4.0;
+/// Width of a line, in points.
+const WIDTH: f32 = 1.3;
+/// Length of a dash and of the gap behind it, in points.
+const DASH: (f32, f32) = (6.0, 4.5);
+
+impl MatchLine {
+    /// Its two ends in points, each with whether it is in sight.
+    fn ends(&self, panes: &[Pane; 2]) -> [(Pos2, bool); 2] {
+        let end = |pane: &Pane, at: Pos2| {
+            let pos = pane.ui_from_image.pos(at);
+            (pos, pos.is_finite() && pane.rect_ui.contains(pos))
+        };
+        [end(&panes[0], self.a), end(&panes[1], self.b)]
+    }
+}
+
+/// Draws `lines` from pane to pane. The painter must reach over both.
+pub fn draw_match_lines(painter: &Painter, panes: &[Pane; 2], lines: &[MatchLine], style: &MatchLineStyle) {
+    let mut strokes = Strokes::new(painter.pixels_per_point());
+    let lifted = |line: &MatchLine| [style.selected, style.hovered].contains(&Some(line.index));
+    let opacity = style.opacity * if style.others_faint { 0.22 } else { 1.0 };
+    // Outliers lie below: there may be many, and they mean less.
+    for kind in [LineKind::Outlier, LineKind::Unverified, LineKind::Inlier] {
+        for line in lines.iter().filter(|line| line.kind == kind && !lifted(line)) {
+            draw_one(&mut strokes, panes, line, WIDTH, line.kind.colour().gamma_multiply(opacity));
+        }
+    }
+    for line in lines.iter().filter(|line| lifted(line)) {
+        let wide = if style.selected == Some(line.index) { 2.6 } else { 2.0 };
+        for (extra, colour) in [(3.6, Color32::from_black_alpha(170)), (1.6, Color32::WHITE), (0.0, line.kind.colour())]
+        {
+            draw_one(&mut strokes, panes, line, wide + extra, colour);
+        }
+    }
+    let mesh = strokes.into_mesh();
+    if !mesh.is_empty() {
+        painter.add(Shape::mesh(mesh));
+    }
+}
+
+fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, width: f32, colour: Color32) {
+    let [(from, from_seen), (to, to_seen)] = line.ends(panes);
+    if from_seen && to_seen {
+        if line.kind.is_dashed() {
+            strokes.dashed(from, to, width, colour, DASH);
+        } else {
+            strokes.line(from, to, width, colour);
+        }
+    }
+    for (end, seen) in [(from, from_seen), (to, to_seen)] {
+        if seen {
+            strokes.circle(end, 3.0, width, colour, false);
+        }
+    }
+}
+
+/// The number of the match under `pos_ui`: the one with the nearest end within a few points, else the one with the nearest line.
+pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<usize> {
+    let mut best: Option<(bool, f32, usize)> = None;
+    for line in lines {
+        let ends = line.ends(panes);
+        let to_end =
+            ends.iter().filter(|(_, seen)| *seen).map(|(end, _)| end.distance(pos_ui)).fold(f32::INFINITY, f32::min);
+        let candidate = if to_end <= END_TOLERANCE_POINTS {
+            (false, to_end, line.index)
+        } else if ends.iter().all(|(_, seen)| *seen) {
+            (true, distance_to_segment(pos_ui, ends[0].0, ends[1].0), line.index)
+        } else {
+            continue;
+        };
+        let near = !candidate.0 || candidate.1 <= LINE_TOLERANCE_POINTS;
+        if near && best.is_none_or(|(far, distance, _)| (candidate.0, candidate.1) < (far, distance)) {
+            best = Some(candidate);
+        }
+    }
+    best.map(|(_, _, index)| index)
+}
+
+fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
+fn distance_to_segment(pos: Pos2, from: Pos2, to: Pos2) -> f32 {
+    let along = to - from;
+    let t = ((pos - from).dot(along) / along.length_sq().max(1e-9)).clamp(0.0, 1.0);
+    pos.distance(from + t * along)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{pos2, vec2};
+
+    /// Two panes of 100×100 points side by side, one point for each pixel.
+    fn panes() -> [Pane; 2] {
+        [0.0, 110.0].map(|left| Pane {
+            ui_from_image: RectTransform::new(pos2(0.0, 0.0), pos2(left, 0.0), 1.0),
+            rect_ui: Rect::from_min_size(pos2(left, 0.0), vec2(100.0, 100.0)),
+        })
+    }
+
+    fn line(index: usize, a: (f32, f32), b: (f32, f32), kind: LineKind) -> MatchLine {
+        MatchLine { index, a: a.into(), b: b.into(), kind }
+    }
+
+    #[test]
+    fn ends_are_hit_before_lines_and_lines_only_where_they_are() {
+        let lines = [
+            line(4, (10.0, 50.0), (90.0, 50.0), LineKind::Inlier),
+            line(7, (50.0, 53.0), (50.0, 90.0), LineKind::Outlier),
+        ];
+        let at = |u: f32, v: f32| match_at(&lines, &panes(), pos2(u, v));
+        assert_eq!(at(30.0, 51.0), Some(4));
+        assert_eq!(at(50.0, 50.0), Some(7), "its end is near, the other's line is nearer");
+        assert_eq!(at(198.0, 50.5), Some(4));
+        assert_eq!(at(30.0, 60.0), None);
+    }
+
+    #[test]
+    fn a_line_with_one_end_out_of_sight_is_only_its_other_end() {
+        let lines = [line(0, (10.0, 10.0), (500.0, 10.0), LineKind::Inlier)];
+        assert_eq!(match_at(&lines, &panes(), pos2(12.0, 12.0)), Some(0));
+        assert_eq!(match_at(&lines, &panes(), pos2(60.0, 10.0)), None);
+    }
+
+    #[test]
+    fn kinds_differ_in_colour_and_in_stroke() {
+        assert_ne!(LineKind::Inlier.colour(), LineKind::Outlier.colour());
+        assert_ne!(LineKind::Inlier.is_dashed(), LineKind::Outlier.is_dashed());
+        assert_eq!(LineKind::of(Some(false)), LineKind::Outlier);
+    }
+}

@@ -1,0 +1,123 @@
+//! Into which bursts a long sequence of frames is cut: the question, with the answer's consequences.
+
+use crate::burst::SequenceCut;
+use crate::dataset::DatasetSource;
+use egui::{DragValue, Grid, Ui};
+use std::path::PathBuf;
+
+/// The question, while it is open.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CutDialog {
+    paths: Vec<PathBuf>,
+    /// Frames of the sequence.
+    frames: usize,
+    length: usize,
+    /// Whether bursts follow one another.
+    contiguous: bool,
+    step: usize,
+}
+
+impl CutDialog {
+    /// Asks how the sequence of `frames` frames (2 or more) at `paths` is cut, beginning with bursts of `length` frames.
+    pub fn new(paths: Vec<PathBuf>, frames: usize, length: usize) -> Self {
+        let length = length.clamp(1, frames.max(1));
+        Self { paths, frames, length, contiguous: true, step: length }
+    }
+
+    /// Frames of a burst, as chosen last.
+    pub fn length(&self) -> usize {
+        self.length
+    }
+
+    /// Draws it. Answers the dataset when it was accepted, and whether it is to stay open.
+    pub fn ui(&mut self, ctx: &egui::Context) -> (Option<DatasetSource>, bool) {
+        let mut accepted = None;
+        let modal = egui::Modal::new(egui::Id::unique("cut sequence")).show(ctx, |ui| {
+            ui.set_width(400.0);
+            ui.heading("Cut a sequence into bursts");
+            let place = self.paths.first().map_or_else(String::new, |p| p.display().to_string());
+            ui.weak(format!("{} frames: {place}", self.frames));
+            ui.add_space(6.0);
+            self.rows_ui(ui);
+            ui.add_space(6.0);
+            ui.label(self.consequence());
+            ui.add_space(6.0);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Cut").clicked() || ui.input(|i| i.key_pressed(egui::Key::Enter)) {
+                    accepted = Some(self.source());
+                }
+                if ui.button("Cancel").clicked() {
+                    ui.close();
+                }
+            });
+        });
+        let stay = accepted.is_none() && !modal.should_close();
+        (accepted, stay)
+    }
+
+    fn rows_ui(&mut self, ui: &mut Ui) {
+        Grid::new("cut").num_columns(2).show(ui, |ui| {
+            let label = ui.label("Burst length").on_hover_text("Frames of each burst");
+            ui.add(DragValue::new(&mut self.length).range(1..=self.frames).suffix(" frames")).labelled_by(label.id);
+            ui.end_row();
+            let label =
+                ui.label("Burst step").on_hover_text("Frames from the start of a burst to the start of the next");
+            ui.horizontal(|ui| {
+                ui.checkbox(&mut self.contiguous, "one after another");
+                let field = DragValue::new(&mut self.step).range(1..=self.frames).suffix(" frames");
+                ui.add_enabled(!self.contiguous, field).labelled_by(label.id);
+            });
+            ui.end_row();
+        });
+        if self.contiguous {
+            self.step = self.length;
+        }
+    }
+
+    fn source(&self) -> DatasetSource {
+        DatasetSource {
+            paths: self.paths.clone(),
+            burst_length: Some(self.length),
+            burst_step: (!self.contiguous).then_some(self.step),
+        }
+    }
+
+    fn consequence(&self) -> String {
+        let count = SequenceCut::new(self.length, Some(self.step)).map_or(0, |cut| cut.ranges(self.frames).len());
+        let bursts = if count == 1 { "burst" } else { "bursts" };
+        let used = (count.max(1) - 1) * self.step + self.length;
+        let rest = match self.frames.saturating_sub(used) {
+            0 => String::new(),
+            1 => "; the last frame is left out".to_owned(),
+            rest => format!("; the last {rest} frames are left out"),
+        };
+        format!("{count} {bursts}, each named after its middle frame{rest}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_comes_of_a_cut_is_said() {
+        let dialog = |frames, length, step: Option<usize>| CutDialog {
+            paths: vec!["film".into()],
+            frames,
+            length,
+            contiguous: step.is_none(),
+            step: step.unwrap_or(length),
+        };
+        assert_eq!(
+            dialog(40, 7, None).consequence(),
+            "5 bursts, each named after its middle frame; the last 5 frames are left out"
+        );
+        assert_eq!(
+            dialog(8, 7, None).consequence(),
+            "1 burst, each named after its middle frame; the last frame is left out"
+        );
+        assert_eq!(dialog(9, 3, Some(2)).consequence(), "4 bursts, each named after its middle frame");
+        assert_eq!(dialog(9, 3, Some(2)).source().burst_step, Some(2));
+        assert_eq!(dialog(9, 3, None).source().burst_step, None);
+    }
+}

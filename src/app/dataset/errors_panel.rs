@@ -1,0 +1,209 @@
+//! Trajectories in numbers: which files, how they are compared, the errors, and the reconstruction in the paper's columns.
+
+use super::model::Dataset;
+use super::trajectories::Trajectories;
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::panels::widgets::section_ui;
+use crate::app::state::Model;
+use crate::evaluate::poses::{Association, ErrorSummary, PoseReport, Projection};
+use crate::matching::ImageCounts;
+use egui::{ComboBox, DragValue, Grid, Label, RichText, Ui};
+use std::path::Path;
+
+/// Draws the panel; says whether the comparison is to be made again.
+pub fn errors_panel_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> bool {
+    let mut again = false;
+    section_ui(ui, "Trajectories", |ui| {
+        let compared = &model.trajectories.compared;
+        let path = |read: &Option<(std::path::PathBuf, _)>| read.as_ref().map(|(path, _)| path.clone());
+        let (estimate, truth) = (path(&compared.estimate), path(&compared.truth));
+        file_ui(ui, model, queue, ActionId::OpenEstimate, "Estimate", estimate.as_deref());
+        file_ui(ui, model, queue, ActionId::OpenTruth, "Truth", truth.as_deref());
+        again = study_ui(ui, &mut model.trajectories);
+    });
+    if let Some(problem) = model.trajectories.problem() {
+        ui.add(Label::new(RichText::new(problem).color(ui.visuals().error_fg_color)).wrap());
+    }
+    if let Some(report) = model.trajectories.report().cloned() {
+        section_ui(ui, "Errors", |ui| errors_ui(ui, &report));
+    }
+    section_ui(ui, "Reconstruction", |ui| reconstruction_ui(ui, model));
+    again
+}
+
+fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &str, path: Option<&Path>) {
+    ui.horizontal(|ui| {
+        let response = button_ui(ui, model, queue, id, Some(&format!("{name}…")));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, id.action().label));
+        let text = path.map_or("none yet".to_owned(), |p| p.display().to_string());
+        ui.add(Label::new(RichText::new(&text).weak()).truncate()).on_hover_text(text);
+    });
+}
+
+/// The side from which they are seen, and how poses are paired. Says whether the latter changed.
+fn study_ui(ui: &mut Ui, trajectories: &mut Trajectories) -> bool {
+    let before = trajectories.study;
+    Grid::new("study").num_columns(2).show(ui, |ui| {
+        let label = ui.label("Seen from").on_hover_text("The plane in which the cameras are drawn");
+        ComboBox::from_id_salt("projection")
+            .selected_text(trajectories.projection.name())
+            .show_ui(ui, |ui| {
+                for projection in Projection::ALL {
+                    ui.selectable_value(&mut trajectories.projection, projection, projection.name());
+                }
+            })
+            .response
+            .labelled_by(label.id);
+        ui.end_row();
+        let label = ui.label("Paired").on_hover_text("What makes an estimated and a true camera belong together");
+        let name = |by: Option<Association>| by.map_or("as it fits", Association::phrase);
+        let study = &mut trajectories.study;
+        ComboBox::from_id_salt("associate")
+            .selected_text(name(study.associate))
+            .show_ui(ui, |ui| {
+                let rules = [None, Some(Association::Name), Some(Association::Time), Some(Association::Order)];
+                for by in rules {
+                    ui.selectable_value(&mut study.associate, by, name(by));
+                }
+            })
+            .response
+            .labelled_by(label.id);
+        ui.end_row();
+        let label = ui
+            .label("Time difference")
+            .on_hover_text("Times that differ by more do not belong together; in the files' unit");
+        let field = DragValue::new(&mut study.max_time_difference).range(0.0..=f64::MAX).speed(0.01);
+        ui.add(field).labelled_by(label.id);
+        ui.end_row();
+        let label =
+            ui.label("Step").on_hover_text("Poses from the start to the end of a motion whose error is relative");
+        ui.add(DragValue::new(&mut study.step).range(1..=10_000).suffix(" poses")).labelled_by(label.id);
+        ui.end_row();
+    });
+    trajectories.study != before
+}
+
+fn errors_ui(ui: &mut Ui, report: &PoseReport) {
+    let paired =
+        format!("{} poses paired {}, scale {:.5}", report.absolute.count, report.associated.phrase(), report.scale);
+    ui.weak(paired).on_hover_text("The estimate is laid on the truth by the similarity with the least squared distances of the camera centres (Umeyama 1991)");
+    if report.straight {
+        ui.weak("The cameras stand on a line; their directions fixed the rotation about it.");
+    }
+    Grid::new("errors").num_columns(5).striped(true).show(ui, |ui| {
+        for heading in ["", "RMSE", "mean", "median", "max"] {
+            ui.label(RichText::new(heading).small());
+        }
+        ui.end_row();
+        let mut row = |name: &str, help: &str, errors: &ErrorSummary, digits: usize| {
+            ui.label(name).on_hover_text(help);
+            for value in [errors.rmse, errors.mean, errors.median, errors.max] {
+                let text = if value.is_nan() { "–".to_owned() } else { format!("{value:.digits$}") };
+                ui.label(RichText::new(text).monospace());
+            }
+            ui.end_row();
+        };
+        row(
+            "ATE",
+            "Absolute trajectory error: distances of the camera centres, in the truth's unit",
+            &report.absolute.translation,
+            4,
+        );
+        row(
+            "ATE °",
+            "Absolute trajectory error: angles between the cameras' directions, degrees",
+            &report.absolute.rotation_deg,
+            3,
+        );
+        row(
+            "RPE",
+            "Relative pose error: what motions lack of the true ones, in the truth's unit",
+            &report.relative.translation,
+            4,
+        );
+        row(
+            "RPE °",
+            "Relative pose error: what motions lack of the true ones, degrees",
+            &report.relative.rotation_deg,
+            3,
+        );
+    });
+}
+
+/// A name and what it means, and a number.
+fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
+    ui.label(RichText::new(name).weak()).on_hover_text(help);
+    ui.label(RichText::new(value).monospace());
+    ui.end_row();
+}
+
+/// The columns of the paper's table, as far as they are known.
+fn reconstruction_ui(ui: &mut Ui, model: &Model) {
+    let report = model.trajectories.report();
+    let estimate = model.trajectories.compared.estimate.as_ref();
+    let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());
+    let none = || "–".to_owned();
+    Grid::new("reconstruction").num_columns(2).striped(true).min_col_width(130.0).show(ui, |ui| {
+        let registered = match (report, &summary) {
+            (Some(r), _) => format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent()),
+            (None, Some(s)) => s.registered_images.to_string(),
+            _ => none(),
+        };
+        number_row_ui(ui, "Registered images", "Images whose camera was found, of those that were to be", &registered);
+        let matched = model.datasets.open.as_ref().and_then(Dataset::image_counts);
+        let of_matches = |text: &dyn Fn(&ImageCounts) -> String| matched.as_ref().map_or_else(none, text);
+        let rows: [(&str, &str, String); 6] = [
+            ("Keypoints an image", "Features of a burst", of_matches(&|m| format!("{:.1}", m.keypoints_per_image))),
+            (
+                "Putative an image",
+                "Matches of a burst with all others by descriptors alone",
+                of_matches(&|m| format!("{:.1}", m.putative_per_image)),
+            ),
+            (
+                "Inliers an image",
+                "Matches of a burst with all others that a common geometry explains",
+                of_matches(&|m| format!("{:.1}", m.inliers_per_image)),
+            ),
+            (
+                "Match ratio",
+                "Putative matches with all others over keypoints",
+                of_matches(&|m| format!("{:.3}", m.match_ratio)),
+            ),
+            ("Match score", "Inliers with all others over keypoints", of_matches(&|m| format!("{:.3}", m.match_score))),
+            (
+                "Precision",
+                "Inliers over putative matches",
+                of_matches(&|m| m.precision.map_or_else(none, |p| format!("{p:.3}"))),
+            ),
+        ];
+        for (name, help, value) in rows {
+            number_row_ui(
+                ui,
+                name,
+                &format!("{help}; of the dataset that is open, once its pairs are matched"),
+                &value,
+            );
+        }
+        let points =
+            |text: fn(&crate::evaluate::poses::ModelSummary) -> String| summary.as_ref().map_or_else(none, text);
+        number_row_ui(ui, "3D points", "Points of the sparse model", &points(|s| s.points.to_string()));
+        number_row_ui(
+            ui,
+            "3D points an image",
+            "Points that an image sees, mean over the registered images",
+            &points(|s| format!("{:.1}", s.points_per_image)),
+        );
+        number_row_ui(
+            ui,
+            "Track length",
+            "Images in which a point is seen, mean over the points",
+            &points(|s| format!("{:.2}", s.mean_track_length)),
+        );
+        number_row_ui(
+            ui,
+            "Reprojection error",
+            "Mean distance of a point's projections from its keypoints",
+            &points(|s| format!("{:.3} px", s.mean_reprojection_error_px)),
+        );
+    });
+}

@@ -1,0 +1,269 @@
+//! The filmstrip: a dataset's bursts in order, each with a small picture, its state, and whether it is A or B.
+
+use super::model::{BurstState, Dataset, Datasets};
+use super::thumbnails::{Shown, Thumbnails};
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::state::Model;
+use crate::app::style;
+use egui::{
+    Align, Align2, Color32, FontId, Label, Layout, Pos2, ProgressBar, Rect, Response, RichText, ScrollArea, Sense,
+    Stroke, StrokeKind, Ui, pos2, vec2,
+};
+
+/// Size of a burst's cell, and of the parts of it that are text, in points.
+const CELL_WIDTH: f32 = 116.0;
+const PICTURE_HEIGHT: f32 = 76.0;
+const TEXT_HEIGHT: f32 = 17.0;
+const GAP: f32 = 6.0;
+const CELL_HEIGHT: f32 = PICTURE_HEIGHT + 2.0 * TEXT_HEIGHT;
+
+/// Height of the whole strip, in points.
+pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
+
+/// The letters of the two bursts that are matched.
+pub const SIDES: [&str; 2] = ["A", "B"];
+
+/// What was asked for in the strip.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// Open the burst at this place.
+    pub open: Option<usize>,
+}
+
+/// Draws the strip of the dataset that is open.
+pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Asked {
+    let mut asked = Asked::default();
+    ui.horizontal(|ui| header_ui(ui, model, queue));
+    let shown = model.datasets.open.as_ref().and_then(|d| d.place_of(model.burst.as_ref()));
+    let fraction = model.datasets.burst_fraction();
+    let Some(dataset) = &mut model.datasets.open else { return asked };
+    ui.add_space(2.0);
+    let count = dataset.bursts.len();
+    let scroll_id = ui.scope_id().with("shown burst");
+    let scrolled_to: Option<usize> = ui.data(|d| d.get_temp(scroll_id)).flatten();
+    ScrollArea::horizontal().auto_shrink(false).show_viewport(ui, |ui, viewport| {
+        let step = CELL_WIDTH + GAP;
+        ui.set_width(count as f32 * step);
+        ui.set_height(CELL_HEIGHT);
+        let origin = ui.max_rect().min;
+        let cell = |place: usize| {
+            Rect::from_min_size(pos2(origin.x + place as f32 * step, origin.y), vec2(CELL_WIDTH, CELL_HEIGHT))
+        };
+        // Follow the burst that is open when it was opened elsewhere, and only then.
+        if let Some(place) = shown.filter(|_| shown != scrolled_to) {
+            ui.scroll_to_rect(cell(place).expand2(vec2(step, 0.0)), None);
+        }
+        let first = (viewport.min.x / step).floor().max(0.0) as usize;
+        let last = ((viewport.max.x / step).ceil().max(0.0) as usize).min(count);
+        for place in first..last {
+            let picture = thumbnails.get(&dataset.bursts[place]);
+            let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction);
+            if response.clicked() {
+                asked.open = Some(place);
+            }
+        }
+    });
+    ui.data_mut(|d| d.insert_temp(scroll_id, shown));
+    asked
+}
+
+fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let Some(dataset) = &model.datasets.open else { return };
+    ui.label(RichText::new(dataset.source.label()).strong()).on_hover_ui(|ui| {
+        for path in &dataset.source.paths {
+            ui.label(path.display().to_string());
+        }
+    });
+    ui.weak(summary(dataset));
+    ui.separator();
+    if model.datasets.work.is_some() {
+        working_ui(ui, &model.datasets);
+        button_ui(ui, model, queue, ActionId::CancelDataset, Some("Cancel all"));
+    } else {
+        button_ui(ui, model, queue, ActionId::DetectAll, None);
+        notice_ui(ui, model, dataset, queue);
+    }
+    if dataset.selected().is_some() {
+        button_ui(ui, model, queue, ActionId::ShowPair, Some("A | B"));
+    }
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        short_button_ui(ui, model, queue, ActionId::CloseDataset, "✖");
+        let place = dataset.folder.as_ref().map_or("no folder".to_owned(), |f| f.display().to_string());
+        short_button_ui(ui, model, queue, ActionId::FeatureFolder, "Folder…");
+        ui.add(Label::new(RichText::new(&place).weak()).truncate())
+            .on_hover_text(format!("Features, pictures and what is finished are kept in this folder: {place}"));
+    });
+}
+
+/// A button with less text on it than screen readers read.
+fn short_button_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, text: &str) {
+    let label = id.action().label;
+    let response = button_ui(ui, model, queue, id, Some(text));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label));
+}
+
+/// What is wrong with the folder, or that its features are not those of the present parameters.
+fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
+    let warning = |text: &str| RichText::new(text).color(style::warning(ui));
+    if let Some(error) = &dataset.folder_error {
+        let text = RichText::new("Features cannot be kept here").color(ui.visuals().error_fg_color);
+        ui.label(text).on_hover_text(error);
+    } else if dataset.folder.is_none() {
+        ui.label(warning("Choose a folder for the features"));
+    } else if dataset.params != model.params {
+        ui.label(warning("The parameters changed")).on_hover_text(
+            "What is shown here was found with the parameters as they were. Detect all finds all features again.",
+        );
+    } else if dataset.other_params.is_some() {
+        ui.label(warning("The folder has features of other parameters"))
+            .on_hover_text("Detect all finds them again with the present parameters, in place of those.");
+        button_ui(ui, model, queue, ActionId::UseFolderParams, Some("Use those"));
+    }
+}
+
+fn summary(dataset: &Dataset) -> String {
+    let (count, counts) = (dataset.bursts.len(), dataset.counts());
+    let bursts = if count == 1 { "burst" } else { "bursts" };
+    let mut text = format!("{count} {bursts}, {} done", counts.done);
+    if counts.failed > 0 {
+        text += &format!(", {} failed", counts.failed);
+    }
+    if counts.features > 0 {
+        text += &format!(", {} features", counts.features);
+    }
+    text
+}
+
+/// How far the work is as a whole.
+pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
+    let Some(work) = datasets.work else { return };
+    let progress = datasets.running.and_then(|r| r.progress);
+    let fraction = progress.map_or(0.0, |p| p.fraction);
+    let stage = progress.map_or_else(|| work.title().to_owned(), |p| p.stage.to_string());
+    let seconds = datasets.running.map_or(0.0, |r| r.started.elapsed().as_secs_f32());
+    let text = format!("{stage}  {:.0} %  {seconds:.0} s", 100.0 * fraction);
+    let bar = ui.add(ProgressBar::new(fraction).desired_width(220.0).text(text));
+    bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, work.title()));
+}
+
+fn cell_ui(
+    ui: &Ui,
+    dataset: &mut Dataset,
+    place: usize,
+    rect: Rect,
+    picture: Option<&Shown>,
+    open: bool,
+    fraction: f32,
+) -> Response {
+    let burst = &dataset.bursts[place];
+    let state = &dataset.states[place];
+    let response = ui.interact(rect, ui.scope_id().with(("burst", place)), Sense::click());
+    let label = format!("Burst {}: {}", burst.name, state.text());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, open, &label));
+    let visuals = ui.visuals();
+    let painter = ui.painter_at(rect);
+    let fill = if response.hovered() { visuals.widgets.hovered.weak_bg_fill } else { visuals.faint_bg_color };
+    painter.rect_filled(rect, 4.0, fill);
+    let area = Rect::from_min_size(rect.min + vec2(0.0, TEXT_HEIGHT), vec2(CELL_WIDTH, PICTURE_HEIGHT));
+    picture_ui(ui, area, picture);
+    state_ui(ui, state, area, rect, fraction);
+    let name_room = Rect::from_min_max(rect.min + vec2(4.0, 0.0), rect.min + vec2(CELL_WIDTH - 36.0, TEXT_HEIGHT));
+    let name = ui.painter().layout_no_wrap(burst.name.clone(), FontId::proportional(11.0), visuals.text_color());
+    let room = painter.with_clip_rect(name_room);
+    room.galley(pos2(name_room.left(), name_room.center().y - 0.5 * name.size().y), name, visuals.text_color());
+    let stroke = if open { Stroke::new(2.0, style::ACCENT) } else { visuals.widgets.noninteractive.bg_stroke };
+    painter.rect_stroke(rect, 4.0, stroke, StrokeKind::Inside);
+    let name = burst.name.clone();
+    let text = format!("{name}\n{}\nClick to open it", state.sentence());
+    for side in 0..SIDES.len() {
+        side_ui(ui, dataset, place, side, rect, &name);
+    }
+    response.on_hover_text(text)
+}
+
+/// The switch that makes a burst A or B.
+fn side_ui(ui: &Ui, dataset: &mut Dataset, place: usize, side: usize, rect: Rect, name: &str) {
+    let corner = rect.right_top() + vec2(-33.0 + 16.0 * side as f32, 1.5);
+    let square = Rect::from_min_size(corner, vec2(14.0, 14.0));
+    let on = dataset.pair[side] == Some(place);
+    let response = ui.interact(square, ui.scope_id().with(("side", place, side)), Sense::click());
+    let label = format!("Use {name} as {}", SIDES[side]);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, &label));
+    let visuals = ui.visuals();
+    let fill = if on { side_colour(side) } else { visuals.extreme_bg_color };
+    let text = if on { Color32::BLACK } else { visuals.weak_text_color() };
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(square, 3.0, fill);
+    if response.hovered() {
+        painter.rect_stroke(square, 3.0, visuals.widgets.hovered.fg_stroke, StrokeKind::Inside);
+    }
+    painter.text(square.center(), Align2::CENTER_CENTER, SIDES[side], FontId::proportional(10.0), text);
+    if response.on_hover_text(format!("{label} of a pair to be matched")).clicked() {
+        dataset.choose(side, place);
+    }
+}
+
+/// The colour of A or B: told apart also without colour vision, on dark and light ground.
+pub fn side_colour(side: usize) -> Color32 {
+    [Color32::from_rgb(0xf2, 0xb1, 0x4b), Color32::from_rgb(0x6c, 0xb8, 0xf2)][side]
+}
+
+fn picture_ui(ui: &Ui, area: Rect, picture: Option<&Shown>) {
+    let painter = ui.painter_at(area);
+    painter.rect_filled(area, 0.0, ui.visuals().extreme_bg_color);
+    let say = |text: &str, colour: Color32| {
+        painter.text(area.center(), Align2::CENTER_CENTER, text, FontId::proportional(11.0), colour);
+    };
+    match picture {
+        Some(Shown::Picture(texture)) => {
+            let size = texture.size_vec2();
+            let size = size * (area.width() / size.x).min(area.height() / size.y);
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            painter.image(texture.id(), Rect::from_center_size(area.center(), size), whole, Color32::WHITE);
+        }
+        Some(Shown::Failed(_)) => say("no picture", ui.visuals().error_fg_color),
+        Some(Shown::Asked) | None => say("…", ui.visuals().weak_text_color()),
+    }
+}
+
+/// The state below the picture, and a bar over it while the burst is worked on.
+fn state_ui(ui: &Ui, state: &BurstState, area: Rect, rect: Rect, fraction: f32) {
+    let painter = ui.painter_at(rect);
+    let visuals = ui.visuals();
+    let text_colour =
+        if matches!(state, BurstState::Waiting) { visuals.weak_text_color() } else { visuals.text_color() };
+    let y = rect.bottom() - 0.5 * TEXT_HEIGHT;
+    mark_ui(ui, state, pos2(rect.left() + 9.0, y));
+    let font = FontId::proportional(11.0);
+    painter.text(pos2(rect.left() + 18.0, y), Align2::LEFT_CENTER, state.text(), font, text_colour);
+    if *state == BurstState::Running {
+        let bar = Rect::from_min_max(area.left_bottom() - vec2(0.0, 4.0), area.right_bottom());
+        painter.rect_filled(bar, 0.0, visuals.extreme_bg_color);
+        painter.rect_filled(bar.with_max_x(egui::lerp(bar.x_range(), fraction)), 0.0, style::ACCENT);
+    }
+}
+
+/// A sign for the state that can be told from the others without colours: a ring, a ring with a point, a disc, a cross.
+fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
+    const RADIUS: f32 = 4.0;
+    let (painter, visuals) = (ui.painter(), ui.visuals());
+    match state {
+        BurstState::Waiting => {
+            painter.circle_stroke(centre, RADIUS, Stroke::new(1.0, visuals.weak_text_color()));
+        }
+        BurstState::Running => {
+            painter.circle_stroke(centre, RADIUS, Stroke::new(1.5, style::warning(ui)));
+            painter.circle_filled(centre, 0.4 * RADIUS, style::warning(ui));
+        }
+        BurstState::Done(_) => {
+            painter.circle_filled(centre, RADIUS, style::good(ui));
+        }
+        BurstState::Failed(_) => {
+            let stroke = Stroke::new(2.0, visuals.error_fg_color);
+            for arm in [vec2(1.0, 1.0), vec2(1.0, -1.0)] {
+                let arm = 0.8 * RADIUS * arm;
+                painter.line_segment([centre - arm, centre + arm], stroke);
+            }
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! The matches of a dataset's pairs in numbers, and in which order they are listed.
+
+use crate::matching::{MatchCounts, MatchParams};
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+/// Two bursts by their places, the earlier one first.
+pub type Pair = (usize, usize);
+
+/// The pair of the bursts at two different places.
+pub fn pair_of(a: usize, b: usize) -> Option<Pair> {
+    (a != b).then_some((a.min(b), a.max(b)))
+}
+
+/// What a pair is ordered by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PairColumn {
+    /// The places of its bursts.
+    #[default]
+    Pair,
+    /// Putative matches.
+    Putative,
+    /// Inliers.
+    Inliers,
+    /// Putative matches over keypoints.
+    Ratio,
+    /// Inliers over keypoints.
+    Score,
+    /// Inliers over putative matches.
+    Precision,
+}
+
+impl PairColumn {
+    /// All columns, from left to right.
+    pub const ALL: [Self; 6] = [Self::Pair, Self::Putative, Self::Inliers, Self::Ratio, Self::Score, Self::Precision];
+
+    /// The heading.
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Pair => "pair",
+            Self::Putative => "putative",
+            Self::Inliers => "inliers",
+            Self::Ratio => "ratio",
+            Self::Score => "score",
+            Self::Precision => "precision",
+        }
+    }
+
+    /// What the column tells.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Pair => "The two bursts",
+            Self::Putative => "Matches by descriptors alone",
+            Self::Inliers => "Matches that a common geometry explains",
+            Self::Ratio => "Match ratio: putative matches over keypoints, mean of both bursts",
+            Self::Score => "Match score: inliers over keypoints, mean of both bursts",
+            Self::Precision => "Precision: inliers over putative matches",
+        }
+    }
+
+    /// The number in this column; `None` where there is none. Pairs have none: they stand in their own order.
+    pub fn value(self, counts: &MatchCounts) -> Option<f64> {
+        match self {
+            Self::Pair => None,
+            Self::Putative => Some(counts.putative as f64),
+            Self::Inliers => counts.inliers.map(|n| n as f64),
+            Self::Ratio => Some(counts.match_ratio()),
+            Self::Score => counts.match_score(),
+            Self::Precision => counts.precision(),
+        }
+    }
+
+    /// The number as it is shown.
+    pub fn text(self, counts: &MatchCounts) -> String {
+        match (self, self.value(counts)) {
+            (_, None) => "–".to_owned(),
+            (Self::Putative | Self::Inliers, Some(value)) => format!("{value:.0}"),
+            (_, Some(value)) => format!("{value:.3}"),
+        }
+    }
+}
+
+/// The order of the list of pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PairOrder {
+    /// By what.
+    pub column: PairColumn,
+    /// The largest first.
+    pub descending: bool,
+}
+
+impl PairOrder {
+    /// The order after a click on the heading of `column`: numbers begin with the largest, a second click turns it round.
+    #[must_use]
+    pub fn clicked(self, column: PairColumn) -> Self {
+        let descending = if self.column == column { !self.descending } else { column != PairColumn::Pair };
+        Self { column, descending }
+    }
+}
+
+/// The pairs that were matched.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PairTable {
+    counts: BTreeMap<Pair, MatchCounts>,
+    params: MatchParams,
+    /// The order of the list.
+    pub order: PairOrder,
+}
+
+impl PairTable {
+    /// Prepares for matches made with `params`: those made with other ones are forgotten.
+    pub fn begin(&mut self, params: &MatchParams) {
+        if self.params != *params {
+            self.counts.clear();
+            self.params = params.clone();
+        }
+    }
+
+    /// Forgets all matches: the features changed.
+    pub fn forget(&mut self) {
+        self.counts.clear();
+    }
+
+    /// Forgets the matches of one burst: its features changed.
+    pub fn forget_burst(&mut self, place: usize) {
+        self.counts.retain(|pair, _| pair.0 != place && pair.1 != place);
+    }
+
+    /// The parameters that the matches were made with.
+    pub fn params(&self) -> &MatchParams {
+        &self.params
+    }
+
+    /// Takes the numbers of a pair.
+    pub fn take(&mut self, pair: Pair, counts: MatchCounts) {
+        self.counts.insert(pair, counts);
+    }
+
+    /// The numbers of a pair, if it was matched.
+    pub fn get(&self, pair: Pair) -> Option<&MatchCounts> {
+        self.counts.get(&pair)
+    }
+
+    /// How many pairs were matched.
+    pub fn len(&self) -> usize {
+        self.counts.len()
+    }
+
+    /// Whether no pair was matched.
+    pub fn is_empty(&self) -> bool {
+        self.counts.is_empty()
+    }
+
+    /// What a cell of the matrix shows: inliers, or putative matches where no geometry was asked for.
+    pub fn strength(counts: &MatchCounts) -> usize {
+        counts.inliers.unwrap_or(counts.putative)
+    }
+
+    /// The largest [`Self::strength`]; 0 without matches.
+    pub fn strongest(&self) -> usize {
+        self.counts.values().map(Self::strength).max().unwrap_or(0)
+    }
+
+    /// The pairs in the list's order.
+    pub fn listed(&self) -> Vec<(Pair, MatchCounts)> {
+        let mut rows: Vec<(Pair, MatchCounts)> = self.counts.iter().map(|(p, c)| (*p, *c)).collect();
+        let column = self.order.column;
+        let by_value = |a: &MatchCounts, b: &MatchCounts| match (column.value(a), column.value(b)) {
+            (Some(a), Some(b)) => a.total_cmp(&b),
+            (a, b) => a.is_some().cmp(&b.is_some()),
+        };
+        rows.sort_by(|a, b| {
+            let order = if column == PairColumn::Pair { a.0.cmp(&b.0) } else { by_value(&a.1, &b.1) };
+            let order = if self.order.descending { order.reverse() } else { order };
+            // Equal ones stay in the order of the bursts.
+            order.then(if column == PairColumn::Pair { Ordering::Equal } else { a.0.cmp(&b.0) })
+        });
+        rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counts(putative: usize, inliers: Option<usize>) -> MatchCounts {
+        MatchCounts { keypoints_a: 100, keypoints_b: 100, putative, inliers }
+    }
+
+    #[test]
+    fn pairs_are_listed_in_the_order_that_was_clicked() {
+        let mut table = PairTable::default();
+        for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
+            table.take(pair, counts(putative, Some(inliers)));
+        }
+        let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
+        assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
+        table.order = table.order.clicked(PairColumn::Inliers);
+        assert_eq!(pairs(&table), [(1, 2), (0, 1), (0, 2)]);
+        table.order = table.order.clicked(PairColumn::Inliers);
+        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)]);
+        table.order = table.order.clicked(PairColumn::Putative);
+        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
+        table.order = table.order.clicked(PairColumn::Pair).clicked(PairColumn::Pair);
+        assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
+    }
+
+    #[test]
+    fn matches_of_other_parameters_are_forgotten() {
+        let mut table = PairTable::default();
+        table.take((0, 1), counts(3, None));
+        assert_eq!((table.strongest(), PairColumn::Inliers.text(&counts(3, None))), (3, "–".to_owned()));
+        table.begin(&MatchParams::default());
+        assert_eq!(table.len(), 1);
+        table.begin(&MatchParams { ratio: 0.7, ..MatchParams::default() });
+        assert!(table.is_empty() && table.params().ratio == 0.7);
+        [(0, 1), (1, 2), (0, 2)].into_iter().for_each(|pair| table.take(pair, counts(1, None)));
+        table.forget_burst(1);
+        assert_eq!(table.listed().len(), 1);
+        assert_eq!((pair_of(3, 1), pair_of(2, 2)), (Some((1, 3)), None));
+    }
+}

@@ -1,0 +1,277 @@
+//! The matrix of matches: a row and a column for each burst, in each cell how many inliers the two have, as a colour and a number.
+
+use super::filmstrip::{SIDES, side_colour};
+use super::matches::{Pair, PairTable, pair_of};
+use super::model::{BurstState, Dataset};
+use crate::plane::colour_map::ColourMap;
+use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+
+/// Sizes of a cell, in points: below the smallest the matrix scrolls, above the largest it would only be large.
+const CELL_RANGE: std::ops::RangeInclusive<f32> = 7.0..=64.0;
+/// A number is written into cells of this size and larger, and names beside rows and columns.
+const CELL_WITH_NUMBER: f32 = 22.0;
+const CELL_WITH_NAMES: f32 = 11.0;
+/// Room for the names of rows, in points.
+const NAMES_WIDTH: f32 = 96.0;
+/// Room for the numbers of columns, in points.
+const HEAD_HEIGHT: f32 = 18.0;
+
+/// Where the cells are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// The corner of the first cell.
+    origin: Pos2,
+    /// Points of a cell's side.
+    cell: f32,
+    count: usize,
+}
+
+impl Grid {
+    /// The side of a cell when `count` bursts are to be seen in `room` points.
+    fn cell_side(count: usize, room: egui::Vec2) -> f32 {
+        let side = (room.x - NAMES_WIDTH).min(room.y - HEAD_HEIGHT) / count.max(1) as f32;
+        side.floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end())
+    }
+
+    /// Row and column of the cell at `pos`.
+    pub fn cell_at(&self, pos: Pos2) -> Option<(usize, usize)> {
+        let at = |x: f32, origin: f32| {
+            let place = ((x - origin) / self.cell).floor();
+            (place >= 0.0 && place < self.count as f32).then_some(place as usize)
+        };
+        Some((at(pos.y, self.origin.y)?, at(pos.x, self.origin.x)?))
+    }
+
+    /// The cell in a row and a column.
+    pub fn cell(&self, row: usize, column: usize) -> Rect {
+        let corner = self.origin + self.cell * vec2(column as f32, row as f32);
+        Rect::from_min_size(corner, egui::Vec2::splat(self.cell))
+    }
+}
+
+/// Draws the matrix. A click selects a pair; answers the pair that was clicked twice, which is to be opened.
+pub fn matrix_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<Pair> {
+    let count = dataset.bursts.len();
+    let cell = Grid::cell_side(count, ui.available_size() - vec2(12.0, 12.0));
+    let side = count as f32 * cell;
+    let mut opened = None;
+    egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        let size = vec2(NAMES_WIDTH + side, HEAD_HEIGHT + side);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+        let grid = Grid { origin: rect.min + vec2(NAMES_WIDTH, HEAD_HEIGHT), cell, count };
+        let pointed = response.hover_pos().and_then(|pos| grid.cell_at(pos));
+        draw(ui, dataset, &grid, pointed);
+        if let Some((row, column)) = pointed
+            && let Some(pair) = pair_of(row, column)
+        {
+            if response.clicked() {
+                dataset.select(pair);
+            }
+            if response.double_clicked() {
+                opened = Some(pair);
+            }
+        }
+        move_selection(ui, dataset, &response);
+        let text = dataset.selected().map_or_else(String::new, |pair| pair_text(dataset, pair));
+        response.widget_info(|| egui::WidgetInfo {
+            current_text_value: Some(text.clone()),
+            ..egui::WidgetInfo::labeled(egui::Role::Image, true, "Match matrix")
+        });
+        if let Some((row, column)) = pointed {
+            let text = match pair_of(row, column) {
+                Some(pair) => format!("{}\nClick to select, click twice to open", pair_text(dataset, pair)),
+                None => format!("{}\n{}", dataset.bursts[row].name, dataset.states[row].sentence()),
+            };
+            response.on_hover_text_at_pointer(text);
+        }
+    });
+    opened
+}
+
+/// Arrow keys move the selection while the matrix has the keyboard.
+fn move_selection(ui: &Ui, dataset: &mut Dataset, response: &Response) {
+    if response.clicked() {
+        response.request_focus();
+    }
+    if !response.has_focus() {
+        return;
+    }
+    let Some((row, column)) = dataset.selected() else { return };
+    ui.memory_mut(|m| {
+        let keys = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
+        m.set_focus_lock_filter(response.id, keys);
+    });
+    let last = dataset.bursts.len() - 1;
+    let moved = ui.input_mut(|i| {
+        let mut step = |key| i.count_and_consume_key(egui::Modifiers::NONE, key) as isize;
+        let down = step(egui::Key::ArrowDown) - step(egui::Key::ArrowUp);
+        let right = step(egui::Key::ArrowRight) - step(egui::Key::ArrowLeft);
+        (row.saturating_add_signed(down).min(last), column.saturating_add_signed(right).min(last))
+    });
+    // The selection is above the diagonal; it stops there.
+    if moved.0 < moved.1 {
+        dataset.select(moved);
+    }
+}
+
+/// A pair in words.
+pub fn pair_text(dataset: &Dataset, pair: Pair) -> String {
+    let name = |place: usize| dataset.bursts.get(place).map_or("?", |b| b.name.as_str());
+    let names = format!("{} – {}", name(pair.0), name(pair.1));
+    let Some(counts) = dataset.matches.get(pair) else { return format!("{names}\nnot matched yet") };
+    let share = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.3}"));
+    let inliers = counts.inliers.map_or("not verified".to_owned(), |n| format!("{n} inliers"));
+    format!(
+        "{names}\n{} putative matches, {inliers}\nmatch ratio {:.3}, match score {}, precision {}",
+        counts.putative,
+        counts.match_ratio(),
+        share(counts.match_score()),
+        share(counts.precision())
+    )
+}
+
+/// The colours of counts, even in lightness: the square root makes small counts visible beside large ones.
+pub struct CountColours {
+    table: [[u8; 3]; 256],
+    most: usize,
+}
+
+impl CountColours {
+    /// Colours for counts from 0 to `most`.
+    pub fn new(most: usize) -> Self {
+        Self { table: ColourMap::Viridis.lut(), most: most.max(1) }
+    }
+
+    /// The colour of a count, and one that can be read on it.
+    pub fn of(&self, count: usize) -> (Color32, Color32) {
+        let share = (count as f32 / self.most as f32).clamp(0.0, 1.0).sqrt();
+        let [r, g, b] = self.table[(255.0 * share).round() as usize];
+        let text = if share > 0.62 { Color32::BLACK } else { Color32::WHITE };
+        (Color32::from_rgb(r, g, b), text)
+    }
+}
+
+/// What the colours of the cells mean.
+pub fn legend_ui(ui: &mut Ui, most: usize) {
+    const STEPS: usize = 48;
+    ui.label(RichText::new("inliers   0").small().weak());
+    let (rect, response) = ui.allocate_exact_size(vec2(160.0, 8.0), Sense::hover());
+    let colours = CountColours::new(STEPS - 1);
+    for step in 0..STEPS {
+        let at = |k: usize| egui::lerp(rect.x_range(), k as f32 / STEPS as f32);
+        // The bar is even in colour; the counts along it grow with the square.
+        let count = ((step * step) as f32 / (STEPS - 1) as f32).round() as usize;
+        let part = Rect::from_x_y_ranges(at(step)..=at(step + 1), rect.y_range());
+        ui.painter().rect_filled(part, 0.0, colours.of(count).0);
+    }
+    ui.label(RichText::new(most.to_string()).small().weak());
+    response.on_hover_text("Inliers of a pair; the colour grows with the square root of their number");
+}
+
+fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>) {
+    let painter = ui.painter();
+    let visuals = ui.visuals();
+    let colours = CountColours::new(dataset.matches.strongest());
+    let visible = ui.clip_rect();
+    let font = FontId::proportional((0.36 * grid.cell).clamp(9.0, 13.0));
+    for row in 0..grid.count {
+        if !visible.y_range().intersects(grid.cell(row, 0).y_range()) {
+            continue;
+        }
+        for column in 0..grid.count {
+            let rect = grid.cell(row, column);
+            if !visible.intersects(rect) {
+                continue;
+            }
+            let inner = if grid.cell > 12.0 { rect.shrink(0.5) } else { rect };
+            let shown = pair_of(row, column).and_then(|pair| dataset.matches.get(pair)).map(PairTable::strength);
+            let (fill, text_colour) = match shown {
+                Some(count) => colours.of(count),
+                None if row == column => (visuals.extreme_bg_color, visuals.weak_text_color()),
+                None => (visuals.faint_bg_color, visuals.weak_text_color()),
+            };
+            painter.rect_filled(inner, 0.0, fill);
+            let number = shown.or(match &dataset.states[row] {
+                BurstState::Done(finished) if row == column => Some(finished.features),
+                _ => None,
+            });
+            if let Some(number) = number.filter(|_| grid.cell >= CELL_WITH_NUMBER) {
+                painter.text(rect.center(), Align2::CENTER_CENTER, number.to_string(), font.clone(), text_colour);
+            }
+        }
+    }
+    names(ui, dataset, grid, pointed);
+    let outline = |(row, column): (usize, usize), stroke: Stroke| {
+        painter.rect_stroke(grid.cell(row, column), 0.0, stroke, StrokeKind::Middle);
+        painter.rect_stroke(grid.cell(column, row), 0.0, stroke, StrokeKind::Middle);
+    };
+    if let Some(pair) = dataset.selected() {
+        outline(pair, Stroke::new(2.0, visuals.strong_text_color()));
+    }
+    if let Some(cell) = pointed {
+        outline(cell, Stroke::new(1.0, visuals.text_color()));
+    }
+}
+
+/// The bursts' names beside the rows, their numbers above the columns; those that are pointed at or selected stand out.
+fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>) {
+    let (painter, visuals) = (ui.painter(), ui.visuals());
+    let marked = |place: usize| {
+        let of = |pair: Option<(usize, usize)>| pair.is_some_and(|(a, b)| a == place || b == place);
+        of(pointed) || of(dataset.selected())
+    };
+    for (place, burst) in dataset.bursts.iter().enumerate() {
+        let colour = match (0..SIDES.len()).find(|&side| dataset.pair[side] == Some(place)) {
+            Some(side) => side_colour(side),
+            None if marked(place) => visuals.strong_text_color(),
+            None => visuals.weak_text_color(),
+        };
+        if grid.cell < CELL_WITH_NAMES && !marked(place) {
+            continue;
+        }
+        let font = FontId::proportional(11.0);
+        let row = grid.cell(place, 0);
+        let room = Rect::from_min_max(pos2(row.left() - NAMES_WIDTH, row.top()), pos2(row.left() - 4.0, row.bottom()));
+        let name = painter.layout_no_wrap(burst.name.clone(), font.clone(), colour);
+        // A long name keeps its end, which tells bursts of one dataset apart.
+        let place_ui = pos2(room.right() - name.size().x, room.center().y - 0.5 * name.size().y);
+        painter.with_clip_rect(room.expand2(vec2(0.0, 4.0)).intersect(ui.clip_rect())).galley(place_ui, name, colour);
+        let column = grid.cell(0, place);
+        if grid.cell >= 18.0 || marked(place) {
+            let at = pos2(column.center().x, column.top() - 3.0);
+            painter.text(at, Align2::CENTER_BOTTOM, (place + 1).to_string(), font, colour);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_found_where_they_are_drawn() {
+        let grid = Grid { origin: pos2(100.0, 20.0), cell: 16.0, count: 5 };
+        for (row, column) in [(0, 0), (4, 0), (2, 3), (4, 4)] {
+            assert_eq!(grid.cell_at(grid.cell(row, column).center()), Some((row, column)));
+        }
+        for outside in [pos2(99.0, 30.0), pos2(120.0, 10.0), pos2(181.0, 30.0), pos2(f32::NAN, 30.0)] {
+            assert_eq!(grid.cell_at(outside), None);
+        }
+        assert_eq!(Grid::cell_side(5, vec2(900.0, 700.0)), 64.0);
+        assert_eq!(Grid::cell_side(1000, vec2(900.0, 700.0)), 7.0);
+    }
+
+    #[test]
+    fn more_is_lighter_and_numbers_can_be_read() {
+        let colours = CountColours::new(400);
+        let lightness = |c: Color32| 0.3 * f32::from(c.r()) + 0.59 * f32::from(c.g()) + 0.11 * f32::from(c.b());
+        let mut before = -1.0;
+        for count in [0, 1, 10, 50, 150, 300, 400] {
+            let (fill, text) = colours.of(count);
+            assert!(lightness(fill) > before, "{count}");
+            before = lightness(fill);
+            assert!((lightness(fill) - lightness(text)).abs() > 80.0, "{count}: {fill:?} {text:?}");
+        }
+        assert_eq!(CountColours::new(0).of(0).1, Color32::WHITE);
+    }
+}

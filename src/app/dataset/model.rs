@@ -1,0 +1,380 @@
+//! What the window knows of a dataset, as plain values.
+
+use super::matches::{Pair, PairTable, pair_of};
+use crate::burst::BurstSource;
+use crate::dataset::{DatasetSource, FinishedBurst, PairSelection};
+use crate::detector::DetectorParams;
+use crate::engine::{Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset, Running};
+use crate::matching::ImageCounts;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// How far a burst is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BurstState {
+    /// Its features are not there, or were found with other parameters.
+    Waiting,
+    /// Its features are being found.
+    Running,
+    /// Its features are in the dataset's folder.
+    Done(FinishedBurst),
+    /// It has no features, and why.
+    Failed(String),
+}
+
+impl BurstState {
+    /// In a few words, as it stands below a burst's picture.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Waiting => "waiting".to_owned(),
+            Self::Running => "running".to_owned(),
+            Self::Failed(_) => "failed".to_owned(),
+            Self::Done(FinishedBurst { features, seconds: None }) => format!("{features}"),
+            Self::Done(FinishedBurst { features, seconds: Some(seconds) }) => format!("{features} · {seconds:.1} s"),
+        }
+    }
+
+    /// In a sentence, for tooltips and screen readers.
+    pub fn sentence(&self) -> String {
+        match self {
+            Self::Waiting => "waiting: no features with these parameters yet".to_owned(),
+            Self::Running => "running: its features are being found".to_owned(),
+            Self::Failed(error) => format!("failed: {error}"),
+            Self::Done(FinishedBurst { features, seconds }) => {
+                let time = seconds.map_or_else(String::new, |s| format!(", found in {s:.2} s"));
+                format!("done: {features} features{time}")
+            }
+        }
+    }
+}
+
+/// What is being done with the dataset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Work {
+    /// It is being opened, or looked at again.
+    Opening,
+    /// Features are being found.
+    Detecting,
+    /// Pairs are being matched.
+    Matching,
+}
+
+impl Work {
+    /// What it is called in messages.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Opening => "Open dataset",
+            Self::Detecting => "Detect all",
+            Self::Matching => "Match pairs",
+        }
+    }
+}
+
+/// How many bursts are how far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StateCounts {
+    /// Finished.
+    pub done: usize,
+    /// Failed.
+    pub failed: usize,
+    /// Features of all that are finished.
+    pub features: usize,
+}
+
+/// A dataset that is open.
+#[derive(Debug, Clone)]
+pub struct Dataset {
+    /// Where it comes from.
+    pub source: DatasetSource,
+    /// Its bursts; at least one.
+    pub bursts: Bursts,
+    /// Where its features are kept.
+    pub folder: Option<PathBuf>,
+    /// Why they cannot be kept there.
+    pub folder_error: Option<String>,
+    /// The parameters that the states are about.
+    pub params: DetectorParams,
+    /// Other parameters, with which the features in the folder were found.
+    pub other_params: Option<DetectorParams>,
+    /// How far each burst is.
+    pub states: Vec<BurstState>,
+    /// The bursts chosen as A and B, by their places.
+    pub pair: [Option<usize>; 2],
+    /// The matches of its pairs.
+    pub matches: PairTable,
+}
+
+impl Dataset {
+    /// What was just opened.
+    pub fn new(open: OpenDataset) -> Self {
+        let states = open.finished.into_iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
+        Self {
+            source: open.source,
+            bursts: open.bursts,
+            folder: open.folder,
+            folder_error: open.folder_error,
+            params: open.params,
+            other_params: open.other_params,
+            states,
+            pair: [None; 2],
+            matches: PairTable::default(),
+        }
+    }
+
+    /// Takes a newer look at the same bursts: another folder, other parameters. What was chosen stays chosen.
+    pub fn look_again(&mut self, open: OpenDataset) {
+        let (pair, matches) = (self.pair, std::mem::take(&mut self.matches));
+        let same_features = self.folder == open.folder && self.params == open.params;
+        *self = Self::new(open);
+        self.pair = pair.map(|place| place.filter(|&p| p < self.bursts.len()));
+        if same_features {
+            self.matches = matches;
+        }
+    }
+
+    /// The place of the burst that is open in the inspector, if it is one of these.
+    pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
+        let crate::engine::BurstSource::Paths(paths) = &open?.source else { return None };
+        self.bursts.iter().position(|b| b.paths == *paths)
+    }
+
+    /// The burst at `place`, as the inspector opens it.
+    pub fn source_at(&self, place: usize) -> Option<crate::engine::BurstSource> {
+        self.bursts.get(place).map(|burst| crate::engine::BurstSource::Paths(burst.paths.clone()))
+    }
+
+    /// Gives a burst that was opened from here the name that it has here: a cut sequence's bursts all lie in one folder.
+    pub fn name_as_here(&self, open: &mut OpenBurst) {
+        if let Some(BurstSource { name, .. }) = self.place_of(Some(open)).and_then(|place| self.bursts.get(place))
+            && open.burst.name != *name
+        {
+            Arc::make_mut(&mut open.burst).name.clone_from(name);
+        }
+    }
+
+    /// Chooses what was chosen in a session, where that is there.
+    pub fn restore_pair(&mut self, pair: [Option<usize>; 2]) {
+        for (side, place) in pair.into_iter().enumerate() {
+            if let Some(place) = place.filter(|p| self.pair[side] != Some(*p)) {
+                self.choose(side, place);
+            }
+        }
+    }
+
+    /// Where and how features are kept.
+    pub fn keeping(&self) -> Option<Keeping> {
+        let folder = self.folder.clone().filter(|_| self.folder_error.is_none())?;
+        Some(Keeping { folder, params: self.params.clone() })
+    }
+
+    /// How many bursts are how far.
+    pub fn counts(&self) -> StateCounts {
+        let mut counts = StateCounts::default();
+        for state in &self.states {
+            match state {
+                BurstState::Done(finished) => {
+                    counts.done += 1;
+                    counts.features += finished.features;
+                }
+                BurstState::Failed(_) => counts.failed += 1,
+                BurstState::Waiting | BurstState::Running => {}
+            }
+        }
+        counts
+    }
+
+    /// The numbers of all images in the paper's columns; `None` before pairs were matched.
+    pub fn image_counts(&self) -> Option<ImageCounts> {
+        let keypoints = |state: &BurstState| if let BurstState::Done(f) = state { f.features } else { 0 };
+        let keypoints: Vec<usize> = self.states.iter().map(keypoints).collect();
+        let pairs = self.matches.listed();
+        ImageCounts::of(&keypoints, &pairs).filter(|_| !pairs.is_empty())
+    }
+
+    /// Prepares for finding features with `params`: with other ones nothing is finished any more.
+    pub fn begin_detection(&mut self, params: &DetectorParams) {
+        let others = self.params != *params;
+        if others {
+            self.matches.forget();
+        }
+        self.params = params.clone();
+        for state in &mut self.states {
+            if others || !matches!(state, BurstState::Done(_)) {
+                *state = BurstState::Waiting;
+            }
+        }
+    }
+
+    /// Takes what happened.
+    pub fn take_event(&mut self, event: &DatasetEvent) {
+        let (index, state) = match event {
+            // One that is finished is only looked through.
+            DatasetEvent::Begun { index } if matches!(self.states.get(*index), Some(BurstState::Done(_))) => return,
+            DatasetEvent::Begun { index } => (*index, BurstState::Running),
+            DatasetEvent::Done { index, finished } => {
+                // Features of other parameters are being replaced by these.
+                self.other_params = None;
+                if !matches!(self.states.get(*index), Some(BurstState::Done(_))) {
+                    self.matches.forget_burst(*index);
+                }
+                (*index, BurstState::Done(*finished))
+            }
+            DatasetEvent::Failed { index, error } => (*index, BurstState::Failed(error.clone())),
+            DatasetEvent::Matched { pair, counts } => {
+                self.matches.take(*pair, *counts);
+                return;
+            }
+        };
+        if let Some(place) = self.states.get_mut(index) {
+            *place = state;
+        }
+    }
+
+    /// The pair of A and B, if both are chosen.
+    pub fn selected(&self) -> Option<Pair> {
+        let [a, b] = self.pair;
+        pair_of(a?, b?)
+    }
+
+    /// Makes the earlier burst of a pair A and the later one B.
+    pub fn select(&mut self, (a, b): Pair) {
+        self.pair = [Some(a), Some(b)];
+    }
+
+    /// Nothing runs any more: what was begun and not finished waits.
+    pub fn stop(&mut self) {
+        for state in &mut self.states {
+            if *state == BurstState::Running {
+                *state = BurstState::Waiting;
+            }
+        }
+    }
+
+    /// Chooses the burst at `place` as A (0) or B (1); one that is chosen already is chosen no more. No burst is both.
+    pub fn choose(&mut self, side: usize, place: usize) {
+        let chosen = self.pair[side] == Some(place);
+        self.pair[side] = (!chosen && place < self.bursts.len()).then_some(place);
+        if self.pair[1 - side] == Some(place) {
+            self.pair[1 - side] = None;
+        }
+    }
+}
+
+/// Which pairs are matched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PairChoice {
+    /// Only each burst with the next few.
+    pub neighbours: bool,
+    /// How many those are, 1 or more.
+    pub overlap: usize,
+}
+
+impl Default for PairChoice {
+    fn default() -> Self {
+        Self { neighbours: false, overlap: 3 }
+    }
+}
+
+impl PairChoice {
+    /// The choice as the dataset's room knows it.
+    pub fn selection(self) -> PairSelection {
+        if self.neighbours { PairSelection::Sequential(self.overlap) } else { PairSelection::All }
+    }
+}
+
+/// Everything about datasets.
+#[derive(Debug, Default)]
+pub struct Datasets {
+    /// The dataset that is open.
+    pub open: Option<Dataset>,
+    /// What is being done, as it was asked for.
+    pub work: Option<Work>,
+    /// How far that is, as of this pass.
+    pub running: Option<Running>,
+    /// Which pairs are matched.
+    pub choice: PairChoice,
+    /// A and B of the session that the dataset being opened belongs to, if it belongs to one.
+    pub restoring: Option<[Option<usize>; 2]>,
+}
+
+impl Datasets {
+    /// Whether features of `params` can be looked for now.
+    pub fn can_detect(&self, params_are_valid: bool) -> bool {
+        let ready = |d: &Dataset| d.folder.is_some() && d.folder_error.is_none();
+        self.work.is_none() && params_are_valid && self.open.as_ref().is_some_and(ready)
+    }
+
+    /// Whether pairs can be matched now.
+    pub fn can_match(&self, params_are_valid: bool) -> bool {
+        self.can_detect(params_are_valid) && self.open.as_ref().is_some_and(|d| d.counts().done > 1)
+    }
+
+    /// The share of the burst being worked on that is done, from the share of the whole.
+    pub fn burst_fraction(&self) -> f32 {
+        let bursts = self.open.as_ref().map_or(1, |d| d.bursts.len()) as f32;
+        let whole = self.running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
+        // The last burst's end is 1, not 0.
+        (bursts * whole).min(bursts - 1e-3).fract()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn dataset(count: usize) -> Dataset {
+        let burst = |k: usize| BurstSource { name: format!("b{k}"), paths: vec![format!("/n/{k}").into()] };
+        Dataset::new(OpenDataset {
+            source: DatasetSource::of_bursts(vec!["/n".into()]),
+            bursts: Arc::new((0..count).map(burst).collect()),
+            frames_of_one: None,
+            folder: Some(Path::new("/n-burstscope").into()),
+            folder_error: None,
+            params: DetectorParams::default(),
+            finished: (0..count).map(|k| (k == 0).then_some(FinishedBurst { features: 7, seconds: None })).collect(),
+            other_params: None,
+        })
+    }
+
+    #[test]
+    fn states_follow_what_happens() {
+        let mut open = dataset(3);
+        assert_eq!(open.counts(), StateCounts { done: 1, failed: 0, features: 7 });
+        let finished = FinishedBurst { features: 5, seconds: Some(1.25) };
+        open.begin_detection(&DetectorParams::default());
+        for event in [
+            DatasetEvent::Begun { index: 0 },
+            DatasetEvent::Begun { index: 1 },
+            DatasetEvent::Done { index: 1, finished },
+            DatasetEvent::Begun { index: 2 },
+        ] {
+            open.take_event(&event);
+        }
+        assert_eq!(open.states[1].text(), "5 · 1.2 s");
+        assert_eq!((open.counts().done, &open.states[2]), (2, &BurstState::Running));
+        open.stop();
+        assert_eq!(open.states[2], BurstState::Waiting);
+        open.take_event(&DatasetEvent::Failed { index: 2, error: "x.png: empty".into() });
+        assert_eq!(open.states[2].sentence(), "failed: x.png: empty");
+        open.take_event(&DatasetEvent::Begun { index: 99 });
+        // What failed is tried again; with other parameters everything is.
+        open.begin_detection(&DetectorParams::default());
+        assert_eq!((open.counts().done, open.counts().failed), (2, 0));
+        open.begin_detection(&DetectorParams { levels: 5, ..DetectorParams::default() });
+        assert_eq!((open.counts().done, open.params.levels), (0, 5));
+    }
+
+    #[test]
+    fn a_and_b_are_two_bursts() {
+        let mut open = dataset(3);
+        open.choose(0, 1);
+        open.choose(1, 2);
+        assert_eq!(open.pair, [Some(1), Some(2)]);
+        open.choose(1, 1);
+        assert_eq!(open.pair, [None, Some(1)], "a burst is not both");
+        open.choose(1, 1);
+        open.choose(0, 9);
+        assert_eq!(open.pair, [None, None]);
+    }
+}

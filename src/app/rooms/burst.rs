@@ -1,0 +1,39 @@
+//! One burst: scrubbing and parameters left, the picture in the middle with the table below it, the selected feature and the display right.
+
+use super::{bottom_frame, side_frame, side_width};
+use crate::app::actions::Queue;
+use crate::app::panels;
+use crate::app::window::BurstscopeApp;
+use egui::{CentralPanel, Frame, Panel, ScrollArea};
+
+/// Draws the room.
+pub fn burst_room_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
+    let width = side_width(ui);
+    if app.model.panels.left {
+        Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                panels::scrub::scrub_ui(ui, &mut app.model, queue);
+                panels::parameters::parameters_ui(ui, &mut app.model, queue);
+            });
+        });
+    }
+    if app.model.panels.right {
+        Panel::right("right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                panels::display::display_ui(ui, &mut app.model, &app.pictures, &mut app.display);
+                panels::selection::selection_ui(ui, &mut app.model, &mut app.selection, queue);
+            });
+        });
+    }
+    if app.model.panels.bottom {
+        Panel::bottom("bottom")
+            .frame(bottom_frame(ui))
+            .resizable(true)
+            .default_size(190.0)
+            .size_range(90.0..=500.0)
+            .show(ui, |ui| panels::bottom::bottom_ui(ui, &mut app.model, queue));
+    }
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+        panels::picture::picture_ui(ui, &mut app.model, &mut app.view, &mut app.pictures, queue);
+    });
+}

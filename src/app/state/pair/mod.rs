@@ -1,0 +1,428 @@
+//! Two bursts and the matches between them, as plain values. A is the burst that the whole window is about; B is opened beside it.
+//!
+//! [`Model::on_side`] lends B's values to the model for a moment, so that everything that works on the open burst (scrubbing, keys, the display
+//! panel) works on B without a second version of it.
+
+mod columns;
+mod found;
+mod look;
+
+pub use columns::{MatchColumn, MatchOrder};
+pub use found::{MatchRow, Matches, SavedMatch};
+pub use look::MatchLook;
+
+use super::look::Look;
+use super::scrub::Scrub;
+use super::{Found, Model};
+use crate::detector::{DetectorParams, Method, ParamError};
+use crate::engine::{Detected, MatchRequest, OpenBurst, PatchesRequest, Picture, PictureKind, PictureRequest, Running};
+use crate::matching::MatchParams;
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// One of the two bursts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// The first, on the left.
+    #[default]
+    A,
+    /// The second, on the right.
+    B,
+}
+
+impl Side {
+    /// Both, from left to right.
+    pub const BOTH: [Self; 2] = [Self::A, Self::B];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::A => "A",
+            Self::B => "B",
+        }
+    }
+
+    /// The other one.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
+    }
+}
+
+/// The second burst with everything that belongs to it alone.
+#[derive(Debug, Default)]
+pub struct SecondBurst {
+    /// The open burst, if any.
+    pub burst: Option<OpenBurst>,
+    /// The last parameters that made sense for it.
+    pub usable_params: DetectorParams,
+    /// Why the parameters as they are edited make no sense for it.
+    pub param_error: Option<ParamError>,
+    /// Where the hand is.
+    pub scrub: Scrub,
+    /// Whether the slope was chosen since it was opened.
+    pub slope_chosen: bool,
+    /// The last good picture.
+    pub picture: Option<Picture>,
+    /// Its features.
+    pub found: Option<Found>,
+    /// Ranges and colour maps, where they are not A's.
+    pub look: Look,
+}
+
+/// What moves together in A and B.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Links {
+    /// Pan and zoom.
+    pub views: bool,
+    /// Kind of picture, frame, slope, octave and level.
+    pub hands: bool,
+    /// Value ranges and colour maps.
+    pub ranges: bool,
+}
+
+impl Default for Links {
+    fn default() -> Self {
+        Self { views: true, hands: true, ranges: true }
+    }
+}
+
+/// What the engine is doing for the pair, as of this pass.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PairBusy {
+    /// B is being opened.
+    pub opening: Option<Running>,
+    /// B's features are being found.
+    pub detecting: Option<Running>,
+    /// Features are being matched.
+    pub matching: Option<Running>,
+}
+
+/// The second burst and the matches.
+#[derive(Debug, Default)]
+pub struct Pair {
+    /// The second burst.
+    pub b: SecondBurst,
+    /// Whose slope and scale the hand moves.
+    pub active: Side,
+    /// What moves together.
+    pub links: Links,
+    /// The parameters of matching, as they are being edited.
+    pub params: MatchParams,
+    /// Why they make no sense.
+    pub param_error: Option<ParamError>,
+    /// The matches, with what they were made from.
+    pub matches: Option<Matches>,
+    /// How matches look, and which are shown.
+    pub look: MatchLook,
+    /// The table's order.
+    pub order: MatchOrder,
+    /// Indices of the matches that are shown, in the table's order; see [`Pair::refresh_listed`].
+    pub listed: Vec<usize>,
+    /// Index of the selected match.
+    pub selected: Option<usize>,
+    /// Index of the match under the pointer, between the pictures or in the table.
+    pub hovered: Option<usize>,
+    /// To be selected when the next matching ends.
+    pub reselect: Option<SavedMatch>,
+    /// What the engine is doing.
+    pub busy: PairBusy,
+    listed_for: Option<(usize, MatchLook, MatchOrder)>,
+}
+
+impl Pair {
+    /// The match that is looked at: the selected one, or while none is, the one that is pointed at.
+    pub fn focus(&self) -> Option<usize> {
+        self.selected.or(self.hovered)
+    }
+
+    /// Takes newly made matches. The selection is kept where the same pair of features was matched again.
+    pub fn take_matches(&mut self, matches: Matches) {
+        let keep = self.reselect.take().or_else(|| self.saved_match());
+        self.matches = Some(matches);
+        self.hovered = None;
+        self.selected = keep.and_then(|saved| self.matches.as_ref()?.find_again(&saved));
+        self.refresh_listed();
+    }
+
+    /// Forgets the matches: they are of bursts that are not open any more.
+    pub fn forget_matches(&mut self) {
+        (self.matches, self.selected, self.hovered) = (None, None, None);
+        self.refresh_listed();
+    }
+
+    /// The selection as it is kept in a session.
+    pub fn saved_match(&self) -> Option<SavedMatch> {
+        Some(self.matches.as_ref()?.row(self.selected?)?.saved())
+    }
+
+    /// Brings [`Pair::listed`] up to date. Cheap when nothing changed.
+    pub fn refresh_listed(&mut self) {
+        let Some(matches) = &self.matches else {
+            self.listed.clear();
+            self.listed_for = None;
+            return;
+        };
+        let now = (std::sync::Arc::as_ptr(&matches.result) as usize, self.look.listing(), self.order);
+        if self.listed_for != Some(now) {
+            self.listed = matches.listed(&self.look, self.order);
+            self.listed_for = Some(now);
+        }
+    }
+
+    /// Selects the match after (or before) the selected one in the table's order.
+    pub fn select_neighbour(&mut self, forward: bool) {
+        self.refresh_listed();
+        self.selected = super::neighbour(&self.listed, self.selected, forward);
+    }
+}
+
+impl Model {
+    /// Lends the values of `side` to the model while `work` runs: its burst, hand, picture, features, parameters and, where they are not shared, ranges.
+    pub fn on_side<T>(&mut self, side: Side, work: impl FnOnce(&mut Self) -> T) -> T {
+        if side == Side::A {
+            return work(self);
+        }
+        let edited = self.params.clone();
+        self.params = self.params_of(Side::B);
+        self.exchange_sides();
+        let answer = work(self);
+        self.exchange_sides();
+        self.params = edited;
+        answer
+    }
+
+    fn exchange_sides(&mut self) {
+        use std::mem::swap;
+        let b = &mut self.pair.b;
+        swap(&mut self.burst, &mut b.burst);
+        swap(&mut self.usable_params, &mut b.usable_params);
+        swap(&mut self.param_error, &mut b.param_error);
+        swap(&mut self.scrub, &mut b.scrub);
+        swap(&mut self.slope_chosen, &mut b.slope_chosen);
+        swap(&mut self.picture, &mut b.picture);
+        swap(&mut self.found, &mut b.found);
+        if !self.pair.links.ranges {
+            swap(&mut self.look, &mut b.look);
+        }
+    }
+
+    /// Makes A of B and B of A. The matches are made anew.
+    pub fn swap_sides(&mut self) {
+        self.exchange_sides();
+        self.compare.gold.swap(0, 1);
+        // Where A alone was looked at, nothing of it is selected any more.
+        (self.patch, self.selected, self.hovered, self.playing) = (None, None, None, false);
+        self.pair.forget_matches();
+        self.check_params();
+        self.refresh_listed();
+    }
+
+    /// The detector's parameters for `side`. B has A's, as far as they can be used: a single frame is searched by SIFT, and a range of frames that B does
+    /// not have means all of them.
+    pub fn params_of(&self, side: Side) -> DetectorParams {
+        let mut params = self.params.clone();
+        if let (Side::B, Some(b)) = (side, &self.pair.b.burst) {
+            let frames = b.burst.len();
+            if params.frames.is_some_and(|range| range.end > frames) {
+                params.frames = None;
+            }
+            if frames == 1 {
+                params.method = Method::Sift;
+            }
+        }
+        params
+    }
+
+    /// Whose slope and scale the hand moves now.
+    pub fn active_side(&self) -> Side {
+        let both = self.room == super::room::Room::Pair && self.pair.b.burst.is_some();
+        if both { self.pair.active } else { Side::A }
+    }
+
+    /// Where the hand is, of the side that it moves.
+    pub fn hand(&self) -> &Scrub {
+        self.hand_of(self.active_side())
+    }
+
+    /// Where the hand of `side` is.
+    pub fn hand_of(&self, side: Side) -> &Scrub {
+        match side {
+            Side::A => &self.scrub,
+            Side::B => &self.pair.b.scrub,
+        }
+    }
+
+    /// The open burst of `side`.
+    pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
+        match side {
+            Side::A => self.burst.as_ref(),
+            Side::B => self.pair.b.burst.as_ref(),
+        }
+    }
+
+    /// The features of `side`.
+    pub fn found_of(&self, side: Side) -> Option<&Found> {
+        match side {
+            Side::A => self.found.as_ref(),
+            Side::B => self.pair.b.found.as_ref(),
+        }
+    }
+
+    /// The picture on show of `side`.
+    pub fn picture_of(&self, side: Side) -> Option<&Picture> {
+        match side {
+            Side::A => self.picture.as_ref(),
+            Side::B => self.pair.b.picture.as_ref(),
+        }
+    }
+
+    /// How the pictures of `side` look.
+    pub fn look_of(&self, side: Side) -> &Look {
+        if side == Side::B && !self.pair.links.ranges { &self.pair.b.look } else { &self.look }
+    }
+
+    /// The picture of `side` that is wanted now.
+    pub fn wanted_picture_of(&self, side: Side) -> Option<PictureRequest> {
+        let burst = self.burst_of(side)?.clone();
+        let params = if side == Side::A { &self.usable_params } else { &self.pair.b.usable_params };
+        Some(PictureRequest { burst, kind: self.hand_of(side).picture_kind(), params: params.clone() })
+    }
+
+    /// Whether the picture of B on show is the one that is wanted.
+    pub fn second_picture_is_current(&self) -> bool {
+        match (self.picture_of(Side::B), self.wanted_picture_of(Side::B)) {
+            (Some(picture), Some(wanted)) => picture.request.same_picture(&wanted),
+            (None, None) => true,
+            _ => false,
+        }
+    }
+
+    /// Checks the parameters of matching, and those of the detector against B.
+    pub fn check_pair(&mut self) {
+        self.pair.param_error = self.pair.params.validate().err();
+        if self.pair.b.burst.is_some() {
+            self.on_side(Side::B, Self::check_params);
+        }
+    }
+
+    /// Whether a detection in B with the present parameters is missing and could be made.
+    pub fn needs_second_detection(&self) -> bool {
+        let b = &self.pair.b;
+        b.burst.is_some()
+            && b.param_error.is_none()
+            && b.found.as_ref().is_none_or(|found| found.params != self.params_of(Side::B))
+    }
+
+    /// Takes B's features, unless they are of another burst.
+    pub fn take_second_detection(&mut self, detected: Detected, elapsed: Duration) {
+        if self.pair.b.burst.as_ref().is_none_or(|open| open.id != detected.burst) {
+            return;
+        }
+        self.pair.b.found = Some(Found { params: detected.params, detection: detected.detection, elapsed });
+        if !self.pair.b.slope_chosen {
+            self.on_side(Side::B, Self::go_to_busiest_slope);
+        }
+    }
+
+    /// Takes a newly opened burst as B.
+    pub fn take_second_burst(&mut self, burst: OpenBurst) {
+        let mut scrub = Scrub { frame: burst.burst.len() / 2, kind: self.scrub.kind, ..Scrub::default() };
+        if self.pair.links.hands {
+            scrub = self.scrub;
+        }
+        let slope_chosen = self.pair.links.hands;
+        self.pair.b = SecondBurst { burst: Some(burst), scrub, slope_chosen, ..SecondBurst::default() };
+        self.pair.forget_matches();
+        self.compare.gold[1] = None;
+        self.on_side(Side::B, Self::check_params);
+    }
+
+    /// Puts the hand that does not move to where the moving one is.
+    pub fn bring_hands_together(&mut self) {
+        match self.active_side() {
+            Side::A => self.pair.b.scrub = self.scrub,
+            Side::B => self.scrub = self.pair.b.scrub,
+        }
+        self.pair.b.slope_chosen = true;
+        self.check_params();
+        self.check_pair();
+    }
+
+    /// Lets the other hand follow the one that was moved since both were as in `before`, where they are linked. What was not moved stays as it is.
+    pub fn follow_hand(&mut self, before: [Scrub; 2]) {
+        if !self.pair.links.hands || self.pair.b.burst.is_none() {
+            return;
+        }
+        let [a, b] = before;
+        // Where both were moved on purpose, each to its own place, neither follows.
+        match (self.scrub != a, self.pair.b.scrub != b) {
+            (true, false) => self.pair.b.scrub = followed(self.pair.b.scrub, a, self.scrub),
+            (false, true) => self.scrub = followed(self.scrub, b, self.pair.b.scrub),
+            _ => return,
+        }
+        self.check_params();
+        self.on_side(Side::B, Self::check_params);
+    }
+
+    /// The matches that are wanted now; `None` while the features of a side are missing or the parameters make no sense.
+    pub fn wanted_matches(&self) -> Option<MatchRequest> {
+        if self.pair.param_error.is_some() {
+            return None;
+        }
+        let (a, b) = (self.found.as_ref()?, self.pair.b.found.as_ref()?);
+        Some(MatchRequest { a: a.detection.clone(), b: b.detection.clone(), params: self.pair.params.clone() })
+    }
+
+    /// Whether matches are missing that could be made.
+    pub fn needs_matches(&self) -> bool {
+        self.wanted_matches()
+            .is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request.same_matches(&wanted)))
+    }
+
+    /// The motion-stack images that the patches of the match in focus are cut from, each at its own feature's slope.
+    pub fn wanted_patches(&self) -> Option<PatchesRequest> {
+        let matches = self.pair.matches.as_ref()?;
+        let row = matches.row(self.pair.focus()?)?;
+        let request = |side: Side, slope| {
+            let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
+            Some(PictureRequest { burst, kind: PictureKind::Stack { slope }, params: found.params.clone() })
+        };
+        Some(PatchesRequest { a: request(Side::A, row.a.slope)?, b: request(Side::B, row.b.slope)? })
+    }
+
+    /// Why the matches on show are not those of what is set now; `None` when they are.
+    pub fn stale_matches(&self) -> Option<&'static str> {
+        let matches = self.pair.matches.as_ref()?;
+        let features = [Side::A, Side::B].into_iter().any(|side| {
+            let same = |found: &Found| found.params == self.params_of(side) && matches.is_of(side, &found.detection);
+            !self.found_of(side).is_some_and(same)
+        });
+        if features {
+            return Some("Stale matches: the detector's parameters changed");
+        }
+        (matches.request.params != self.pair.params).then_some("Stale matches: the parameters of matching changed")
+    }
+}
+
+/// `hand` with everything that changed from `before` to `after`.
+fn followed(hand: Scrub, before: Scrub, after: Scrub) -> Scrub {
+    fn pick<T: PartialEq>(mine: T, before: T, after: T) -> T {
+        if before == after { mine } else { after }
+    }
+    Scrub {
+        kind: pick(hand.kind, before.kind, after.kind),
+        frame: pick(hand.frame, before.frame, after.frame),
+        slope: pick(hand.slope, before.slope, after.slope),
+        octave: pick(hand.octave, before.octave, after.octave),
+        level: pick(hand.level, before.level, after.level),
+    }
+}
+
+#[cfg(test)]
+pub(in crate::app::state) mod tests;

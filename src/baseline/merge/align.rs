@@ -1,0 +1,241 @@
+//! Where the content of each tile of the reference frame lies in another frame: a search from coarse to fine.
+//!
+//! # What is minimised
+//! For a tile with the pixels r of the reference and f(d) of the other frame, shifted by d, the cost is
+//!
+//! ```text
+//! C(d) = Σ (r − f(d))² / (4σ²) · 2P/(2P + σ²)  +  min over predictions p of |d − p|² / (2τ²)
+//! ```
+//!
+//! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P (variance of its pixels) under independent noise
+//! of variance σ²: differences count, but the less the more of the tile is noise. P is what the tile's variance has above σ². The second part says that
+//! shifts are near what the coarser level found there or beside it. So the noise, which is known, decides how far a tile follows its own pixels: a blank tile stays with the
+//! prediction, a well-lit corner goes where it fits.
+//!
+//! Whole-pixel shifts around the predictions are compared, and a parabola through the costs beside the least one puts the shift between the pixels.
+
+use super::tiles::{TILE, TileGrid, first_pixel};
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use multiversion::multiversion;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A shift in pixels, (u, v): what is at x in the reference is at x + shift in the other frame.
+pub(super) type Shift = [f32; 2];
+
+/// τ of a finer level, its pixels: about as far as a coarser level's shift is off.
+const PRIOR_SIGMA: f32 = 1.0;
+/// τ of the coarsest level, its pixels, around no motion.
+const COARSEST_PRIOR_SIGMA: f32 = 2.0;
+/// Whole pixels around a prediction that are searched.
+const RADIUS: i32 = 1;
+/// Those around no motion at the coarsest level.
+const COARSEST_RADIUS: i32 = 4;
+/// A tile is compared where at least this share of its pixels is in both frames.
+const LEAST_SHARE: f32 = 0.25;
+
+/// The shift of every tile of an image, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ShiftField {
+    /// The tiles.
+    pub grid: TileGrid,
+    /// Their shifts.
+    pub shifts: Vec<Shift>,
+}
+
+/// The shifts of the tiles of the reference frame, at full resolution. Both frames come as pyramids of the same sizes; `variance` is that of one frame's noise.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub(super) fn align(
+    reference: &[Plane],
+    frame: &[Plane],
+    variance: f32,
+    monitor: &Monitor,
+) -> Result<ShiftField, Cancelled> {
+    let mut field: Option<ShiftField> = None;
+    for (level, (reference, frame)) in reference.iter().zip(frame).enumerate().rev() {
+        // Each level has a quarter of the variance of the finer one.
+        let pair = Pair { reference, frame, variance: variance * 0.25f32.powi(level as i32) };
+        field = Some(align_level(&pair, field.as_ref(), monitor)?);
+    }
+    Ok(field.expect("a pyramid has a level"))
+}
+
+fn align_level(pair: &Pair<'_>, coarser: Option<&ShiftField>, monitor: &Monitor) -> Result<ShiftField, Cancelled> {
+    let grid = TileGrid::of(pair.reference.size());
+    let rows: Vec<Vec<Shift>> = (0..grid.rows)
+        .into_par_iter()
+        .map(|j| {
+            monitor.check()?;
+            let mut predictions = Vec::new();
+            Ok((0..grid.columns)
+                .map(|i| {
+                    predict(coarser, i, j, &mut predictions);
+                    let (radius, prior_sigma) = match coarser {
+                        Some(_) => (RADIUS, PRIOR_SIGMA),
+                        None => (COARSEST_RADIUS, COARSEST_PRIOR_SIGMA),
+                    };
+                    let tile = Tile::new(pair, i, j, &predictions, prior_sigma);
+                    tile.best(radius)
+                })
+                .collect())
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    Ok(ShiftField { grid, shifts: rows.concat() })
+}
+
+/// What the coarser level says of tile (i, j): the shifts, doubled, of the tiles there that lie around it. No motion where there is no coarser level.
+fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut Vec<Shift>) {
+    predictions.clear();
+    let Some(ShiftField { grid, shifts }) = coarser else {
+        predictions.push([0.0; 2]);
+        return;
+    };
+    // Tile centres are at i/2 in the coarser grid: between two tiles, or at one, which then comes with its neighbours.
+    let around = |at: usize, count: usize| -> Range<usize> {
+        let range = if at.is_multiple_of(2) { (at / 2).saturating_sub(1)..at / 2 + 2 } else { at / 2..at / 2 + 2 };
+        range.start.min(count - 1)..range.end.min(count)
+    };
+    for j in around(j, grid.rows) {
+        for i in around(i, grid.columns) {
+            let shift = shifts[j * grid.columns + i].map(|x| 2.0 * x);
+            let near = |other: &Shift| (other[0] - shift[0]).hypot(other[1] - shift[1]) < 0.25;
+            if !predictions.iter().any(near) {
+                predictions.push(shift);
+            }
+        }
+    }
+}
+
+/// A level of both frames, and the variance of the noise of each.
+struct Pair<'a> {
+    reference: &'a Plane,
+    frame: &'a Plane,
+    variance: f32,
+}
+
+/// A tile to be found in the other frame.
+struct Tile<'a> {
+    pair: &'a Pair<'a>,
+    /// Its pixels inside the reference.
+    columns: Range<i64>,
+    rows: Range<i64>,
+    predictions: &'a [Shift],
+    /// What a squared difference costs.
+    weight: f32,
+    /// What a squared pixel of deviation from the prediction costs.
+    prior: f32,
+}
+
+impl<'a> Tile<'a> {
+    fn new(pair: &'a Pair<'a>, i: usize, j: usize, predictions: &'a [Shift], prior_sigma: f32) -> Self {
+        let (width, height) = pair.reference.size();
+        let inside = |first: i64, size: usize| first.max(0)..(first + TILE as i64).min(size as i64);
+        let (columns, rows) = (inside(first_pixel(i), width), inside(first_pixel(j), height));
+        let power = (variance_of(pair.reference, &columns, &rows) - pair.variance).max(0.0);
+        let weight = 0.5 * power / ((2.0 * power + pair.variance) * pair.variance);
+        Self { pair, columns, rows, predictions, weight, prior: 0.5 / (prior_sigma * prior_sigma) }
+    }
+
+    /// The shift of least cost.
+    fn best(&self, radius: i32) -> Shift {
+        let mut best = ([0i32; 2], f32::INFINITY);
+        let mut seen: Vec<[i32; 2]> = Vec::with_capacity(81);
+        for prediction in self.predictions {
+            let centre = prediction.map(|x| x.round() as i32);
+            for dv in -radius..=radius {
+                for du in -radius..=radius {
+                    let shift = [centre[0] + du, centre[1] + dv];
+                    if seen.contains(&shift) {
+                        continue;
+                    }
+                    seen.push(shift);
+                    let cost = self.cost(shift);
+                    if cost < best.1 {
+                        best = (shift, cost);
+                    }
+                }
+            }
+        }
+        let (shift, cost) = best;
+        if cost.is_infinite() {
+            // Nothing of the tile is in the other frame anywhere near.
+            return self.predictions[0];
+        }
+        let between = |before: f32, after: f32| {
+            let curvature = before + after - 2.0 * cost;
+            if curvature.is_finite() && curvature > 0.0 {
+                (0.5 * (before - after) / curvature).clamp(-0.5, 0.5)
+            } else {
+                0.0
+            }
+        };
+        let [u, v] = shift;
+        [
+            u as f32 + between(self.cost([u - 1, v]), self.cost([u + 1, v])),
+            v as f32 + between(self.cost([u, v - 1]), self.cost([u, v + 1])),
+        ]
+    }
+
+    /// C(shift); infinite where the frames have too little in common there.
+    fn cost(&self, shift: [i32; 2]) -> f32 {
+        let [du, dv] = shift.map(i64::from);
+        let (width, height) = self.pair.frame.size();
+        let both = |own: &Range<i64>, d: i64, size: usize| own.start.max(-d)..own.end.min(size as i64 - d);
+        let (columns, rows) = (both(&self.columns, du, width), both(&self.rows, dv, height));
+        let count = |columns: &Range<i64>, rows: &Range<i64>| {
+            ((columns.end - columns.start).max(0) * (rows.end - rows.start).max(0)) as f32
+        };
+        let (own, common) = (count(&self.columns, &self.rows), count(&columns, &rows));
+        if common < (LEAST_SHARE * own).max(1.0) {
+            return f32::INFINITY;
+        }
+        let sum = squared_difference(self.pair.reference, self.pair.frame, columns, rows, (du, dv));
+        let off = |p: &Shift| (shift[0] as f32 - p[0]).powi(2) + (shift[1] as f32 - p[1]).powi(2);
+        let deviation = self.predictions.iter().map(off).fold(f32::INFINITY, f32::min);
+        self.weight * sum * (own / common) + self.prior * deviation
+    }
+}
+
+/// Variance of the pixels of a rectangle.
+fn variance_of(plane: &Plane, columns: &Range<i64>, rows: &Range<i64>) -> f32 {
+    let (mut sum, mut squares, mut count) = (0.0f64, 0.0f64, 0.0f64);
+    for v in rows.clone() {
+        for &x in &plane.row(v as usize)[columns.start as usize..columns.end as usize] {
+            let x = f64::from(x);
+            (sum, squares, count) = (sum + x, squares + x * x, count + 1.0);
+        }
+    }
+    if count < 2.0 { 0.0 } else { ((squares - sum * sum / count) / (count - 1.0)).max(0.0) as f32 }
+}
+
+/// Σ (reference(x) − frame(x + shift))² over a rectangle of at most [`TILE`] columns that lies in both.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn squared_difference(
+    reference: &Plane,
+    frame: &Plane,
+    columns: Range<i64>,
+    rows: Range<i64>,
+    (du, dv): (i64, i64),
+) -> f32 {
+    let mut sums = [0.0f32; TILE];
+    let (from, to) = (columns.start as usize, columns.end as usize);
+    let (from_there, to_there) = ((columns.start + du) as usize, (columns.end + du) as usize);
+    for v in rows {
+        let (a, b) = (&reference.row(v as usize)[from..to], &frame.row((v + dv) as usize)[from_there..to_there]);
+        if let (Ok(a), Ok(b)) = (<&[f32; TILE]>::try_from(a), <&[f32; TILE]>::try_from(b)) {
+            for k in 0..TILE {
+                let d = a[k] - b[k];
+                sums[k] = d.mul_add(d, sums[k]);
+            }
+        } else {
+            for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+                let d = a - b;
+                *sum = d.mul_add(d, *sum);
+            }
+        }
+    }
+    sums.iter().sum()
+}

@@ -1,0 +1,69 @@
+//! Burst merge: the frames of a burst, aligned to its middle frame and averaged into one image of less noise.
+//!
+//! After Hasinoff et al., "Burst photography for high dynamic range and low-light imaging on mobile cameras" (2016), which Ravendran, Bryson and Dansereau, "Burst
+//! imaging for light-constrained structure-from-motion" (2022) use for reconstruction. Written from their description, with two differences that known noise allows: the
+//! search weighs a tile's pixels against the coarser level's answer by how much of the tile is signal, and the shrinkage works on real cosines.
+//!
+//! The way of the data: frames → [`pyramid`] → [`align`] (a shift for each tile of the middle frame, coarse to fine) → [`temporal`] (robust mean over time, tile by tile) →
+//! one image. [`tiles`] and [`dct`] are what these share. Each frame is aligned by itself: that the motion is the same from frame to frame is not used.
+
+mod align;
+mod dct;
+mod pyramid;
+mod temporal;
+#[cfg(test)]
+mod tests;
+mod tiles;
+
+use crate::burst::Burst;
+use crate::detector::noise_estimate::frame_noise;
+use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::plane::Plane;
+use std::ops::Range;
+
+/// Frames are taken to have at least this noise, fraction of full scale: that of 16 bit, so that noiseless ones divide nothing by zero.
+const LEAST_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
+
+/// A burst of one frame: the frames `used` of `burst`, merged where the middle one of them is (of N frames that with index N/2, the one SIFT on a single frame
+/// looks at).
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+///
+/// # Panics
+/// When `used` holds no frame or reaches past the burst: a mistake of the caller.
+pub fn merge_burst(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<Burst, Cancelled> {
+    assert!(!used.is_empty() && used.end <= burst.len(), "the frames that are merged must be in the burst");
+    let middle = used.start + used.len() / 2;
+    monitor.report(Stage::Merge, 0.0);
+    let noise = frame_noise(burst, used.clone(), monitor)?.max(LEAST_NOISE);
+    let image = merge_frames(&burst.frames[used.clone()].iter().map(|f| &**f).collect::<Vec<_>>(), noise, monitor)?;
+    let mut merged = Burst::from_planes(format!("merge of {}", burst.name), vec![image]);
+    merged.full_scale = burst.full_scale;
+    // As for a mean: N numbers on a lattice, added up.
+    merged.quantisation_step = burst.quantisation_step / used.len() as f32;
+    merged.frame_names = vec![burst.frame_names[middle].clone()];
+    merged.sources.clone_from(&burst.sources);
+    Ok(merged)
+}
+
+/// The frames merged where the middle one is; `noise` is the standard deviation of that of one frame, more than 0.
+fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plane, Cancelled> {
+    let middle = frames.len() / 2;
+    let reference = frames[middle];
+    if frames.len() == 1 || reference.data().is_empty() {
+        return Ok(reference.clone());
+    }
+    let variance = noise * noise;
+    let levels = pyramid::pyramid(reference);
+    let mut others = Vec::with_capacity(frames.len() - 1);
+    for (t, frame) in frames.iter().enumerate().filter(|(t, _)| *t != middle) {
+        monitor.check()?;
+        let shifts = align::align(&levels, &pyramid::pyramid(frame), variance, monitor)?;
+        others.push(temporal::Aligned { frame, shifts });
+        monitor.report(Stage::Merge, 0.8 * (t + 1) as f32 / frames.len() as f32);
+    }
+    let merged = temporal::merge_tiles(reference, &others, variance, monitor)?;
+    monitor.report(Stage::Merge, 1.0);
+    Ok(merged)
+}

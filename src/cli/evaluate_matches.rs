@@ -1,0 +1,263 @@
+//! `evaluate matches`: how well the bursts of a dataset match, method by method.
+
+use super::args::{BiasArg, OutputArgs, SequenceArgs};
+use super::console::Console;
+use super::evaluate::{Document, once_each, searched, slopes_of};
+use super::failure::Failure;
+use super::inputs::{Input, open_options, resolve_bursts};
+use super::matching_args::MatchingArgs;
+use super::search_options::SearchArgs;
+use crate::burst::{Burst, OpenOptions};
+use crate::dataset::PairSelection;
+use crate::detector::SlopeGrid;
+use crate::evaluate::matches::MatchRow;
+use crate::evaluate::{MatchMethod, MatchReport, MatchStudy, Shot};
+use crate::synth::{FrameLevels, NoisyExposure, NoisyParams};
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+fn noisy() -> NoisyParams {
+    NoisyParams::default()
+}
+
+/// Count the matches between the bursts of a dataset, method by method.
+///
+/// Every method finds the features of every burst; pairs of bursts are matched and verified. The table has the columns of the paper's that need no reconstruction. With --snr the
+/// frames are taken for what the camera sees, each burst is taken anew with noise, and the frames themselves are the gold standard.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = MATCHES_HELP, allow_negative_numbers = true)]
+pub struct MatchesArgs {
+    /// Folder of bursts (each a folder of frames), several of them, stacks, or a long sequence with --burst-length.
+    #[arg(value_name = "DATASET", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// Rows of the table, separated by commas: gold, sift-frame, sift-mean, sift-merge, buff-1d, buff-2d [default: gold if there is one, sift-frame, sift-merge, buff-1d, buff-2d].
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = MatchMethod::from_str)]
+    pub methods: Vec<MatchMethod>,
+    /// Sharp images of the same views, in the bursts' order: a dataset as the bursts are, or with one image for each; SIFT on its middle frames is the gold standard.
+    #[arg(long, value_name = "DATASET", conflicts_with = "snr")]
+    pub gold: Option<PathBuf>,
+    /// Add noise: signal-to-noise ratio of one pixel in one frame, the standard deviation of all pixels over that of the noise at their mean.
+    #[arg(long, value_name = "RATIO")]
+    pub snr: Option<f64>,
+    /// Standard deviation of the read noise that is added, electrons.
+    #[arg(long, value_name = "ELECTRONS", default_value_t = noisy().read_noise, requires = "snr")]
+    pub read_noise: f64,
+    /// Bits of the converter of the noisy camera.
+    #[arg(long, value_name = "BITS", default_value_t = noisy().bits, requires = "snr")]
+    pub bits: u32,
+    /// Seed of the noise: the same seed makes the same bursts on every machine.
+    #[arg(long, value_name = "N", default_value_t = noisy().seed, requires = "snr")]
+    pub noise_seed: u64,
+    /// Which bursts are matched: all, or each with the next K (sequential:K).
+    #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
+    pub pairs: PairSelection,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub matching: MatchingArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub bias: BiasArg,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const MATCHES_HELP: &str = "\
+Slopes: a plane of slopes that is given is BuFF 2D's, and its u axis BuFF 1D's; a line that is given is BuFF 1D's, and BuFF 2D has it on both axes. Without any, BuFF 1D
+searches the default line.
+
+Columns: an image's matches with all others are added up, so that ratios may pass 1. Precision is that of all pairs together. 'on gold' counts the putative matches of an
+image that lie on the geometry that the sharp images' matches agree on; inliers lie on one that the same matches were used to find.
+
+JSON (--json):
+  {\"version\", \"command\": \"evaluate matches\", \"noise\": null or {\"snr\", \"seed\", \"gain\", \"frame_noise\"}, \"bursts\": [name], \"frames\", \"size\": [columns, rows],
+   \"pairs\": [[a, b]], \"detector\": {as in the parameter file}, \"slopes_1d\", \"slopes_2d\", \"matching\", \"methods\": [{\"method\", \"keypoints_per_image\",
+     \"putative_per_image\", \"inliers_per_image\", \"match_ratio\", \"match_score\", \"precision\", \"verified_pairs\", \"on_gold_geometry_per_image\",
+     \"by_pair\": [{\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"on_gold_geometry\"}]}]}
+  frame_noise is that of a frame at the mean signal, a fraction of full scale.";
+
+/// The noise that was added.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct AddedNoise {
+    snr: f64,
+    seed: u64,
+    gain: f64,
+    frame_noise: f64,
+}
+
+#[derive(Serialize)]
+struct Answer<'a> {
+    noise: Option<AddedNoise>,
+    #[serde(flatten)]
+    report: &'a MatchReport,
+}
+
+pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
+    if args.search.method.is_some() {
+        return Err(Failure::usage("--method: this command compares several; name them with --methods"));
+    }
+    let (detector, slopes) = searched(&args.search)?;
+    let (slopes_1d, slopes_2d) = match slopes {
+        Some(slopes) => slopes_of(slopes),
+        None => slopes_of(detector.slopes),
+    };
+    let has_gold = args.gold.is_some() || args.snr.is_some();
+    let study = MatchStudy {
+        methods: methods(args, has_gold),
+        has_gold,
+        detector,
+        slopes_1d,
+        slopes_2d,
+        matching: args.matching.params()?,
+        pairs: args.pairs,
+    };
+    let console = Console::new(&args.output)?;
+    let inputs = resolve_bursts(&args.inputs, args.sequence)?;
+    let golds = sharp_inputs(args, &inputs)?;
+    let options = open_options(&inputs, args.bias.bias.as_ref())?;
+    let exposure = exposure(args, &inputs, &options, &console)?;
+    let names: Vec<String> = inputs.iter().map(|i| i.name.clone()).collect();
+    let mut frames_before = 0;
+    let report = study.run(
+        &names,
+        |k, shot| -> Result<Burst, Failure> {
+            let silent = console.monitor.silent();
+            match (shot, &golds) {
+                (Shot::Gold, Some(golds)) => Ok(golds[k].open(&OpenOptions::default(), &silent)?),
+                (Shot::Gold, None) => Ok(inputs[k].open(&options, &silent)?),
+                (Shot::Burst, _) => {
+                    let burst = inputs[k].open(&options, &silent)?;
+                    let first_stream = 1 + frames_before as u64;
+                    frames_before += burst.len();
+                    Ok(match &exposure {
+                        Some(exposure) => exposure.capture(&burst, args.noise_seed, first_stream, &silent)?,
+                        None => burst,
+                    })
+                }
+            }
+        },
+        &console.monitor,
+    )?;
+    let noise = exposure.map(|e| AddedNoise {
+        snr: args.snr.unwrap_or(f64::INFINITY),
+        seed: args.noise_seed,
+        gain: e.gain,
+        frame_noise: e.camera.sigma(e.mean_signal),
+    });
+    console.say(&table(&report, noise))?;
+    console.say_json(&Document::new("evaluate matches", &Answer { noise, report: &report }))
+}
+
+fn methods(args: &MatchesArgs, has_gold: bool) -> Vec<MatchMethod> {
+    if !args.methods.is_empty() {
+        return once_each(&args.methods);
+    }
+    use crate::evaluate::BurstMethod::{Buff1d, Buff2d, SiftFrame, SiftMerge};
+    let gold = has_gold.then_some(MatchMethod::Gold);
+    gold.into_iter().chain([SiftFrame, SiftMerge, Buff1d, Buff2d].map(MatchMethod::Burst)).collect()
+}
+
+/// The sharp images of each burst, where they are files of their own: cut as the bursts are, or one for each.
+fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input>>, Failure> {
+    let Some(gold) = &args.gold else { return Ok(None) };
+    let sharp = std::slice::from_ref(gold);
+    let mut found = resolve_bursts(sharp, args.sequence)?;
+    if found.len() != inputs.len() {
+        // A folder of as many pictures as there are bursts.
+        let single = SequenceArgs { burst_length: Some(1), burst_step: None };
+        found = resolve_bursts(sharp, single)?;
+    }
+    if found.len() != inputs.len() {
+        return Err(Failure::usage(format!(
+            "--gold: {} sharp images for {} bursts; give one for each burst, or a dataset like that of the bursts: {}",
+            found.len(),
+            inputs.len(),
+            gold.display()
+        )));
+    }
+    Ok(Some(found))
+}
+
+/// The noisy camera, if noise is asked for: one for all bursts.
+fn exposure(
+    args: &MatchesArgs,
+    inputs: &[Input],
+    options: &OpenOptions,
+    console: &Console,
+) -> Result<Option<NoisyExposure>, Failure> {
+    let Some(snr) = args.snr else { return Ok(None) };
+    let mut levels = FrameLevels::default();
+    for input in inputs {
+        console.begin(format!("{}: ", input.name));
+        levels.add(&input.open(options, &console.monitor)?);
+    }
+    console.begin(String::new());
+    let params = NoisyParams { snr, read_noise: args.read_noise, bits: args.bits, seed: args.noise_seed };
+    Ok(Some(params.exposure(&levels)?))
+}
+
+fn table(report: &MatchReport, noise: Option<AddedNoise>) -> String {
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = write_table(&mut text, report, noise);
+    text
+}
+
+fn write_table(out: &mut String, report: &MatchReport, noise: Option<AddedNoise>) -> std::fmt::Result {
+    writeln!(
+        out,
+        "{} bursts of {} frames of {}×{}, {} pairs",
+        report.bursts.len(),
+        report.frames,
+        report.size.0,
+        report.size.1,
+        report.pairs.len()
+    )?;
+    if let Some(AddedNoise { snr, seed, frame_noise, .. }) = noise {
+        writeln!(out, "noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}")?;
+    }
+    let grid = |grid: &SlopeGrid| format!("u {} v {}", grid.u, grid.v);
+    writeln!(
+        out,
+        "slopes of BuFF 1D {}, of BuFF 2D {} (min:max:count, px/frame)\n",
+        grid(&report.slopes_1d),
+        grid(&report.slopes_2d)
+    )?;
+    writeln!(
+        out,
+        "{:18}{:>11}{:>10}{:>10}{:>9}{:>8}{:>11}{:>10}{:>10}",
+        "", "keypoints/", "putative/", "inliers/", "match", "match", "", "pairs", "on gold/"
+    )?;
+    writeln!(
+        out,
+        "{:18}{:>11}{:>10}{:>10}{:>9}{:>8}{:>11}{:>10}{:>10}",
+        "method", "image", "image", "image", "ratio", "score", "precision", "verified", "image"
+    )?;
+    report.methods.iter().try_for_each(|row| write_row(out, row))
+}
+
+fn write_row(out: &mut String, row: &MatchRow) -> std::fmt::Result {
+    let or_dash = |x: Option<f64>, digits: usize| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"));
+    writeln!(
+        out,
+        "{:18}{:>11.1}{:>10.1}{:>10.1}{:>9.3}{:>8.3}{:>11}{:>10}{:>10}",
+        row.method.label(),
+        row.keypoints_per_image,
+        row.putative_per_image,
+        row.inliers_per_image,
+        row.match_ratio,
+        row.match_score,
+        or_dash(row.precision, 3),
+        row.verified_pairs,
+        or_dash(row.on_gold_geometry_per_image, 1)
+    )
+}

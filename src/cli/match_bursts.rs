@@ -1,0 +1,151 @@
+//! `match`: two bursts, their features, and which of them belong together.
+
+use super::console::Console;
+use super::detect::{Job, detect_burst};
+use super::failure::Failure;
+use super::inputs::{open_options, resolve_pair};
+use super::match_args::MatchArgs;
+use super::report::BurstReport;
+use crate::burst::Burst;
+use crate::dataset::burst_picture;
+use crate::detector::{Detection, DetectorParams};
+use crate::export::{MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
+use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel, match_detections};
+use crate::monitor::Stage;
+use nalgebra::Matrix3;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// The JSON document.
+#[derive(Serialize)]
+struct Answer<'a> {
+    version: &'static str,
+    command: &'static str,
+    params: &'a DetectorParams,
+    matching: &'a MatchParams,
+    a: &'a BurstReport,
+    b: &'a BurstReport,
+    #[serde(flatten)]
+    counts: MatchCounts,
+    match_ratio: f64,
+    match_score: Option<f64>,
+    precision: Option<f64>,
+    model: Option<Model>,
+    files: Files<'a>,
+}
+
+#[derive(Serialize)]
+struct Model {
+    kind: &'static str,
+    matrix: [[f64; 3]; 3],
+}
+
+impl From<&TwoViewModel> for Model {
+    fn from(model: &TwoViewModel) -> Self {
+        let (kind, matrix): (_, &Matrix3<f64>) = match model {
+            TwoViewModel::Fundamental { fundamental } => ("fundamental", fundamental),
+            TwoViewModel::Essential { essential, .. } => ("essential", essential),
+            TwoViewModel::Homography { forward, .. } => ("homography", forward),
+        };
+        Self { kind, matrix: std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)])) }
+    }
+}
+
+#[derive(Serialize)]
+struct Files<'a> {
+    matches: &'a PathBuf,
+    picture: &'a PathBuf,
+}
+
+pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
+    let params = args.search.params()?;
+    let matching = args.matching.params()?;
+    let job = Job::new(&args.out, &args.format, &params)?;
+    let console = Console::new(&args.output)?;
+    let inputs = resolve_pair(&args.a, &args.b)?;
+    let options = open_options(&inputs, args.bias.bias.as_ref())?;
+    let name = format!("{}_{}", safe_file_name(&inputs[0].name), safe_file_name(&inputs[1].name));
+    let mut found: Vec<(BurstReport, Burst, Detection)> = Vec::with_capacity(2);
+    for (index, input) in inputs.into_iter().enumerate() {
+        console.begin(format!("[{}/2] {}: ", index + 1, input.name));
+        found.push(detect_burst(input, &options, &job, &console)?);
+    }
+    console.begin("matches: ".to_owned());
+    let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };
+    let result = match_detections(a, b, &matching, &console.monitor)?;
+    let pictures =
+        [burst_a, burst_b].map(|burst| burst_picture(burst, args.images, &params, &console.monitor.silent()));
+    let [picture_a, picture_b] = pictures;
+    let (picture_a, picture_b) = (picture_a?, picture_b?);
+    console.monitor.check()?;
+    console.monitor.report(Stage::Write, 0.0);
+    let rows = match_rows(a, b, &result);
+    let (matches, picture) =
+        (args.out.join(format!("{name}.matches.csv")), args.out.join(format!("{name}.matches.png")));
+    write_matches_csv(&matches, &rows)?;
+    let lines: Vec<MatchLine> = rows
+        .iter()
+        .map(|r| MatchLine { a: r.a, b: r.b, inlier: r.verified.is_none_or(|(_, inlier)| inlier) })
+        .collect();
+    write_match_picture(&picture, picture_a.picture(), picture_b.picture(), &lines)?;
+    let model = result.verification.as_ref().and_then(|v| v.model.as_ref());
+    console.say(&summary(&result.counts, &matching, model.is_some()))?;
+    console.say(&format!("  wrote        {}\n  wrote        {}\n", matches.display(), picture.display()))?;
+    console.say_json(&Answer {
+        version: env!("CARGO_PKG_VERSION"),
+        command: "match",
+        params: &params,
+        matching: &matching,
+        a: report_a,
+        b: report_b,
+        counts: result.counts,
+        match_ratio: result.counts.match_ratio(),
+        match_score: result.counts.match_score(),
+        precision: result.counts.precision(),
+        model: model.map(Model::from),
+        files: Files { matches: &matches, picture: &picture },
+    })
+}
+
+fn match_rows(a: &Detection, b: &Detection, result: &MatchResult) -> Vec<MatchRow> {
+    let place = |detection: &Detection, index: usize| {
+        let feature = &detection.features[index];
+        [f64::from(feature.u), f64::from(feature.v)]
+    };
+    let verified = |k: usize| result.verification.as_ref().map(|v| (v.error_px[k], v.inlier[k]));
+    let row = |(k, m): (usize, &crate::matching::Match)| MatchRow {
+        features: [m.a, m.b],
+        a: place(a, m.a),
+        b: place(b, m.b),
+        distance: m.distance,
+        ratio: m.ratio,
+        verified: verified(k),
+    };
+    result.matches.iter().enumerate().map(row).collect()
+}
+
+fn summary(counts: &MatchCounts, matching: &MatchParams, agreed: bool) -> String {
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = write_summary(&mut text, counts, matching, agreed);
+    text
+}
+
+fn write_summary(out: &mut String, counts: &MatchCounts, matching: &MatchParams, agreed: bool) -> std::fmt::Result {
+    let MatchCounts { keypoints_a, keypoints_b, putative, inliers } = *counts;
+    writeln!(out, "matches")?;
+    writeln!(out, "  keypoints    {keypoints_a} and {keypoints_b}")?;
+    writeln!(out, "  putative     {putative}")?;
+    match inliers {
+        None => writeln!(out, "  inliers      not verified")?,
+        Some(inliers) => {
+            let why = if agreed { "" } else { "; too few agree on any" };
+            writeln!(out, "  inliers      {inliers} ({}{why})", matching.geometry.name())?;
+        }
+    }
+    writeln!(out, "  match ratio  {:.3}", counts.match_ratio())?;
+    let number = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.3}"));
+    writeln!(out, "  match score  {}", number(counts.match_score()))?;
+    writeln!(out, "  precision    {}", number(counts.precision()))
+}

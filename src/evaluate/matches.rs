@@ -1,0 +1,367 @@
+//! How well the bursts of a dataset match: the columns of the paper's Table 1 that need no reconstruction.
+//!
+//! Every method finds the features of every burst, with the same parameters and a noise gate that promises the same rate of false features; the features of chosen pairs of bursts are
+//! matched and verified geometrically. As in the paper, an image's matches with all others are added up, so that ratios to its keypoints may pass 1.
+//!
+//! # The gold standard
+//! Where sharp images of the same views are given, SIFT on them is a row of its own, and there is a further column for all rows: how many putative matches lie on the
+//! geometry that the *sharp* images' matches agree on. Inliers are counted against a geometry that the same matches were used to find, which flatters a method with
+//! few matches: some always agree on something. This column does not.
+
+use super::EvaluateError;
+use super::methods::{BurstMethod, Searches};
+use crate::burst::Burst;
+use crate::dataset::PairSelection;
+use crate::detector::{Descriptor, Detection, DetectorParams, SlopeGrid};
+use crate::matching::{
+    Geometry, MatchCounts, MatchError, MatchParams, MatchResult, MatchSide, TwoViewModel, match_features,
+};
+use crate::monitor::{Monitor, Stage};
+use rayon::prelude::*;
+use serde::{Serialize, Serializer};
+use std::str::FromStr;
+
+/// A row of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MatchMethod {
+    /// SIFT on a sharp image of the same view.
+    Gold,
+    /// A way from the burst to features.
+    Burst(BurstMethod),
+}
+
+impl MatchMethod {
+    /// The word for it on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gold => "gold",
+            Self::Burst(method) => method.name(),
+        }
+    }
+
+    /// What a table calls it.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Gold => "gold standard",
+            Self::Burst(method) => method.label(),
+        }
+    }
+}
+
+impl FromStr for MatchMethod {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "gold" {
+            return Ok(Self::Gold);
+        }
+        text.parse().map(Self::Burst).map_err(|e: String| e.replace("give ", "give gold, "))
+    }
+}
+
+impl Serialize for MatchMethod {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// Which pictures of a view are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shot {
+    /// The burst whose features are compared.
+    Burst,
+    /// The sharp image; of several the middle one is taken.
+    Gold,
+}
+
+/// What is to be compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MatchStudy {
+    /// The rows, each at most once.
+    pub methods: Vec<MatchMethod>,
+    /// Whether there are sharp images.
+    pub has_gold: bool,
+    /// The detector's parameters, for all methods; method and slopes are set by each of them.
+    pub detector: DetectorParams,
+    /// The slopes of BuFF 1D.
+    pub slopes_1d: SlopeGrid,
+    /// The slopes of BuFF 2D.
+    pub slopes_2d: SlopeGrid,
+    /// How features are matched and verified.
+    pub matching: MatchParams,
+    /// Which bursts are matched with which.
+    pub pairs: PairSelection,
+}
+
+/// What a study found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MatchReport {
+    /// The bursts' names, in order.
+    pub bursts: Vec<String>,
+    /// Frames of the first burst.
+    pub frames: usize,
+    /// (columns, rows) of its frames.
+    pub size: (usize, usize),
+    /// The pairs that were matched, as indices of bursts.
+    pub pairs: Vec<(usize, usize)>,
+    /// The detector's parameters; method and slopes were set by each method.
+    pub detector: DetectorParams,
+    /// The slopes of BuFF 1D.
+    pub slopes_1d: SlopeGrid,
+    /// The slopes of BuFF 2D.
+    pub slopes_2d: SlopeGrid,
+    /// How features were matched and verified.
+    pub matching: MatchParams,
+    /// The rows.
+    pub methods: Vec<MatchRow>,
+}
+
+/// One method. What is said of an image is the mean over the images; an image's matches are those with all others it was paired with.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MatchRow {
+    /// The method.
+    pub method: MatchMethod,
+    /// Features of an image.
+    pub keypoints_per_image: f64,
+    /// Putative matches of an image.
+    pub putative_per_image: f64,
+    /// Inliers of an image.
+    pub inliers_per_image: f64,
+    /// Putative matches over keypoints.
+    pub match_ratio: f64,
+    /// Inliers over keypoints.
+    pub match_score: f64,
+    /// Inliers over putative matches, of all pairs together; `None` without matches.
+    pub precision: Option<f64>,
+    /// Pairs on whose geometry enough matches agree.
+    pub verified_pairs: usize,
+    /// Putative matches of an image that lie on the geometry of the sharp images; `None` without these.
+    pub on_gold_geometry_per_image: Option<f64>,
+    /// Each pair, in the report's order.
+    pub by_pair: Vec<PairCounts>,
+}
+
+/// One pair by one method.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PairCounts {
+    /// The numbers of the match.
+    #[serde(flatten)]
+    pub counts: MatchCounts,
+    /// Putative matches that lie on the geometry of the sharp images; `None` where there is none.
+    pub on_gold_geometry: Option<usize>,
+}
+
+/// Features as far as matching needs them.
+struct Features {
+    places: Vec<[f64; 2]>,
+    descriptors: Vec<Descriptor>,
+}
+
+impl From<Detection> for Features {
+    fn from(detection: Detection) -> Self {
+        let places = detection.features.iter().map(|f| [f64::from(f.u), f64::from(f.v)]).collect();
+        Self { places, descriptors: detection.descriptors }
+    }
+}
+
+impl Features {
+    fn side(&self) -> MatchSide<'_> {
+        MatchSide { places: &self.places, descriptors: &self.descriptors }
+    }
+}
+
+impl From<MatchError> for EvaluateError {
+    fn from(error: MatchError) -> Self {
+        match error {
+            MatchError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            MatchError::Param(param) => Self::Detector(param),
+        }
+    }
+}
+
+impl MatchStudy {
+    fn check(&self, bursts: usize) -> Result<(), EvaluateError> {
+        self.matching.validate()?;
+        if self.methods.is_empty() {
+            let remedy = "give one or more, such as sift-merge,buff-1d";
+            return Err(EvaluateError::param("methods", "none is given", remedy));
+        }
+        if self.methods.contains(&MatchMethod::Gold) && !self.has_gold {
+            let remedy = "give --gold, or --snr to make noisy bursts of sharp ones; or leave it out";
+            return Err(EvaluateError::param("methods", "the gold standard needs sharp images", remedy));
+        }
+        if self.matching.geometry == Geometry::None {
+            let remedy = "give fundamental, essential or homography";
+            return Err(EvaluateError::param("geometry", "inliers are those of a geometry", remedy));
+        }
+        if bursts < 2 {
+            let remedy = "name a folder of bursts, or cut a long sequence with --burst-length";
+            return Err(EvaluateError::param("pairs", format!("{bursts} bursts make no pair"), remedy));
+        }
+        Ok(())
+    }
+
+    /// Finds the features of every burst by every method, matches the pairs, and counts. `open` opens the pictures of burst k; sharp ones are asked for only if there are any.
+    /// One burst is held in memory at a time.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense, what `open` answers, or [`EvaluateError::Cancelled`].
+    pub fn run<E: From<EvaluateError>>(
+        &self,
+        names: &[String],
+        mut open: impl FnMut(usize, Shot) -> Result<Burst, E>,
+        monitor: &Monitor,
+    ) -> Result<MatchReport, E> {
+        self.check(names.len())?;
+        let pairs = self.pairs.pairs(names.len());
+        // The sharp images are searched whether or not their row is asked for, because their geometry is the judge of all.
+        let mut methods = self.methods.clone();
+        if self.has_gold && !methods.contains(&MatchMethod::Gold) {
+            methods.push(MatchMethod::Gold);
+        }
+        let steps = (names.len() + 1) * methods.len();
+        let mut done = 0;
+        let mut step = || {
+            done += 1;
+            monitor.report(Stage::Evaluate, done as f32 / steps as f32);
+        };
+        let mut features: Vec<Vec<Features>> = methods.iter().map(|_| Vec::with_capacity(names.len())).collect();
+        let (mut frames, mut size) = (0, (0, 0));
+        for k in 0..names.len() {
+            let burst = open(k, Shot::Burst)?;
+            if k == 0 {
+                (frames, size) = (burst.len(), burst.size());
+            }
+            for (method, features) in methods.iter().zip(&mut features) {
+                let found = match method {
+                    MatchMethod::Burst(method) => self.searches().detect(*method, &burst, &monitor.silent())?,
+                    MatchMethod::Gold => {
+                        let sharp = open(k, Shot::Gold)?;
+                        // The frames asked for are those of bursts; a sharp image may be the only one.
+                        let detector = if sharp.len() == burst.len() {
+                            self.detector.clone()
+                        } else {
+                            DetectorParams { frames: None, ..self.detector.clone() }
+                        };
+                        let searches = Searches { detector: &detector, ..self.searches() };
+                        searches.detect(BurstMethod::SiftFrame, &sharp, &monitor.silent())?
+                    }
+                };
+                features.push(found.into());
+                step();
+            }
+        }
+        let mut results = Vec::with_capacity(methods.len());
+        for features in &features {
+            let of_pair = |&(a, b): &(usize, usize)| {
+                match_features(features[a].side(), features[b].side(), &self.matching, &monitor.silent())
+            };
+            let found: Result<Vec<MatchResult>, MatchError> = pairs.par_iter().map(of_pair).collect();
+            results.push(found.map_err(EvaluateError::from)?);
+            step();
+        }
+        let gold = methods.iter().position(|m| *m == MatchMethod::Gold);
+        let judges: Vec<Option<&TwoViewModel>> = (0..pairs.len())
+            .map(|p| gold.and_then(|g| results[g][p].verification.as_ref()).and_then(|v| v.model.as_ref()))
+            .collect();
+        let rows = methods.iter().enumerate().filter(|(_, method)| self.methods.contains(method));
+        let rows = rows.map(|(m, &method)| {
+            let by_pair = (0..pairs.len()).map(|p| {
+                let (a, b) = pairs[p];
+                let sides = [&features[m][a], &features[m][b]];
+                PairCounts {
+                    counts: results[m][p].counts,
+                    on_gold_geometry: judges[p].map(|judge| self.agreeing(&results[m][p], sides, judge)),
+                }
+            });
+            let keypoints: Vec<usize> = features[m].iter().map(|f| f.places.len()).collect();
+            row(method, &keypoints, &pairs, by_pair.collect())
+        });
+        Ok(MatchReport {
+            methods: rows.collect(),
+            bursts: names.to_vec(),
+            frames,
+            size,
+            pairs: pairs.clone(),
+            detector: self.detector.clone(),
+            slopes_1d: self.slopes_1d,
+            slopes_2d: self.slopes_2d,
+            matching: self.matching.clone(),
+        })
+    }
+
+    fn searches(&self) -> Searches<'_> {
+        Searches { detector: &self.detector, slopes_1d: self.slopes_1d, slopes_2d: self.slopes_2d }
+    }
+
+    /// How many of the putative matches lie on `judge`.
+    fn agreeing(&self, result: &MatchResult, sides: [&Features; 2], judge: &TwoViewModel) -> usize {
+        let most = f64::from(self.matching.max_error_px);
+        let agrees = |m: &&crate::matching::Match| judge.error_px(sides[0].places[m.a], sides[1].places[m.b]) <= most;
+        result.matches.iter().filter(agrees).count()
+    }
+}
+
+/// The numbers of a method from those of its pairs.
+fn row(method: MatchMethod, keypoints: &[usize], pairs: &[(usize, usize)], by_pair: Vec<PairCounts>) -> MatchRow {
+    let images = keypoints.len() as f64;
+    // Each match is one of both images.
+    let of_images = |count: &dyn Fn(&PairCounts) -> usize| {
+        let mut sums = vec![0usize; keypoints.len()];
+        for (&(a, b), pair) in pairs.iter().zip(&by_pair) {
+            sums[a] += count(pair);
+            sums[b] += count(pair);
+        }
+        sums
+    };
+    let mean = |sums: &[usize]| sums.iter().sum::<usize>() as f64 / images;
+    let share = |sums: &[usize]| {
+        let shares = sums.iter().zip(keypoints).map(|(&n, &of)| if of > 0 { n as f64 / of as f64 } else { 0.0 });
+        shares.sum::<f64>() / images
+    };
+    let putative = of_images(&|p| p.counts.putative);
+    let inliers = of_images(&|p| p.counts.inliers.unwrap_or(0));
+    let all_putative: usize = putative.iter().sum();
+    let judged = by_pair.iter().any(|p| p.on_gold_geometry.is_some());
+    MatchRow {
+        method,
+        keypoints_per_image: mean(keypoints),
+        putative_per_image: mean(&putative),
+        inliers_per_image: mean(&inliers),
+        match_ratio: share(&putative),
+        match_score: share(&inliers),
+        precision: (all_putative > 0).then(|| inliers.iter().sum::<usize>() as f64 / all_putative as f64),
+        verified_pairs: by_pair.iter().filter(|p| p.counts.inliers.is_some_and(|n| n > 0)).count(),
+        on_gold_geometry_per_image: judged.then(|| mean(&of_images(&|p| p.on_gold_geometry.unwrap_or(0)))),
+        by_pair,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_are_read_as_they_are_written() {
+        for word in ["gold", "sift-frame", "sift-mean", "sift-merge", "buff-1d", "buff-2d"] {
+            assert_eq!(word.parse::<MatchMethod>().map(MatchMethod::name), Ok(word));
+        }
+        assert!("surf".parse::<MatchMethod>().expect_err("unknown").contains("give gold, sift-frame"));
+    }
+
+    #[test]
+    fn an_images_matches_with_all_others_are_added_up() {
+        let pair = |keypoints_a, keypoints_b, putative, inliers, on_gold| PairCounts {
+            counts: MatchCounts { keypoints_a, keypoints_b, putative, inliers: Some(inliers) },
+            on_gold_geometry: on_gold,
+        };
+        // Three images of 10, 20 and 0 features.
+        let by_pair = vec![pair(10, 20, 8, 6, Some(5)), pair(10, 0, 0, 0, None), pair(20, 0, 0, 0, Some(0))];
+        let row = row(MatchMethod::Gold, &[10, 20, 0], &[(0, 1), (0, 2), (1, 2)], by_pair);
+        assert_eq!((row.keypoints_per_image, row.putative_per_image, row.inliers_per_image), (10.0, 16.0 / 3.0, 4.0));
+        assert!((row.match_ratio - (0.8 + 0.4) / 3.0).abs() < 1e-12);
+        assert!((row.match_score - (0.6 + 0.3) / 3.0).abs() < 1e-12);
+        assert_eq!((row.precision, row.verified_pairs), (Some(0.75), 1));
+        assert_eq!(row.on_gold_geometry_per_image, Some(10.0 / 3.0));
+    }
+}

@@ -1,0 +1,146 @@
+//! The ways from a burst to features that are compared: one frame, two merges, and the burst search over a line and over a plane of slopes.
+
+use super::EvaluateError;
+use crate::baseline::{detect, plain_mean};
+use crate::burst::Burst;
+use crate::detector::{Detection, DetectorParams, Method, SlopeGrid};
+use crate::monitor::Monitor;
+use serde::Serialize;
+
+/// A way from a burst to features.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BurstMethod {
+    /// SIFT on the middle frame.
+    SiftFrame,
+    /// SIFT on the plain mean of all frames.
+    SiftMean,
+    /// SIFT on the aligned and merged burst.
+    SiftMerge,
+    /// The burst search over a line of slopes.
+    #[serde(rename = "buff-1d")]
+    Buff1d,
+    /// The burst search over a plane of slopes.
+    #[serde(rename = "buff-2d")]
+    Buff2d,
+}
+
+impl BurstMethod {
+    /// All methods, in the order of tables.
+    pub const ALL: [Self; 5] = [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
+
+    /// The word for it on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SiftFrame => "sift-frame",
+            Self::SiftMean => "sift-mean",
+            Self::SiftMerge => "sift-merge",
+            Self::Buff1d => "buff-1d",
+            Self::Buff2d => "buff-2d",
+        }
+    }
+
+    /// What a table or figure calls it.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::SiftFrame => "SIFT, one frame",
+            Self::SiftMean => "SIFT, plain mean",
+            Self::SiftMerge => "SIFT, merge",
+            Self::Buff1d => "BuFF 1D",
+            Self::Buff2d => "BuFF 2D",
+        }
+    }
+}
+
+impl std::str::FromStr for BurstMethod {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|method| method.name() == text).ok_or_else(|| {
+            format!("'{text}' is not a method; give sift-frame, sift-mean, sift-merge, buff-1d or buff-2d")
+        })
+    }
+}
+
+/// What the methods search with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Searches<'a> {
+    /// The detector's parameters, for all methods; method and slopes are set by each of them.
+    pub detector: &'a DetectorParams,
+    /// The slopes of BuFF 1D.
+    pub slopes_1d: SlopeGrid,
+    /// The slopes of BuFF 2D.
+    pub slopes_2d: SlopeGrid,
+}
+
+impl Searches<'_> {
+    /// The detector's parameters for `method`.
+    pub fn params(&self, method: BurstMethod) -> DetectorParams {
+        let (method, slopes) = match method {
+            BurstMethod::SiftFrame | BurstMethod::SiftMean => (Method::Sift, self.detector.slopes),
+            BurstMethod::SiftMerge => (Method::Merge, self.detector.slopes),
+            BurstMethod::Buff1d => (Method::Buff, self.slopes_1d),
+            BurstMethod::Buff2d => (Method::Buff, self.slopes_2d),
+        };
+        DetectorParams { method, slopes, ..self.detector.clone() }
+    }
+
+    /// Runs `method` on `burst`.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Detector`] for parameters that make no sense, [`EvaluateError::Cancelled`].
+    pub fn detect(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Detection, EvaluateError> {
+        let params = self.params(method);
+        if method != BurstMethod::SiftMean {
+            return Ok(detect(burst, &params, monitor)?);
+        }
+        // SIFT uses one frame; the mean is of all those that the burst search would use.
+        params.validate_for(burst.len(), burst.size())?;
+        let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
+        let used = Burst { frames: burst.frames[all].to_vec(), ..burst.clone() };
+        let params = DetectorParams { frames: None, ..params };
+        Ok(detect(&plain_mean(&used, monitor)?, &params, monitor)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::{ChartParams, synth_chart};
+
+    #[test]
+    fn methods_and_their_names_agree() {
+        for method in BurstMethod::ALL {
+            assert_eq!(method.name().parse(), Ok(method));
+            assert_eq!(serde_json::to_value(method).expect("a word"), method.name());
+        }
+        assert!("surf".parse::<BurstMethod>().expect_err("unknown").contains("sift-frame"));
+    }
+
+    #[test]
+    fn the_means_are_of_all_frames_and_one_frame_is_one() {
+        let chart = ChartParams {
+            width: 200,
+            height: 150,
+            discs: 8,
+            radius: 4.0..=9.0,
+            max_slope: 0.0,
+            snr: 2.0,
+            ..ChartParams::default()
+        };
+        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let noise = |method, frames: Option<&str>| {
+            let frames = frames.map(|f| f.parse().expect("a range"));
+            let detector = DetectorParams { frames, ..DetectorParams::default() };
+            let line = SlopeGrid::line(-1.0..=1.0, 3);
+            let searches = Searches { detector: &detector, slopes_1d: line, slopes_2d: line };
+            f64::from(searches.detect(method, &burst, &Monitor::default()).expect("detected").frame_noise)
+        };
+        let one = noise(BurstMethod::SiftFrame, None);
+        // Ten frames have a √10 lower noise, four of them half of it. The merge keeps a little more of the middle frame's.
+        for (method, tolerance) in [(BurstMethod::SiftMean, 0.05), (BurstMethod::SiftMerge, 0.1)] {
+            assert!((noise(method, None) * 10f64.sqrt() / one - 1.0).abs() < tolerance, "{method:?}");
+            assert!((noise(method, Some("3..7")) * 2.0 / one - 1.0).abs() < tolerance, "{method:?}");
+        }
+    }
+}

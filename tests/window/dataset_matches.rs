@@ -1,0 +1,153 @@
+//! The matches of all pairs of a dataset: the matrix, the list, one pair.
+
+use crate::datasets::{click_burst, dataset, few_slopes, start, walk};
+use crate::support::Window;
+use burstscope::Monitor;
+use burstscope::app::state::room::Room;
+use burstscope::burst::OpenOptions;
+use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, match_pairs};
+use burstscope::matching::{MatchCounts, MatchParams};
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use std::path::Path;
+
+/// A window on three bursts whose features are found, in the room of their matches.
+fn detected(home: &Path) -> Window {
+    let mut window = start(walk(home)).open();
+    window.click("Detect all");
+    window.settle();
+    window.click("Matches");
+    window
+}
+
+fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
+    let job = FeatureJob { detector: few_slopes(), open: OpenOptions::default(), images: ImageKind::default() };
+    let store = FeatureStore::open(&home.join("film-burstscope-5"), &job).unwrap();
+    let features: Vec<_> = walk_again(home).iter().map(|b| store.kept(b).unwrap()).collect();
+    let mut counts = None;
+    let mut on = |_, result: &burstscope::matching::MatchResult| {
+        counts = Some(result.counts);
+        Ok(())
+    };
+    match_pairs(&features, &[pair], &MatchParams::default(), &mut on, &Monitor::default()).unwrap();
+    counts.unwrap()
+}
+
+fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstSource> {
+    let source =
+        burstscope::dataset::DatasetSource { paths: vec![home.join("film")], burst_length: Some(5), burst_step: None };
+    source.bursts().unwrap()
+}
+
+#[test]
+fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = detected(home.path());
+    window.click("Match pairs");
+    window.settle();
+    for pair in [(0, 1), (0, 2), (1, 2)] {
+        assert_eq!(dataset(&window).matches.get(pair), Some(&expected(home.path(), pair)), "{pair:?}");
+    }
+    assert!(window.shows("3 pairs matched"));
+    // The list and the matrix choose the same pair, which is A and B of the filmstrip.
+    window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_012").click();
+    window.harness.run_steps(3);
+    assert_eq!(dataset(&window).pair, [Some(0), Some(2)]);
+    let counts = expected(home.path(), (0, 2));
+    assert!(window.shows(&format!("{} putative matches, {} inliers", counts.putative, counts.inliers.unwrap())));
+    let matrix = window.harness.get_by_role_and_label(Role::Image, "Match matrix").rect();
+    // Cells are 64 points large; the first row is 18 points below the top, the first column 96 to the right.
+    window.click_at(matrix.min + egui::vec2(96.0 + 1.5 * 64.0, 18.0 + 2.5 * 64.0));
+    assert_eq!(dataset(&window).pair, [Some(1), Some(2)]);
+    window.key(Key::ArrowUp);
+    assert_eq!(dataset(&window).pair, [Some(0), Some(2)], "arrow keys move through the matrix");
+    window.click("Side by side");
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.room, Room::Pair);
+    assert_eq!(dataset(&window).place_of(model.burst.as_ref()), Some(0));
+    assert_eq!(dataset(&window).place_of(model.pair.b.burst.as_ref()), Some(2));
+    assert_eq!(model.pair.b.burst.as_ref().unwrap().burst.name, "frame_012");
+}
+
+#[test]
+fn neighbours_alone_or_one_pair_can_be_matched() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = detected(home.path());
+    window.harness.get_by_role_and_label(Role::RadioButton, "Each with the next").click();
+    window.harness.run_steps(2);
+    window.app_mut().model.datasets.choice.overlap = 1;
+    window.click("Match pairs");
+    window.settle();
+    let matched = |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.get(pair).is_some());
+    assert_eq!(matched(&window), [true, false, true]);
+    // Other parameters: what was matched with the earlier ones is forgotten as soon as it is matched again.
+    window.app_mut().model.pair.params.ratio = 0.7;
+    window.harness.run_steps(3);
+    assert!(window.shows("The parameters of matching changed since"));
+    click_burst(&mut window, "Use frame_002 as A");
+    click_burst(&mut window, "Use frame_012 as B");
+    window.click("Match A with B");
+    window.settle();
+    assert_eq!(matched(&window), [false, true, false]);
+    assert_eq!(dataset(&window).matches.params().ratio, 0.7);
+    // A burst without features is left out.
+    std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_012.png.txt")).unwrap();
+    window.harness.get_by_role_and_label(Role::RadioButton, "All pairs").click();
+    window.click("Match pairs");
+    window.settle();
+    assert!(window.shows("2 left out, whose bursts have no features yet"));
+}
+
+#[test]
+fn without_a_dataset_the_room_says_how_to_open_one() {
+    let mut window = crate::support::Start::without_auto_detect().open();
+    window.click("Matches");
+    assert!(window.shows("a folder of bursts, or a long sequence"));
+    window.dialogs.will_choose("/no/such/dataset");
+    window.click("Open dataset…");
+    window.settle();
+    assert!(window.shows("/no/such/dataset") && window.app().model.datasets.open.is_none());
+}
+
+#[test]
+fn trajectory_matrix() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = detected(home.path());
+    window.click("Match pairs");
+    window.settle();
+    window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_007").click();
+    let model = &mut window.app_mut().model;
+    let open = model.datasets.open.as_mut().unwrap();
+    // More bursts than a test has time for: the same film again and again, the more in common the nearer they are.
+    let many = 20;
+    let (bursts, states) = (open.bursts.clone(), open.states.clone());
+    open.bursts = std::sync::Arc::new(
+        (0..many)
+            .map(|k| burstscope::burst::BurstSource {
+                name: format!("frame_{:03}", 2 + 5 * k),
+                ..bursts[k % 3].clone()
+            })
+            .collect(),
+    );
+    open.states = (0..many).map(|k| states[k % 3].clone()).collect();
+    for a in 0..many {
+        for b in a + 1..many {
+            let apart = b - a;
+            let putative = 620 / (apart + 1) + 7 * (a % 4);
+            let inliers = if apart > 12 { 0 } else { putative * (40 - apart) / 44 };
+            let counts = MatchCounts { keypoints_a: 900, keypoints_b: 880, putative, inliers: Some(inliers) };
+            open.matches.take((a, b), counts);
+        }
+    }
+    for state in &mut open.states {
+        if let burstscope::app::dataset::BurstState::Done(finished) = state {
+            finished.seconds = Some(0.3);
+            finished.features *= 9;
+        }
+    }
+    open.folder = Some("/data/film-burstscope-5".into());
+    model.messages.note("190 pairs matched");
+    window.snapshot("trajectory_matrix");
+}

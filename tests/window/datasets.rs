@@ -1,0 +1,274 @@
+//! Many bursts: opening, cutting, detecting all, resuming, choosing two.
+
+use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::Startup;
+use burstscope::app::dataset::{BurstState, Dataset};
+use burstscope::dataset::DatasetSource;
+use burstscope::detector::SlopeGrid;
+use burstscope::synth::{SceneParams, synth_scene, write_burst};
+use burstscope::{DetectorParams, Monitor};
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT, Queryable};
+use std::path::{Path, PathBuf};
+
+/// Fifteen frames of a walk past a layered scene, in a folder of `home`.
+pub fn film(home: &Path) -> PathBuf {
+    let params = SceneParams {
+        width: 200,
+        height: 150,
+        frames: 15,
+        max_slope: 1.5,
+        snr: 20.0,
+        seed: 3,
+        ..SceneParams::default()
+    };
+    let (burst, truth) = synth_scene(&params, &Monitor::default()).unwrap();
+    let film = home.join("film");
+    write_burst(&film, &burst, &truth, &Monitor::default()).unwrap();
+    film
+}
+
+/// The same, cut into three bursts of five frames.
+pub fn walk(home: &Path) -> DatasetSource {
+    DatasetSource { paths: vec![film(home)], burst_length: Some(5), burst_step: None }
+}
+
+pub fn few_slopes() -> DetectorParams {
+    DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }
+}
+
+/// A window on a dataset, with few slopes.
+pub fn start(dataset: DatasetSource) -> Start {
+    let startup = Startup { source: None, dataset: Some(dataset), params: few_slopes(), ..Startup::default() };
+    let settings = Start::without_auto_detect().startup.settings;
+    Start { size: [1280.0, 800.0], startup: Startup { settings, ..startup }, ..Start::default() }
+}
+
+pub fn dataset(window: &Window) -> &Dataset {
+    window.app().model.datasets.open.as_ref().expect("a dataset is open")
+}
+
+fn features(window: &Window) -> Vec<Option<usize>> {
+    let count = |state: &BurstState| if let BurstState::Done(f) = state { Some(f.features) } else { None };
+    dataset(window).states.iter().map(count).collect()
+}
+
+/// Clicks on what is called so, whole or in part.
+pub fn click_burst(window: &mut Window, label: &str) {
+    window.harness.get_by_label_contains(label).click();
+    window.harness.run_steps(2);
+}
+
+#[test]
+fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector() {
+    let folder = tempfile::tempdir().unwrap();
+    let nights = folder.path().join("nights");
+    for (name, frames) in [("first", 3), ("second", 6)] {
+        std::fs::create_dir_all(nights.join(name)).unwrap();
+        noisy_stack(&nights.join(name), frames, 40, 40);
+    }
+    let mut window = Start::without_auto_detect().open();
+    window.dialogs.will_choose(&nights);
+    window.click("Open…");
+    window.settle();
+    // The folder holds one stack in each subfolder; stacks are named after themselves.
+    let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
+    assert_eq!(names, ["first", "second"]);
+    assert_eq!(window.app().model.frame_count(), 3);
+    assert!(window.shows("2 bursts, 0 done"));
+    click_burst(&mut window, "Burst second");
+    window.settle();
+    assert_eq!(window.app().model.frame_count(), 6);
+    window.ctrl(Key::ArrowLeft);
+    window.settle();
+    assert_eq!(window.app().model.frame_count(), 3);
+    assert_eq!(window.app().remembered().datasets, [DatasetSource::of_bursts(vec![nights])]);
+    assert!(window.app().recent().is_empty(), "bursts of a dataset are not remembered one by one");
+    window.click("Close dataset");
+    assert!(window.app().model.datasets.open.is_none() && !window.shows("Burst second"));
+}
+
+#[test]
+fn all_bursts_are_detected_and_found_done_by_the_next_window() {
+    let home = tempfile::tempdir().unwrap();
+    let source = walk(home.path());
+    let mut window = start(source.clone()).open();
+    assert!(window.shows("Burst frame_002: waiting") && window.shows("Burst frame_012: waiting"));
+    assert!(window.shows("frame_002 · 5 frames"), "the burst that is open has its name in the dataset");
+    window.click("Detect all");
+    assert!(window.app().model.datasets.work.is_some());
+    window.settle();
+    let found = features(&window);
+    let params = few_slopes();
+    for (burst, found) in source.bursts().unwrap().iter().zip(&found) {
+        let open = burstscope::burst::OpenOptions::default();
+        let opened = burstscope::Burst::open_with(&burst.paths, &open, &Monitor::default()).unwrap();
+        let expected = burstscope::detect(&opened, &params, &Monitor::default()).unwrap();
+        assert_eq!(*found, Some(expected.features.len()), "{}", burst.name);
+    }
+    assert!(window.shows("3 bursts, 3 done") && window.shows("3 bursts done in"));
+    assert!(home.path().join("film-burstscope-5/features/frame_007.png.txt").is_file());
+
+    // After a restart everything is there, and what is gone is done again.
+    std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_007.png.txt")).unwrap();
+    let mut next = start(source.clone()).open();
+    assert_eq!(features(&next), [found[0], None, found[2]]);
+    next.ctrl(Key::D);
+    next.settle();
+    assert_eq!(features(&next), found);
+
+    // With other parameters nothing is done, and the folder's own can be had.
+    let mut other = start(source);
+    other.startup.params.peak_threshold *= 1.5;
+    let mut other = other.open();
+    assert_eq!(features(&other), [None; 3]);
+    assert!(other.shows("The folder has features of other parameters"));
+    other.click("Use those");
+    other.settle();
+    assert_eq!((features(&other), &other.app().model.params), (found, &params));
+    other.app_mut().model.params.peak_threshold *= 2.0;
+    other.settle();
+    assert!(other.shows("The parameters changed"));
+}
+
+#[test]
+fn a_burst_that_fails_says_why_and_the_others_go_on() {
+    let home = tempfile::tempdir().unwrap();
+    let source = walk(home.path());
+    std::fs::write(home.path().join("film/frame_006.png"), "broken").unwrap();
+    let mut window = start(source).open();
+    window.click("Detect all");
+    window.settle();
+    assert!(window.shows("3 bursts, 2 done, 1 failed"));
+    assert!(window.shows("Burst frame_007: failed"));
+    let BurstState::Failed(error) = &dataset(&window).states[1] else { panic!("it failed") };
+    assert!(error.contains("frame_006.png"), "{error}");
+    assert!(window.shows("1 failed, see the filmstrip"));
+}
+
+#[test]
+fn what_is_done_stays_when_it_is_cancelled() {
+    let home = tempfile::tempdir().unwrap();
+    let mut start = start(walk(home.path()));
+    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
+    let mut window = start.open();
+    window.click("Detect all");
+    window.wait("the first burst is done", |app| {
+        app.model.datasets.open.as_ref().is_some_and(|d| matches!(d.states[0], BurstState::Done(_)))
+    });
+    assert!(window.app().model.datasets.work.is_some(), "it must still run for this test to mean something");
+    // The inspector is alive meanwhile.
+    window.slide("Slope u", 1.0);
+    window.wait("the picture of the new slope", |app| app.model.picture_is_current());
+    window.click("Cancel all");
+    window.wait("it ends", |app| app.model.datasets.work.is_none());
+    let done = dataset(&window).counts().done;
+    assert!((1..3).contains(&done), "{done}");
+    assert!(!dataset(&window).states.contains(&BurstState::Running));
+    assert!(window.shows("cancelled; what is done stays done"));
+}
+
+#[test]
+fn a_long_sequence_is_cut_as_one_says() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
+    window.dialogs.will_choose(film(home.path()));
+    window.run_action("open dataset");
+    window.wait("the question", |app| app.model.datasets.work.is_none());
+    assert!(window.shows("15 frames") && window.shows("1 burst, each named"));
+    window.harness.get_by_role_and_label(Role::SpinButton, "Burst length").set_value_accesskit(6.0);
+    window.harness.run_steps(2);
+    assert!(window.shows("2 bursts, each named after its middle frame; the last 3 frames are left out"));
+    window.click("Cut");
+    window.settle();
+    let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
+    assert_eq!((names, window.app().model.frame_count()), (vec!["frame_003", "frame_009"], 6));
+    // The burst that is open can be cut further.
+    window.run_action("cut into bursts");
+    assert!(window.shows("6 frames"));
+    window.key(Key::Escape);
+    window.settle();
+    assert!(!window.shows("Cut a sequence into bursts"));
+}
+
+#[test]
+fn a_and_b_are_chosen_in_the_strip_or_by_action() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = start(walk(home.path())).open();
+    click_burst(&mut window, "Use frame_007 as A");
+    click_burst(&mut window, "Use frame_012 as B");
+    assert_eq!(dataset(&window).pair, [Some(1), Some(2)]);
+    window.run_action("use burst as b");
+    assert_eq!(dataset(&window).pair, [Some(1), Some(0)]);
+}
+
+#[test]
+fn folders_that_will_not_do_are_named() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = start(walk(home.path())).open();
+    // A folder with something else in it.
+    let own = home.path().join("own");
+    std::fs::create_dir(&own).unwrap();
+    std::fs::write(own.join("thesis.txt"), "precious").unwrap();
+    window.dialogs.will_choose(&own);
+    window.click("Choose feature folder…");
+    window.settle();
+    assert!(window.shows("name a new or an empty folder") && window.shows("own"));
+    assert!(window.shows("Features cannot be kept here"));
+    let detect = window.harness.get_by_role_and_label(Role::Button, "Detect all");
+    assert!(NodeT::accesskit_node(&detect).is_disabled());
+    window.dialogs.will_choose(home.path().join("new"));
+    window.click("Choose feature folder…");
+    window.settle();
+    assert!(!window.shows("Features cannot be kept here"));
+    window.click("Detect all");
+    window.settle();
+    assert!(home.path().join("new/manifest.json").is_file());
+    // A dataset without pictures, dropped; what is open stays.
+    window.drop_file(own);
+    window.settle();
+    assert!(window.shows("holds no pictures") && dataset(&window).bursts.len() == 3);
+}
+
+#[test]
+fn a_session_brings_the_dataset_back() {
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("walk.burstscope.toml");
+    let mut window = start(walk(home.path())).open();
+    click_burst(&mut window, "Burst frame_007");
+    window.settle();
+    click_burst(&mut window, "Use frame_012 as B");
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    let mut other = Start::without_auto_detect().open();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    assert_eq!((dataset(&other).pair, dataset(&other).bursts.len()), ([None, Some(2)], 3));
+    assert_eq!(dataset(&other).place_of(other.app().model.burst.as_ref()), Some(1));
+}
+
+#[test]
+fn filmstrip() {
+    let home = tempfile::tempdir().unwrap();
+    let source = walk(home.path());
+    std::fs::write(home.path().join("film/frame_012.png"), "broken").unwrap();
+    let mut window = start(source).open();
+    window.click("Detect all");
+    window.settle();
+    click_burst(&mut window, "Use frame_002 as A");
+    click_burst(&mut window, "Use frame_007 as B");
+    let model = &mut window.app_mut().model;
+    let dataset = model.datasets.open.as_mut().unwrap();
+    // How long it took, and where this test's files lie, differ from run to run.
+    for state in &mut dataset.states {
+        if let BurstState::Done(finished) = state {
+            finished.seconds = Some(0.3);
+        }
+    }
+    dataset.folder = Some("/data/film-burstscope-5".into());
+    model.messages.note("2 bursts done");
+    window.snapshot("filmstrip");
+}

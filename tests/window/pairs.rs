@@ -1,0 +1,294 @@
+//! Two bursts side by side, and the matches between them.
+
+use crate::support::{Start, Window, noisy_stack};
+use burstscope::Monitor;
+use burstscope::app::state::pair::{MatchColumn, Side};
+use burstscope::app::state::room::Room;
+use burstscope::app::state::scrub::ViewKind;
+use burstscope::detector::Slope;
+use burstscope::engine::{BurstSource, PictureKind};
+use burstscope::matching::{Geometry, match_detections};
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+/// A window with the demo as A and the demo a little later as B, features and matches found.
+fn pair() -> Window {
+    let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
+    start.startup.second = Some(BurstSource::DemoLater);
+    start.open()
+}
+
+/// Where the middle of the line of match `index` is, in points.
+fn middle_of(window: &Window, index: usize) -> egui::Pos2 {
+    let app = window.app();
+    let row = app.model.pair.matches.as_ref().unwrap().row(index).unwrap();
+    let a = app.ui_from_image(egui::pos2(row.a.u, row.a.v)).unwrap();
+    let b = app.pair_panels.ui_from_image_b().unwrap().pos(egui::pos2(row.b.u, row.b.v));
+    a + 0.5 * (b - a)
+}
+
+#[test]
+fn a_second_burst_is_opened_beside_the_first_and_matched() {
+    let mut window = Start { size: [1400.0, 900.0], ..Start::default() }.open();
+    window.click("Two bursts");
+    window.settle();
+    assert!(window.shows("Open a second burst"));
+    window.click("Later demo burst as B");
+    window.settle();
+    let model = &window.app().model;
+    let names = Side::BOTH.map(|side| model.burst_of(side).unwrap().burst.name.clone());
+    assert_eq!(names, ["demo", "demo-later"]);
+    let [a, b] = Side::BOTH.map(|side| model.found_of(side).unwrap().detection.clone());
+    let expected = match_detections(&a, &b, &model.pair.params, &Monitor::default()).unwrap();
+    assert_eq!(*model.pair.matches.as_ref().unwrap().result, expected, "the window matches as the library does");
+    let counts = expected.counts;
+    assert!(counts.inliers.unwrap() > 50 && counts.precision().unwrap() > 0.7, "{counts:?}");
+    for text in [
+        format!("Keypoints {} + {}", counts.keypoints_a, counts.keypoints_b),
+        format!("Putative {}", counts.putative),
+        format!("Inliers {}", counts.inliers.unwrap()),
+        format!("Match ratio {:.3}", counts.match_ratio()),
+        format!("Match score {:.3}", counts.match_score().unwrap()),
+        format!("Precision {:.3}", counts.precision().unwrap()),
+    ] {
+        assert!(window.shows(&text), "{text}");
+    }
+}
+
+#[test]
+fn a_match_is_pointed_at_chosen_and_seen_alone() {
+    let mut window = pair();
+    // Zoomed in on one match that the others leave room.
+    window.click("Sort by σ A");
+    window.click("Sort by σ A");
+    window.settle();
+    let index = window.app().model.pair.listed[0];
+    let pos = middle_of(&window, index);
+    window.click_at(pos);
+    window.settle();
+    let chosen = window.app().model.pair.selected.expect("a line is there");
+    assert!(window.shows(&format!("Match {}: ", chosen + 1)));
+    for name in ["Patch in A", "Patch in B", "Descriptor in A", "Descriptor in B"] {
+        assert!(window.harness.query_by_role_and_label(Role::Image, name).is_some(), "{name}");
+    }
+    let patches = window.app().pair_panels.patches.clone().unwrap();
+    let model = &window.app().model;
+    let row = model.pair.matches.as_ref().unwrap().row(chosen).unwrap();
+    assert_eq!(patches.a.request.kind, PictureKind::Stack { slope: row.a.slope }, "from its own motion stack");
+    assert_eq!(patches.b.request.kind, PictureKind::Stack { slope: row.b.slope });
+    assert!(window.shows(&format!("{:.3}", row.found.ratio)) && window.shows("Epipolar error"));
+    // Rows and keys choose too.
+    window.harness.get_by_role_and_label(Role::Row, &format!("Match {}", chosen + 1)).click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.pair.selected, None, "a click on the selected row takes the selection back");
+    window.key(Key::Home);
+    assert_eq!(window.app().model.pair.selected, Some(index));
+    window.key(Key::N);
+    assert_eq!(window.app().model.pair.selected, Some(window.app().model.pair.listed[1]));
+    window.key(Key::Enter);
+    window.settle();
+    let model = &window.app().model;
+    let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
+    assert_eq!((model.scrub.slope, model.pair.b.scrub.slope), (row.a.slope, row.b.slope));
+    window.key(Key::Escape);
+    assert_eq!(window.app().model.pair.selected, None);
+}
+
+#[test]
+fn headings_sort_and_switches_leave_out() {
+    let mut window = pair();
+    window.click("Sort by Ratio");
+    window.settle();
+    let ratios = |window: &Window| -> Vec<f32> {
+        let pair = &window.app().model.pair;
+        let matches = pair.matches.as_ref().unwrap();
+        pair.listed.iter().map(|&i| matches.row(i).unwrap().found.ratio).collect()
+    };
+    assert_eq!(window.app().model.pair.order.column, MatchColumn::Ratio);
+    assert!(ratios(&window).is_sorted());
+    let counts = window.app().model.pair.matches.as_ref().unwrap().result.counts;
+    assert_eq!(ratios(&window).len(), counts.putative);
+    window.harness.get_by_role_and_label(Role::CheckBox, "Outliers").click();
+    window.settle();
+    assert_eq!(ratios(&window).len(), counts.inliers.unwrap());
+    window.key(Key::U);
+    window.key(Key::I);
+    window.settle();
+    assert_eq!(ratios(&window).len(), counts.putative - counts.inliers.unwrap());
+}
+
+#[test]
+fn parameters_of_matching_are_live_documented_and_checked() {
+    let mut window = Start { size: [1400.0, 1700.0], ..Start::default() };
+    window.startup.second = Some(BurstSource::DemoLater);
+    let mut window = window.open();
+    for doc in burstscope::matching::params::doc::ALL {
+        assert!(window.shows(doc.label), "{}", doc.label);
+        assert!(doc.unit.is_empty() || window.shows(doc.unit), "the unit of {}", doc.label);
+    }
+    let before = window.app().model.pair.matches.as_ref().unwrap().result.clone();
+    window.app_mut().model.pair.params.ratio = 0.6;
+    window.settle();
+    let after = window.app().model.pair.matches.as_ref().unwrap().result.clone();
+    assert!(after.matches.len() < before.matches.len() && after.matches.iter().all(|m| m.ratio <= 0.6));
+    window.app_mut().model.pair.params.ratio = -1.0;
+    window.settle();
+    assert!(window.shows("give more than 0 and at most 1"));
+    assert_eq!(window.app().model.pair.matches.as_ref().unwrap().result.counts, after.counts, "the last ones stay");
+    window.click("Reset Ratio test");
+    window.settle();
+    assert_eq!(window.app().model.pair.matches.as_ref().unwrap().result.counts, before.counts);
+    // The essential matrix needs the camera.
+    window.app_mut().model.pair.params.geometry = Geometry::Essential;
+    window.settle();
+    assert!(window.shows("the essential matrix needs the camera's intrinsics"));
+    window.click("Guess");
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.pair.params.camera.as_ref().map(|c| (c.width, c.height)), Some((480, 360)));
+    assert!(model.pair.matches.as_ref().unwrap().model().is_some());
+}
+
+#[test]
+fn hands_move_together_or_each_its_own() {
+    let mut window = pair();
+    window.slide("Slope u", 1.25);
+    window.settle();
+    let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.hand_of(side).slope.u);
+    assert_eq!(slopes(&window), [1.25, 1.25]);
+    window.harness.get_by_role_and_label(Role::CheckBox, "Slope and scale together").click();
+    window.harness.run_steps(2);
+    window.click("Hand on B");
+    window.slide("Slope u", -0.5);
+    window.key(Key::Num3);
+    window.settle();
+    assert_eq!(slopes(&window), [1.25, -0.5]);
+    assert_eq!(Side::BOTH.map(|side| window.app().model.hand_of(side).kind), [ViewKind::Stack, ViewKind::Dog]);
+    assert!(window.app().model.second_picture_is_current());
+    assert!(window.shows("slope (1.25, 0.00) px/frame") && window.shows("slope (-0.50, 0.00) px/frame"));
+    window.key(Key::T);
+    window.key(Key::K);
+    window.settle();
+    assert_eq!(slopes(&window), [1.25, 1.25], "the one that the hand does not move comes to the other");
+}
+
+#[test]
+fn both_pictures_zoom_and_pan_together_when_asked() {
+    let mut window = pair();
+    let views = |window: &Window| {
+        let app = window.app();
+        [app.view, app.pair_panels.view_b].map(|view| (view.zoom, view.centre_image))
+    };
+    // Zooms as the wheel does, at a place of A.
+    let pos = window.app().ui_from_image(egui::pos2(120.0, 90.0)).unwrap();
+    zoom_at(&mut window, pos);
+    let [a, b] = views(&window);
+    assert_ne!(a.0, burstscope::app::canvas::Zoom::Fit);
+    assert_eq!(a, b);
+    window.key(Key::V);
+    zoom_at(&mut window, pos);
+    let [a, b] = views(&window);
+    assert_ne!(a, b);
+}
+
+fn zoom_at(window: &mut Window, pos: egui::Pos2) {
+    window.harness.hover_at(pos);
+    window.harness.run_steps(1);
+    window.harness.event(egui::Event::Zoom(1.8));
+    window.harness.run_steps(4);
+    window.harness.remove_cursor();
+    window.harness.run_steps(2);
+}
+
+#[test]
+fn files_dropped_on_the_right_pane_are_opened_there() {
+    #[derive(Debug)]
+    struct Dropped(std::path::PathBuf);
+    impl egui::DroppedFile for Dropped {
+        fn path(&self) -> &std::path::Path {
+            &self.0
+        }
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            std::fs::read(&self.0).map_err(|e| e.to_string())
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = noisy_stack(folder.path(), 5, 60, 80);
+    let mut window = Start::without_auto_detect().open();
+    window.click("Two bursts");
+    window.settle();
+    let pane = window.app().pair_panels.rect_b.unwrap();
+    window.harness.hover_at(pane.center());
+    window.harness.run_steps(1);
+    window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
+    window.harness.step();
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.burst_of(Side::A).unwrap().burst.name, "demo");
+    assert_eq!(model.burst_of(Side::B).unwrap().burst.size(), (80, 60));
+    assert!(window.shows("No features yet in A and B"));
+    window.run_action("swap a and b");
+    window.settle();
+    assert_eq!(window.app().model.size(), (80, 60));
+}
+
+#[test]
+fn a_session_brings_the_pair_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("pair.burstscope.toml");
+    let mut window = pair();
+    window.app_mut().model.pair.params.ratio = 0.7;
+    window.settle();
+    window.key(Key::Home);
+    window.key(Key::N);
+    window.key(Key::K);
+    window.click("Hand on B");
+    window.slide("Slope u", 0.75);
+    window.settle();
+    let saved = window.app().model.pair.saved_match().unwrap();
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+
+    let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    let model = &other.app().model;
+    assert_eq!(model.room, Room::Pair);
+    assert_eq!(model.burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
+    assert_eq!(model.pair.params.ratio, 0.7);
+    assert_eq!(model.pair.b.scrub.slope, Slope::new(0.75, 0.0));
+    assert_eq!((model.pair.active, model.pair.links.hands), (Side::B, false));
+    assert_eq!(model.pair.saved_match(), Some(saved), "the same match is selected");
+}
+
+#[test]
+fn a_second_burst_that_cannot_be_opened_is_named_and_the_pair_stays() {
+    let mut window = pair();
+    let before = window.app().model.burst_of(Side::B).unwrap().id;
+    window.dialogs.will_choose("/no/such/burst-of-frames");
+    window.run_action("open b: folder");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows("burst-of-frames"));
+    assert_eq!(window.app().model.burst_of(Side::B).unwrap().id, before);
+}
+
+#[test]
+fn matches_are_exported_as_a_table_and_as_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = pair();
+    for (action, name) in [("matches as csv", "m.csv"), ("match picture", "m.png")] {
+        window.dialogs.will_choose(folder.path().join(name));
+        window.run_action(action);
+        window.settle();
+        assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
+    }
+    let counts = window.app().model.pair.matches.as_ref().unwrap().result.counts;
+    let csv = std::fs::read_to_string(folder.path().join("m.csv")).unwrap();
+    assert_eq!(csv.lines().count(), counts.putative + 1);
+    let gap = burstscope::export::PICTURE_GAP_PX as u32;
+    let picture = image::open(folder.path().join("m.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (480 + gap + 480, 360));
+}

@@ -1,0 +1,154 @@
+//! An estimated trajectory beside the true one.
+
+use crate::support::{Start, Window};
+use burstscope::app::dataset::Which;
+use burstscope::app::state::room::Room;
+use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Fourteen cameras on an arc that rises a little, looking along +z.
+fn true_centres() -> Vec<[f64; 3]> {
+    (0..14).map(|k| f64::from(k) * 0.2).map(|t| [3.0 * t.sin(), 0.3 * t, 3.0 * (1.0 - t.cos())]).collect()
+}
+
+/// The truth as a file of trajectories with names, and a sparse model of another scale in which one camera is missing and the others are a little off.
+fn files(home: &Path) -> (PathBuf, PathBuf) {
+    let (mut truth, mut images, mut points) = (String::new(), String::new(), String::new());
+    for (k, [x, y, z]) in true_centres().into_iter().enumerate() {
+        writeln!(truth, "burst_{k:02}.png {x} {y} {z} 0 0 0 1").unwrap();
+        if k == 9 {
+            continue;
+        }
+        let off = 0.05 * ((7 * k % 5) as f64 - 2.0);
+        let (x, y, z) = (2.0 * x + off, 2.0 * y - off, 2.0 * z + 0.5 * off);
+        // A sparse model has the world in the camera. The cameras nod a little more than they should.
+        let half = 0.002 * ((5 * k % 7) as f64 - 3.0);
+        let (sin, cos) = ((2.0 * half).sin(), (2.0 * half).cos());
+        let (x, y, z) = (-x, -(cos * y - sin * z), -(sin * y + cos * z));
+        writeln!(images, "{} {} {} 0 0 {x} {y} {z} 1 burst_{k:02}.png", k + 1, half.cos(), half.sin()).unwrap();
+        let seen = 40 + 30 * (k % 4);
+        let keypoints: Vec<String> = (0..seen).map(|i| format!("{i} {i} {}", i + 1)).collect();
+        writeln!(images, "{}", keypoints.join(" ")).unwrap();
+    }
+    for point in 1..=130 {
+        writeln!(points, "{point} 0 0 9 128 128 128 0.6 1 0 2 0 3 0").unwrap();
+    }
+    let (model, path) = (home.join("sparse"), home.join("truth.txt"));
+    std::fs::create_dir_all(&model).unwrap();
+    std::fs::write(model.join("images.txt"), images).unwrap();
+    std::fs::write(model.join("points3D.txt"), points).unwrap();
+    std::fs::write(&path, truth).unwrap();
+    (model, path)
+}
+
+fn open_both(home: &Path) -> (Window, PoseReport) {
+    let (estimate, truth) = files(home);
+    let report =
+        evaluate_poses(&read_trajectory(&estimate).unwrap(), &read_trajectory(&truth).unwrap(), &PoseStudy::default())
+            .unwrap();
+    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
+    window.dialogs.will_choose(estimate.join("images.txt"));
+    window.run_action("open estimated trajectory");
+    window.settle();
+    window.dialogs.will_choose(truth);
+    window.run_action("open true trajectory");
+    window.settle();
+    (window, report)
+}
+
+#[test]
+fn the_errors_are_those_of_the_library() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, report) = open_both(home.path());
+    assert_eq!(window.app().model.room, Room::Trajectories);
+    assert_eq!(window.app().model.trajectories.report().map(|r| (**r).clone()), Some(report.clone()));
+    assert!(window.shows("13 of 14 (93 %)"));
+    for errors in [&report.absolute, &report.relative] {
+        assert!(window.shows(&format!("{:.4}", errors.translation.rmse)));
+    }
+    assert!(window.shows(&format!("{:.1}", report.model.unwrap().points_per_image)));
+    window.harness.get_by_role_and_label(Role::Row, "Camera burst_04.png").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.trajectories.selected, Some(4));
+    // Motions over three poses have other errors.
+    window.harness.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.settle();
+    let over_three = window.app().model.trajectories.report().unwrap().clone();
+    assert_eq!((over_three.step, over_three.relative.count), (3, 10));
+    assert!(window.shows(&format!("{:.4}", over_three.relative.translation.rmse)));
+    window.run_action("close trajectories");
+    window.settle();
+    assert!(window.app().model.trajectories.is_empty() && window.shows("none yet"));
+}
+
+#[test]
+fn a_camera_is_pointed_at_in_the_plane() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    window.app_mut().model.trajectories.projection = Projection::Xz;
+    window.settle();
+    let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
+    let scene = window.app_mut().model.trajectories.scene();
+    let view = window.app().model.trajectories.view;
+    let at = canvas.center() + view.points_per_pixel() * (scene.estimate[6].pos - egui::Pos2::from(view.centre_image));
+    window.harness.hover_at(at);
+    window.harness.run_steps(30);
+    assert_eq!(window.app().model.trajectories.hovered, Some(6));
+    assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
+    window.click_at(at);
+    assert_eq!(window.app().model.trajectories.selected, Some(6));
+}
+
+#[test]
+fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    let broken = home.path().join("broken.txt");
+    std::fs::write(&broken, "1 2 3\n").unwrap();
+    window.app_mut().open_trajectory(Which::Truth, broken);
+    window.settle();
+    assert!(window.shows("broken.txt") && window.shows("line 1"));
+    assert!(window.app().model.trajectories.report().is_some());
+    // A truth of other places: both are there, but nothing to compare.
+    let other = home.path().join("other.txt");
+    std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
+    window.drop_file(other);
+    window.settle();
+    assert!(window.app().model.trajectories.report().is_none());
+    assert!(window.app().model.trajectories.problem().is_some());
+    assert!(window.shows("cannot be"));
+}
+
+#[test]
+fn a_session_brings_the_trajectories_back() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, report) = open_both(home.path());
+    window.app_mut().model.trajectories.projection = Projection::Yz;
+    let file = home.path().join("walk.burstscope.toml");
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    let mut other = Start::without_auto_detect().open();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    let model = &other.app().model;
+    assert_eq!((model.room, model.trajectories.projection), (Room::Trajectories, Projection::Yz));
+    assert_eq!(model.trajectories.report().map(|r| r.absolute), Some(report.absolute));
+}
+
+#[test]
+fn trajectories() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    let compared = &mut window.app_mut().model.trajectories.compared;
+    // Where this test's files lie differs from run to run.
+    compared.estimate.as_mut().unwrap().0 = "/data/rec/sparse".into();
+    compared.truth.as_mut().unwrap().0 = "/data/truth.txt".into();
+    window.app_mut().model.trajectories.selected = Some(3);
+    window.app_mut().model.messages.note("Opened demo");
+    window.snapshot("trajectories");
+}
