@@ -4,10 +4,11 @@ use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
 use super::evaluate_matches;
 use super::evaluate_poses;
-use super::evaluate_tables::{accuracy_table, chart_table, noise_table};
+use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
 use super::search_options::SearchArgs;
 use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
+use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
 use crate::evaluate::figure::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
 use crate::evaluate::{AccuracyStudy, ChartStudy, NoiseStudy};
@@ -135,9 +136,23 @@ fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
         detector: DetectorParams { slopes: slopes.unwrap_or(default.detector.slopes), ..detector },
     };
     let console = Console::new(&args.output)?;
-    let report = study.run(&console.monitor)?;
-    console.say(&accuracy_table(&report))?;
+    let crowded = study.run(&console.monitor)?;
+    let apart = match args.apart_discs.unwrap_or_else(|| discs_apart(&study.chart)) {
+        0 => None,
+        discs => Some(study.standing_apart(discs).run(&console.monitor)?),
+    };
+    let report = AccuracyDocument { crowded, apart };
+    console.say(&accuracy_tables(&report.crowded, report.apart.as_ref()))?;
     console.say_json(&Document::new("evaluate accuracy", &report))
+}
+
+/// What `evaluate accuracy` reports.
+#[derive(Serialize)]
+struct AccuracyDocument {
+    #[serde(flatten)]
+    crowded: AccuracyReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    apart: Option<AccuracyReport>,
 }
 
 fn noise(args: &NoiseArgs) -> Result<(), Failure> {

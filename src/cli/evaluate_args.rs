@@ -118,12 +118,22 @@ JSON (--json):
      \"default_true_positives\", \"default_false_features\", \"noise_estimate_ratio\", \"roc\": [mean discs found with at most 0, 1, … false features],
      \"charts\": [{\"seed\", \"true_positives\", \"default_true_positives\", \"default_false_features\", \"noise_estimate_ratio\"}]}]}]}";
 
+const ACCURACY_HELP: &str = "\
+JSON (--json):
+  {\"version\", \"command\": \"evaluate accuracy\", \"chart\", \"first_seed\", \"seeds\", \"detector\": {as in the parameter file},
+   \"rows\": [{\"snr\", \"within\": {\"discs\", \"found\", \"marked\"}, \"beyond\": {the same}, \"distance\": [median, 95 %], \"apart\", \"distance_apart\",
+     \"u\": {\"count\", \"signed\": {\"mean\", \"standard_error\"}, \"median_magnitude\", \"magnitude_95\"}, \"v\", \"scale\", \"slope_u\", \"slope_v\", \"slope_distance\"}],
+   \"apart\": {the same, from \"chart\" on, of discs that stand apart}}";
+
 /// Compare places, scales and slopes with the truth.
 ///
 /// Slopes of the discs are drawn from a continuum that reaches beyond the grid searched. For each disc that is found the strongest feature is
 /// compared with the truth at mid-burst. Features marked as lying at the limit of the slope grid are counted and left out of the errors. Scales
 /// are compared with the σ at which a difference of Gaussians answers a disc most strongly (0.633 of the radius with 3 levels an octave).
+///
+/// Two kinds of charts are measured: crowded ones, where neighbours draw features aside, and ones with fewer discs that stand apart in all frames.
 #[derive(Debug, Clone, Args)]
+#[command(after_long_help = ACCURACY_HELP)]
 pub struct AccuracyArgs {
     /// Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO,…", value_delimiter = ',', default_value = "5,0.6")]
@@ -131,6 +141,9 @@ pub struct AccuracyArgs {
     /// Largest slope of the discs on each axis that moves, pixels per frame.
     #[arg(long, value_name = "SLOPE", default_value_t = 3.5)]
     pub max_slope: f64,
+    /// Number of discs of the charts on which they stand apart; 0 leaves those charts out. Without it 20 on 800×600 pixels, and as many for their area on others.
+    #[arg(long, value_name = "N")]
+    pub apart_discs: Option<usize>,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub charts: ChartsArgs,

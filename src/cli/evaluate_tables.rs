@@ -13,9 +13,10 @@ pub(super) fn chart_table(report: &ChartReport) -> String {
     text
 }
 
-pub(super) fn accuracy_table(report: &AccuracyReport) -> String {
+/// The crowded charts, then those whose discs stand apart.
+pub(super) fn accuracy_tables(crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> String {
     let mut text = String::new();
-    let _ = write_accuracy(&mut text, report);
+    let _ = write_accuracy(&mut text, crowded, apart);
     text
 }
 
@@ -83,12 +84,17 @@ fn write_columns(out: &mut String, report: &ChartReport, cell: impl Fn(&MethodRe
     Ok(())
 }
 
-fn write_accuracy(out: &mut String, report: &AccuracyReport) -> Result {
-    write_charts(out, &report.chart, report.first_seed, report.seeds)?;
-    let grid = report.detector.used_slopes();
+fn write_accuracy(out: &mut String, crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> Result {
+    let grid = crowded.detector.used_slopes();
     writeln!(out, "searched at slopes u {} and v {} (min:max:count, px/frame)", grid.u, grid.v)?;
-    for row in &report.rows {
-        write_accuracy_row(out, row)?;
+    let titles = ["Crowded charts: neighbours draw features aside", "Charts of discs that stand apart in all frames"];
+    for (title, report) in titles.into_iter().zip([Some(crowded), apart]) {
+        let Some(report) = report else { continue };
+        writeln!(out, "\n{title}")?;
+        write_charts(out, &report.chart, report.first_seed, report.seeds)?;
+        for row in &report.rows {
+            write_accuracy_row(out, row)?;
+        }
     }
     writeln!(
         out,

@@ -3,11 +3,14 @@
 use super::blur_patch::BlurScratch;
 use super::descriptor::{DescriptorScratch, descriptor, descriptor_radius};
 use super::feature::{Descriptor, Feature};
-use super::locate::{FARTHEST_MOVE_PX, filter_reach, filter_scales, locate};
+use super::localising::LocateScratch;
+use super::locate::{FARTHEST_MOVE_PX, hat_reach, rim_radius};
+use super::motion::FrameOffset;
 use super::octave::Base;
 use super::orientation::{OrientationScratch, orientations};
-use super::params::{DetectorParams, Localisation};
+use super::params::DetectorParams;
 use super::patch::{Patch, PatchScratch, around};
+use super::scale_peak;
 use super::scale_space::{ScaleSpace, octave_pixel};
 use super::slope_grid::{Slope, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor};
@@ -39,10 +42,16 @@ pub(super) struct Keypoint {
 pub(super) struct Describing<'a> {
     /// Where the octave's first level at a slope of the grid comes from.
     pub base: &'a (dyn Fn(usize) -> Base<'a> + Sync),
+    /// The same for the octave before; the first octave has none.
+    pub finer: Option<&'a (dyn Fn(usize) -> Base<'a> + Sync)>,
+    /// Where the frames are read at each slope of the grid.
+    pub offsets: &'a [Vec<FrameOffset>],
     /// The octave.
     pub octave: i32,
     /// Its size.
     pub size: (usize, usize),
+    /// The image's size.
+    pub size_image: (usize, usize),
     /// The slopes searched.
     pub grid: SlopeGrid,
     /// The scales searched.
@@ -64,40 +73,13 @@ struct Scratch {
     raw: Patch,
     level: Patch,
     patch: PatchScratch,
+    locate: LocateScratch,
     blur: BlurScratch,
     orientation: OrientationScratch,
     descriptor: DescriptorScratch,
 }
 
 impl Describing<'_> {
-    /// The keypoint at its place and slope on the continuous D, where the parameters ask for that and it has one. `raw` holds the pixels around it.
-    fn located(&self, keypoint: &Keypoint, raw: &Patch, scales: (f64, f64)) -> Keypoint {
-        if self.params.localisation == Localisation::Quadratic {
-            return *keypoint;
-        }
-        let (i, j) = self.grid.coordinates(keypoint.slope_index);
-        let reach = filter_reach(scales);
-        let neighbour = |di: i32, dj: i32| {
-            let i = i.checked_add_signed(di as isize).filter(|&i| i < self.grid.u.count)?;
-            let j = j.checked_add_signed(dj as isize).filter(|&j| j < self.grid.v.count)?;
-            let base = (self.base)(j * self.grid.u.count + i);
-            let (columns, rows) = (around(keypoint.x, reach), around(keypoint.y, reach));
-            let mut patch = Patch::default();
-            base.patch(self.size, columns, rows, &mut PatchScratch::default(), &mut patch);
-            Some(patch)
-        };
-        let at = (f64::from(keypoint.x), f64::from(keypoint.y));
-        let Some(found) = locate(raw, neighbour, at, scales) else {
-            return *keypoint;
-        };
-        Keypoint {
-            x: found.x as f32,
-            y: found.y as f32,
-            slope: self.grid.at(i as f32 + found.slope_step_i, j as f32 + found.slope_step_j),
-            ..*keypoint
-        }
-    }
-
     /// Orientations and descriptors of the octave's keypoints, in an order that depends on the keypoints alone.
     ///
     /// # Errors
@@ -139,14 +121,24 @@ impl Describing<'_> {
     ) {
         let (size, pixel) = (self.size, octave_pixel(self.octave));
         let base = (self.base)(keypoint.slope_index);
-        let scales = filter_scales(f64::from(keypoint.sigma_octave), self.space.levels, base.sigma_octave());
+        let from = base.sigma_octave();
         let kernel = &kernels[keypoint.level as usize];
-        // The descriptor's square and the neighbours that its gradients need.
-        let reach_level = descriptor_radius(keypoint.sigma_octave) + 1;
-        let reach = filter_reach(scales).max(reach_level + kernel.radius() + FARTHEST_MOVE_PX);
+        // The descriptor's square and the neighbours that its gradients need, and the kernel around them.
+        let level_reach = |sigma: f32| descriptor_radius(sigma) + 1;
+        let wanted_sigma = f64::from(keypoint.sigma_octave);
+        let reach = (scale_peak::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
+            .max(hat_reach(rim_radius(wanted_sigma, self.space.levels), 1))
+            .max(level_reach(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
         let Scratch { raw, level: patch, .. } = scratch;
         base.patch(size, around(keypoint.x, reach), around(keypoint.y, reach), &mut scratch.patch, raw);
-        let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } = self.located(keypoint, raw, scales);
+        let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
+            self.located(keypoint, raw, from, &mut scratch.locate);
+        let reach_level = level_reach(sigma);
+        // A scale that grew much needs a larger patch.
+        let needed = reach_level + kernel.radius();
+        if needed + FARTHEST_MOVE_PX > reach {
+            base.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
+        }
         raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         let (i, j) = self.grid.coordinates(slope_index);
         let most = self.params.max_orientations;

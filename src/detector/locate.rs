@@ -1,208 +1,134 @@
-//! Localisation on the continuous D: where exactly the extremum lies, and at which slope.
+//! Localisation: where exactly a feature lies, at which slope, and how large it is.
 //!
-//! The quadratic fit of [`super::refine`] looks at 27 samples one octave pixel apart; at coarse octaves that leaves errors of a tenth of an input pixel even
-//! without noise, and it sees slopes only through samples of whole octave pixels. But the first level of an octave is band-limited, so D can
-//! be evaluated at any place: the sum of the first level's pixels under a difference of Gaussians centred there, whose first and second derivatives are known
-//! in closed form. A few Newton steps then find the extremum itself. With it D is evaluated at the neighbouring slopes, and the peak over slope is fitted
-//! as in the search.
+//! The quadratic fit of [`super::refine`] looks at 27 samples of D one octave pixel apart. That leaves errors of a tenth of an input pixel even
+//! without noise, and the long tails of D's Gaussians let neighbours pull. So, from the fit on:
 //!
-//! The filter is taken [`SCALE_FACTOR`] times the feature's scale. The noise of a peak's place is the noise of D's gradient over D's curvature, which for a disc
-//! falls until about 1.25 times the scale at which |D| itself is largest; but the wider the filter, the more neighbouring blobs pull the peak aside. At a
-//! per-pixel SNR of 5 in 10 frames the median error was 0.059, 0.054, 0.052, 0.051 px on discs that stand apart and 0.098, 0.095, 0.107, 0.141 px on crowded
-//! charts, for factors of 1, 1.05, 1.1 and 1.2.
+//! - **Place**: the extremum of a [hat](super::hat) whose zero lies where D's own scale puts a blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the hat
+//!   for blobs with a rim and the soft one, which resembles D, the one is taken that promises the smaller error: its noise over its curvature here. That is the
+//!   former for discs, crowded or not, and the latter for most of what a photograph holds. The octave before is used where there is one: its pixels are sharper.
+//! - **Scale**: the largest |D| at that place ([`super::scale_peak`]).
+//! - **Slope**: the hat's answers at that place at the neighbouring slopes, and the peak of the parabola through their logarithms. Frames that
+//!   are shifted by a fraction f of a pixel are blurred by linear interpolation, with variance f(1 − f), which makes slopes of whole pixels answer more strongly than others:
+//!   a bias of up to 0.03 px/frame. A blur of variance τ changes an answer by τ/2 times its second derivative, so it is taken off.
 
-use super::patch::Patch;
+use super::hat::{Answer, Hat, PixelView, RIM, SOFT};
 use super::refine::{peak_offset, peak_offset_2d};
-use std::ops::Range;
 
-/// Scale of the localising filter over the feature's scale.
-pub const SCALE_FACTOR: f64 = 1.05;
 /// A place that moves farther than this from the quadratic fit, in octave pixels, is not the same extremum.
 pub const FARTHEST_MOVE_PX: usize = 1;
-/// Newton steps at most; two are usual.
+/// Newton steps at most; two or three are usual.
 const MAX_STEPS: usize = 6;
+/// Steps shorter than this, in pixels, are the last.
+const SHORT_PX: f64 = 2e-3;
 
-/// A Gaussian and its first two derivatives, sampled at the pixels around a place.
-struct Taps {
-    value: Vec<f32>,
-    first: Vec<f32>,
-    second: Vec<f32>,
+/// The radius of the rim that a feature of scale `sigma` found with `levels` levels an octave has, in the units of `sigma`: that of the disc which D answers most
+/// strongly at that scale.
+pub fn rim_radius(sigma: f64, levels: usize) -> f64 {
+    let k2 = 2f64.powf(2.0 / levels as f64);
+    sigma * (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
 }
 
-impl Taps {
-    fn new(sigma: f64, at: f64, pixels: Range<i64>) -> Self {
-        let count = (pixels.end - pixels.start) as usize;
-        let [mut value, mut first, mut second] = [(); 3].map(|()| Vec::with_capacity(count));
-        let (norm, inverse) = (1.0 / (sigma * (2.0 * std::f64::consts::PI).sqrt()), 1.0 / (sigma * sigma));
-        for pixel in pixels {
-            let d = pixel as f64 - at;
-            let g = norm * (-0.5 * d * d * inverse).exp();
-            value.push(g as f32);
-            // Derivatives with respect to the place, not the pixel.
-            first.push((g * d * inverse) as f32);
-            second.push((g * (d * d * inverse - 1.0) * inverse) as f32);
-        }
-        Self { value, first, second }
+impl Hat {
+    /// The radius of the hat whose zero lies on a rim of radius `rim`.
+    pub fn on_rim(&self, rim: f64) -> f64 {
+        rim / self.zero_at
+    }
+
+    /// The error that noise makes of a place, up to a factor that all hats share; infinite where there is no peak.
+    fn error(&self, answer: &Answer) -> f64 {
+        let sharpness = answer.sharpness();
+        if sharpness > 0.0 { self.gradient_noise / sharpness } else { f64::INFINITY }
     }
 }
 
-/// D at a place, its gradient, and its second derivatives (uu, vv, uv), per octave pixel.
-#[derive(Debug, Clone, Copy, Default)]
-struct Local {
-    value: f64,
-    gradient: [f64; 2],
-    hessian: [f64; 3],
+/// How far around a feature the pixels must reach for a rim of radius `rim`, when `unit` of them make an octave pixel.
+pub fn hat_reach(rim: f64, unit: usize) -> usize {
+    SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
 }
 
-impl Patch {
-    /// Adds `sign` times the image blurred by `sigma` at (x, y), with derivatives.
-    fn add_gaussian(&self, sigma: f64, (x, y): (f64, f64), sign: f64, out: &mut Local) {
-        let reach = (4.0 * sigma).ceil() as i64;
-        let span = |at: f64| at.round() as i64 - reach..at.round() as i64 + reach + 1;
-        let (columns, rows) = (span(x), span(y));
-        let (along_u, along_v) = (Taps::new(sigma, x, columns.clone()), Taps::new(sigma, y, rows.clone()));
-        for (j, row) in rows.enumerate() {
-            let pixels = &self.from(columns.start, row)[..along_u.value.len()];
-            let dot = |taps: &[f32]| f64::from(dot(taps, pixels));
-            let (g, gu, guu) = (dot(&along_u.value), dot(&along_u.first), dot(&along_u.second));
-            let [h, hv, hvv] = [&along_v.value, &along_v.first, &along_v.second].map(|taps| sign * f64::from(taps[j]));
-            out.value += h * g;
-            out.gradient[0] += h * gu;
-            out.gradient[1] += hv * g;
-            out.hessian[0] += h * guu;
-            out.hessian[1] += hvv * g;
-            out.hessian[2] += hv * gu;
-        }
-    }
-
-    /// D between the scales `low` and `high` (standard deviations still to be applied, octave pixels) at a place.
-    fn dog(&self, (low, high): (f64, f64), at: (f64, f64)) -> Local {
-        let mut local = Local::default();
-        self.add_gaussian(high, at, 1.0, &mut local);
-        self.add_gaussian(low, at, -1.0, &mut local);
-        local
-    }
+/// The place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the hat that says so; all in pixels of `pixels`. `None` when
+/// there is none.
+pub fn place(pixels: &PixelView<'_>, start: (f64, f64), rim: f64, farthest: f64) -> Option<((f64, f64), Hat)> {
+    let answer = |hat: &Hat| pixels.hat(hat, hat.on_rim(rim), start, pixels.ground(hat.on_rim(rim), start));
+    // Where there is no rim the hat for rims has little to hold on to, or finds no peak at all.
+    let hats: &[Hat] = if RIM.error(&answer(&RIM)) <= SOFT.error(&answer(&SOFT)) { &[RIM, SOFT] } else { &[SOFT] };
+    hats.iter().find_map(|hat| extremum(pixels, hat, start, hat.on_rim(rim), farthest).map(|at| (at, *hat)))
 }
 
-/// The sum of products, in eight lanes so that it is the same on every machine and still fast.
-fn dot(a: &[f32], b: &[f32]) -> f32 {
-    let mut lanes = [0.0f32; 8];
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f32 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a8.zip(b8) {
-        for i in 0..8 {
-            lanes[i] += x[i] * y[i];
-        }
-    }
-    lanes.iter().sum::<f32>() + rest
-}
-
-/// A localised extremum, in octave pixels and steps of the slope grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Located {
-    /// Column.
-    pub x: f64,
-    /// Row.
-    pub y: f64,
-    /// Offset from the grid's slope along the first axis, in steps within ±1; 0 where a neighbouring slope is missing.
-    pub slope_step_i: f32,
-    /// The same along the second axis.
-    pub slope_step_j: f32,
-}
-
-/// The scales of the localising filter for a feature of scale `sigma` with `levels` levels per octave: the standard deviations that its two Gaussians
-/// still have to add to an image of σ `from`; all in octave pixels.
-pub fn filter_scales(sigma: f64, levels: usize, from: f64) -> (f64, f64) {
-    let rest = |s: f64| (s * s - from * from).max(0.36).sqrt();
-    (rest(SCALE_FACTOR * sigma), rest(SCALE_FACTOR * sigma * 2f64.powf(1.0 / levels as f64)))
-}
-
-/// How far around a feature the pixels for `filter_scales` must reach, octave pixels.
-pub fn filter_reach(scales: (f64, f64)) -> usize {
-    (4.0 * scales.1).ceil() as usize + FARTHEST_MOVE_PX + 1
-}
-
-/// Localises the extremum near (x0, y0), octave pixels, with the filter of `scales`.
-///
-/// `middle` holds the pixels around it at its own slope, [`filter_reach`] to each side; `neighbour(di, dj)` gives those at the neighbouring slope (di, dj) of the grid,
-/// or `None` where the grid ends. `None` is returned when there is no extremum within a pixel; the quadratic fit's answer then stands.
-pub fn locate(
-    middle: &Patch,
-    neighbour: impl Fn(i32, i32) -> Option<Patch>,
-    (x0, y0): (f64, f64),
-    scales: (f64, f64),
-) -> Option<Located> {
+/// The extremum of the answer of `hat` of `radius` near (x0, y0), not farther than `farthest`.
+fn extremum(pixels: &PixelView<'_>, hat: &Hat, (x0, y0): (f64, f64), radius: f64, farthest: f64) -> Option<(f64, f64)> {
     let (mut x, mut y) = (x0, y0);
-    let mut local = middle.dog(scales, (x, y));
-    let sign = local.value.signum();
+    let ground = pixels.ground(radius, (x, y));
     for _ in 0..MAX_STEPS {
-        let [uu, vv, uv] = local.hessian;
-        let determinant = uu * vv - uv * uv;
-        // A maximum of a positive D or a minimum of a negative one.
-        if determinant <= 0.0 || sign * uu >= 0.0 {
+        let answer = pixels.hat(hat, radius, (x, y), ground);
+        if answer.sharpness() <= 0.0 {
             return None;
         }
-        let [gu, gv] = local.gradient;
+        let Answer { gradient: [gu, gv], hessian: [uu, vv, uv], .. } = answer;
+        let determinant = uu * vv - uv * uv;
         let (du, dv) = ((uv * gv - vv * gu) / determinant, (uv * gu - uu * gv) / determinant);
         let length = du.hypot(dv).max(1e-12);
-        let damp = (0.5 / length).min(1.0);
+        let damp = (0.1 * radius / length).min(1.0);
         (x, y) = (x + damp * du, y + damp * dv);
-        if (x - x0).hypot(y - y0) > FARTHEST_MOVE_PX as f64 {
+        if (x - x0).hypot(y - y0) > farthest {
             return None;
         }
-        local = middle.dog(scales, (x, y));
-        if length < 1e-3 {
+        if length < SHORT_PX {
             break;
         }
     }
-    let value = |di: i32, dj: i32| -> Option<f32> {
-        if (di, dj) == (0, 0) {
-            return Some(local.value as f32);
-        }
-        neighbour(di, dj).map(|patch| patch.dog(scales, (x, y)).value as f32)
+    Some((x, y))
+}
+
+/// What a hat answers at the neighbouring slopes.
+pub trait Neighbours {
+    /// The answer at the neighbouring slope (di, dj) of the grid, or `None` where the grid ends.
+    fn answer(&self, di: i32, dj: i32) -> Option<Answer>;
+    /// The variances (along u, along v) of the blur of linear interpolation at that slope, in the square of the answer's pixels.
+    fn blur(&self, di: i32, dj: i32) -> (f64, f64);
+}
+
+/// The offset of the strongest slope from the grid's slope whose answer at the feature's place is `here`, in steps along both axes, within ±1; 0 on an axis
+/// where a neighbour is missing.
+pub fn slope_steps(here: &Answer, neighbours: &impl Neighbours) -> (f32, f32) {
+    let sharp = |answer: &Answer, di: i32, dj: i32| {
+        let (along_u, along_v) = neighbours.blur(di, dj);
+        (answer.value - 0.5 * (along_u * answer.hessian[0] + along_v * answer.hessian[1])) as f32
     };
+    let middle = sharp(here, 0, 0);
+    let value = |di: i32, dj: i32| neighbours.answer(di, dj).map(|there| sharp(&there, di, dj));
     let peak = |before: Option<f32>, after: Option<f32>| match (before, after) {
-        (Some(before), Some(after)) => peak_offset(before, local.value as f32, after),
+        (Some(before), Some(after)) => peak_offset(before, middle, after),
         _ => 0.0,
     };
     let along_i = (value(-1, 0), value(1, 0));
     let along_j = (value(0, -1), value(0, 1));
-    let (slope_step_i, slope_step_j) = match (along_i, along_j) {
+    match (along_i, along_j) {
         ((Some(left), Some(right)), (Some(above), Some(below))) => {
             let corner = |di, dj| value(di, dj).unwrap_or(0.0);
             peak_offset_2d([
                 [corner(-1, -1), above, corner(1, -1)],
-                [left, local.value as f32, right],
+                [left, middle, right],
                 [corner(-1, 1), below, corner(1, 1)],
             ])
         }
         _ => (peak(along_i.0, along_i.1), peak(along_j.0, along_j.1)),
-    };
-    Some(Located { x, y, slope_step_i, slope_step_j })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::octave::Base;
-    use crate::detector::patch::PatchScratch;
-    use crate::detector::scale_space::SIGMA_BASE;
     use crate::plane::Plane;
+    use crate::synth::chart::draw_disc;
 
-    fn whole(plane: &Plane) -> Patch {
-        let ((width, height), mut patch) = (plane.size(), Patch::default());
-        let (columns, rows) = (0..width as i64, 0..height as i64);
-        Base::Level(plane).patch((width, height), columns, rows, &mut PatchScratch::default(), &mut patch);
-        patch
+    fn pixels(plane: &Plane) -> PixelView<'_> {
+        PixelView::of(plane)
     }
 
-    fn scales() -> (f64, f64) {
-        filter_scales(2.5, 3, SIGMA_BASE)
-    }
-
-    /// A blob of standard deviation `sigma` at (x, y), as a finished first level shows it.
+    /// A dark blob of standard deviation `sigma` at (x, y).
     fn blob(sigma: f64, x: f64, y: f64) -> Plane {
-        let s2 = 2.0 * (sigma * sigma + SIGMA_BASE * SIGMA_BASE);
+        let s2 = 2.0 * sigma * sigma;
         Plane::from_fn(80, 70, |u, v| {
             (0.3 - 0.2 * (-((u as f64 - x).powi(2) + (v as f64 - y).powi(2)) / s2).exp()) as f32
         })
@@ -211,30 +137,72 @@ mod tests {
     #[test]
     fn a_blob_is_found_to_a_thousandth_of_a_pixel() {
         for (x, y) in [(40.0, 35.0), (40.3, 34.6), (39.51, 35.49)] {
-            let plane = blob(2.5, x, y);
-            let found = locate(&whole(&plane), |_, _| None, (40.2, 34.9), scales()).expect("a clean blob");
-            assert!((found.x - x).abs() < 1e-3 && (found.y - y).abs() < 1e-3, "{found:?} for {x} {y}");
-            assert_eq!((found.slope_step_i, found.slope_step_j), (0.0, 0.0));
+            let (found, _) =
+                place(&pixels(&blob(2.5, x, y)), (40.2, 34.9), rim_radius(2.5, 3), 1.0).expect("a clean blob");
+            assert!((found.0 - x).abs() < 1e-3 && (found.1 - y).abs() < 1e-3, "{found:?} for {x} {y}");
         }
     }
 
     #[test]
-    fn slopes_are_interpolated_between_neighbours() {
-        // The middle slope's blob is the strongest; the one after it is nearly as strong.
-        let planes = [blob(2.5, 40.0, 35.0), blob(2.5, 40.0, 35.0), blob(2.5, 40.0, 35.0)];
-        let faded = |plane: &Plane, by: f32| Plane::from_fn(80, 70, |u, v| 0.3 + by * (plane.at(u, v) - 0.3));
-        let planes = [faded(&planes[0], 0.5), faded(&planes[1], 1.0), faded(&planes[2], 0.9)];
-        let neighbour = |di: i32, dj: i32| (dj == 0 && di.abs() <= 1).then(|| whole(&planes[(di + 1) as usize]));
-        let found = locate(&whole(&planes[1]), neighbour, (40.0, 35.0), scales()).expect("a clean blob");
-        let expected = peak_offset(0.5, 1.0, 0.9);
-        assert!((found.slope_step_i - expected).abs() < 1e-3, "{found:?} {expected}");
+    fn a_neighbour_two_radii_away_does_not_pull() {
+        let mut plane = Plane::zeros(80, 70);
+        draw_disc(&mut plane, 40.0, 35.0, 6.0, 1.0);
+        draw_disc(&mut plane, 58.0, 35.0, 6.0, 1.0);
+        let (found, hat) = place(&pixels(&plane), (40.3, 34.9), 6.0, 1.0).expect("a disc");
+        assert_eq!(hat, RIM);
+        assert!((found.0 - 40.0).abs() < 1e-3 && (found.1 - 35.0).abs() < 1e-3, "{found:?}");
     }
 
     #[test]
     fn nothing_is_located_on_a_slope_or_beyond_a_pixel() {
         let ramp = Plane::from_fn(80, 70, |u, v| (u + 2 * v) as f32 * 0.003);
-        let at = |plane: &Plane, x: f64| locate(&whole(plane), |_, _| None, (x, 35.0), scales());
+        let at = |plane: &Plane, x: f64| place(&pixels(plane), (x, 35.0), rim_radius(2.5, 3), 1.0);
         assert_eq!(at(&ramp, 40.0), None);
         assert_eq!(at(&blob(2.5, 44.0, 35.0), 40.0), None);
+    }
+
+    /// Answers that fall off from a peak like a Gaussian of two steps, blurred as given at even and odd steps.
+    struct Bump {
+        peak: (f32, f32),
+        blur: (f64, f64),
+        missing: (i32, i32),
+    }
+
+    impl Bump {
+        const HESSIAN: [f64; 3] = [-0.08, -0.05, 0.0];
+
+        fn at(&self, di: i32, dj: i32) -> Answer {
+            let d2 =
+                (f64::from(di) - f64::from(self.peak.0)).powi(2) + (f64::from(dj) - f64::from(self.peak.1)).powi(2);
+            let sharp = (-d2 / 8.0).exp();
+            let (u, v) = self.blur(di, dj);
+            let share = 1.0 + 0.5 * (u * Self::HESSIAN[0] + v * Self::HESSIAN[1]);
+            Answer { value: sharp * share, gradient: [0.0; 2], hessian: Self::HESSIAN.map(|h| sharp * h) }
+        }
+    }
+
+    impl Neighbours for Bump {
+        fn answer(&self, di: i32, dj: i32) -> Option<Answer> {
+            ((di, dj) != self.missing).then(|| self.at(di, dj))
+        }
+        fn blur(&self, di: i32, dj: i32) -> (f64, f64) {
+            (self.blur.0 * f64::from(di.rem_euclid(2)), self.blur.1 * f64::from((dj + 1).rem_euclid(2)))
+        }
+    }
+
+    #[test]
+    fn slopes_are_interpolated_between_neighbours_whatever_interpolation_blurs() {
+        for blur in [(0.0, 0.0), (0.25, 0.0), (0.25, 0.25)] {
+            let bump = Bump { peak: (0.3, -0.2), blur, missing: (9, 9) };
+            let (i, j) = slope_steps(&bump.at(0, 0), &bump);
+            assert!((i - 0.3).abs() < 2e-3 && (j + 0.2).abs() < 2e-3, "{i} {j} {blur:?}");
+        }
+    }
+
+    #[test]
+    fn an_axis_that_ends_keeps_the_slope_of_the_grid() {
+        let bump = Bump { peak: (0.3, -0.2), blur: (0.0, 0.0), missing: (0, 1) };
+        let (i, j) = slope_steps(&bump.at(0, 0), &bump);
+        assert!((i - 0.3).abs() < 2e-3 && j == 0.0, "{i} {j}");
     }
 }

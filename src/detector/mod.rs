@@ -2,7 +2,7 @@
 //!
 //! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
 //! (Gaussian levels and their differences D, tile by tile) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
-//! samples) → [`locate`] (on the continuous D) → [`orientation`] and [`descriptor`] (on a [`patch`] of the Gaussian level). [`noise_estimate`] says how
+//! samples) → [`locate`] (place on a [`hat`], [`scale_peak`], slope) → [`orientation`] and [`descriptor`] (on a [`patch`] of the Gaussian level). [`noise_estimate`] says how
 //! noisy a frame is, and
 //! [`noise`] how large D must then be. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
@@ -12,6 +12,8 @@ mod describing;
 pub mod descriptor;
 pub mod feature;
 mod gradient;
+pub mod hat;
+mod localising;
 pub mod locate;
 pub mod motion;
 pub mod noise;
@@ -22,6 +24,7 @@ pub mod params;
 pub mod patch;
 pub mod pipeline;
 pub mod refine;
+pub mod scale_peak;
 pub mod scale_space;
 pub mod search;
 pub mod slope_grid;

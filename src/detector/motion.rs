@@ -96,6 +96,15 @@ pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolat
         .collect()
 }
 
+/// The variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at `offsets`: f(1 − f) for a fraction f.
+pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
+    let mean = |part: fn(&FrameOffset) -> f32| {
+        let blur = |offset| f64::from(part(offset)) * (1.0 - f64::from(part(offset)));
+        offsets.iter().map(blur).sum::<f64>() / offsets.len().max(1) as f64
+    };
+    (mean(|offset| offset.part_u), mean(|offset| offset.part_v))
+}
+
 /// The bilinear sample of `frame` for pixel (u, v), its nearest pixels where it doesn't reach.
 pub(super) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
     let (width, height) = frame.size();

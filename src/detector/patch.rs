@@ -4,6 +4,7 @@
 //! again, from the frames or from the octave's stored first level. A patch always holds the whole rectangle asked for: beyond the octave's border the
 //! nearest pixel is repeated, as everywhere, so that nothing that reads a patch needs to know about borders.
 
+use super::hat::PixelView;
 use super::octave::Base;
 use super::stack_patch::stack_patch;
 use crate::plane::aligned::Aligned;
@@ -59,6 +60,12 @@ impl Patch {
     /// Rows of the octave that are held, some perhaps beyond its border.
     pub fn rows(&self) -> Range<i64> {
         self.rows.clone()
+    }
+
+    /// The pixels and where they lie.
+    pub fn pixels(&self) -> PixelView<'_> {
+        let size = (self.columns.clone().count(), self.rows.clone().count());
+        PixelView { data: &self.data, stride: self.stride, size, left: self.columns.start, top: self.rows.start }
     }
 
     /// Values from one row to the next.

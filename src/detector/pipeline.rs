@@ -102,7 +102,8 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     let octaves = searched_octaves(params, burst.size());
     let mut tally = Tally::default();
     let mut found: Vec<(Feature, Descriptor)> = Vec::new();
-    let mut bases: Vec<Plane> = Vec::new();
+    // The first levels of an octave and of the one before, one a slope.
+    let (mut bases, mut finer_bases): (Vec<Plane>, Vec<Plane>) = (Vec::new(), Vec::new());
     let pixels = |octave: i32| octave_size(burst.size(), octave).0 as f32 * octave_size(burst.size(), octave).1 as f32;
     let all_pixels: f32 = octaves.clone().map(pixels).sum();
     let mut done = 0.0;
@@ -114,10 +115,14 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
         times.search_secs += searching.elapsed().as_secs_f32();
         let started = Instant::now();
         monitor.report(Stage::Describe, done + share * 0.95);
+        let finer = |slope_index: usize| search.base(octave - 1, &finer_bases, slope_index);
         let describing = Describing {
             base: &|slope_index| search.base(octave, &bases, slope_index),
+            finer: (octave > octaves.start).then_some(&finer as _),
+            offsets: &search.offsets,
             octave,
             size: octave_size(burst.size(), octave),
+            size_image: burst.size(),
             grid,
             space: &search.space,
             params,
@@ -125,7 +130,7 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
         };
         found.extend(describing.describe(&keypoints)?);
         times.describe_secs += started.elapsed().as_secs_f32();
-        bases = next_bases;
+        finer_bases = std::mem::replace(&mut bases, next_bases);
         done += share;
     }
     monitor.check()?;

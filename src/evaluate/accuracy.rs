@@ -4,6 +4,11 @@
 //! [`super::score`]) the strongest finding is compared with the truth at mid-burst. Discs may move faster than the grid reaches. What
 //! the detector marks as lying at the limit of the grid is counted, and left out of the errors: there it says itself that the motion may be wrong.
 //!
+//! # Two kinds of charts
+//! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings that a detector looks at, which
+//! draws the extremum of D aside, in place and above all to smaller scales: errors that no noise makes and no localisation undoes. On a chart of fewer discs that
+//! [stand apart](stands_apart) in all frames what remains is the detector's own. A study of each is made and told as what it is.
+//!
 //! # The scale that is expected
 //! The Laplacian of a Gaussian answers a disc of radius r most strongly at σ = r/√2. A difference of Gaussians D = G(kσ) − G(σ) does so at
 //! another σ, and in VLFeat's convention the smaller of the two is reported. At the disc's centre G(σ) is 1 − exp(−r²/2σ²), so
@@ -57,6 +62,24 @@ impl AccuracyStudy {
             detector: DetectorParams { slopes, ..DetectorParams::default() },
         }
     }
+
+    /// The same study on charts of `discs` discs that all stand apart. The gap between rims at mid-burst makes room for the surroundings of the largest disc and
+    /// for any two motions against each other.
+    pub fn standing_apart(&self, discs: usize) -> Self {
+        let chart = &self.chart;
+        let axes: f64 = match chart.motion {
+            Motion::OneD => 1.0,
+            Motion::TwoD => 2.0,
+        };
+        let relative_motion = 2.0 * chart.max_slope * axes.sqrt() * 0.5 * (chart.frames as f64 - 1.0);
+        let gap = (SURROUNDINGS_IN_RADII - 1.0) * chart.radius.end() + relative_motion;
+        Self { chart: ChartParams { discs, gap: gap.ceil(), ..chart.clone() }, ..self.clone() }
+    }
+}
+
+/// How many discs a chart on which they stand apart has where nobody asks for another number: 20 on 800×600 pixels, in proportion to the area, at least 1.
+pub fn discs_apart(chart: &ChartParams) -> usize {
+    (chart.width * chart.height / 24_000).max(1)
 }
 
 /// What a study found.
@@ -270,6 +293,20 @@ mod tests {
         assert!(stands_apart(&truth.features[0], &truth));
         truth.features[1].slope_u = -3.0; // 1.5 px nearer in the last frame
         assert!(!stands_apart(&truth.features[0], &truth));
+    }
+
+    #[test]
+    fn discs_of_the_charts_on_which_they_stand_apart_do() {
+        for motion in [Motion::OneD, Motion::TwoD] {
+            let study = AccuracyStudy::with_motion(motion);
+            let apart = study.standing_apart(discs_apart(&study.chart)).chart;
+            assert_eq!(apart.discs, 20);
+            for seed in 1..=3 {
+                let chart = ChartParams { seed, snr: f64::INFINITY, ..apart.clone() };
+                let (_, truth) = synth_chart(&chart, &Monitor::default()).expect("they fit");
+                assert!(truth.features.iter().all(|disc| stands_apart(disc, &truth)), "{motion:?} {seed}");
+            }
+        }
     }
 
     #[test]

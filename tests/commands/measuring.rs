@@ -53,9 +53,14 @@ fn accuracy_and_noise_give_tables_and_json() {
     let accuracy = [&["evaluate", "accuracy", "--snr", "inf"], &SMALL[..], &["--slopes-u", "-1:1:5"]].concat();
     let table = run_well(home.path(), &accuracy);
     assert!(table.contains("slope u, px/frame") && table.contains("discs beyond the range"), "{table}");
+    assert!(table.contains("Crowded charts") && table.contains("stand apart in all frames"), "{table}");
+    let alone = run_well(home.path(), &[&accuracy[..], &["--apart-discs", "0"]].concat());
+    assert!(!alone.contains("stand apart in all frames"), "{alone}");
     let report = json(&run_well(home.path(), &[&accuracy[..], &["--json"]].concat()));
     assert_eq!(report["rows"][0]["within"]["discs"], 8);
     assert!(report["rows"][0]["u"]["median_magnitude"].as_f64().expect("a number") < 0.5);
+    assert_eq!(report["apart"]["chart"]["discs"], 2);
+    assert_eq!(report["apart"]["rows"][0]["apart"], report["apart"]["rows"][0]["u"]["count"]);
 
     let noise = ["evaluate", "noise", "--megapixels", "0.05", "--width", "200", "--height", "150", "--sigma", "0.02"];
     let table = run_well(home.path(), &[&noise[..], &["--bits", "none,12", "--noise-gate", "3"]].concat());

@@ -53,14 +53,14 @@ pub enum Interpolation {
     Truncated,
 }
 
-/// How the place and slope of an extremum between the samples are found.
+/// How the place, scale and slope of an extremum between the samples are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Localisation {
-    /// On the continuous D (see [`super::super::locate`]).
+    /// Between all samples (see [`super::super::locate`]).
     #[default]
     Continuous,
-    /// By a quadratic fit to the samples around it, as VLFeat and LiFF do.
+    /// By a quadratic fit to the samples of D around it, as VLFeat and LiFF do.
     Quadratic,
 }
 

@@ -153,8 +153,8 @@ param_doc!(
     "localisation",
     "Localisation",
     "",
-    "How the place and slope between the samples are found: continuous or quadratic.",
-    "Continuous follows D itself to its extremum and is more exact, most of all at large scales; quadratic reproduces VLFeat and LiFF."
+    "How the place, scale and slope between the samples are found: continuous or quadratic.",
+    "Continuous is several times as exact: a small filter says where and how fast, D between its levels how large; quadratic reproduces VLFeat and LiFF."
 );
 param_doc!(
     MAX_FEATURES,
