@@ -63,8 +63,11 @@ fn two_bursts_are_matched_verified_and_drawn() {
     let inliers = rows.iter().filter(|r| r[9] == 1.0).count();
     assert_eq!((count("putative"), count("inliers")), (rows.len(), inliers));
     assert!(inliers >= 30 && inliers * 10 >= rows.len() * 7, "{inliers} of {}", rows.len());
-    // The scene moves along u only, by 1.5 px/frame at most, and five frames lie between the bursts.
-    let moves_so = |r: &&Vec<f64>| (r[5] - r[3]).abs() < 1.5 && (r[4] - r[2]).abs() < 5.0 * 1.5 + 1.0;
+    // The scene moves along u only, by 1.5 px/frame at most, and five frames lie between the bursts. The larger a feature, the less exact its place.
+    let moves_so = |r: &&Vec<f64>| {
+        let sigma = a[r[0] as usize][2];
+        (r[5] - r[3]).abs() < 1.5 + 0.2 * sigma && (r[4] - r[2]).abs() < 5.0 * 1.5 + 1.0
+    };
     let right = rows.iter().filter(|r| r[9] == 1.0).filter(moves_so).count();
     assert!(right * 100 >= inliers * 95, "{right} of {inliers}");
     for row in &rows {

@@ -139,7 +139,7 @@ fn methods_matches() {
     let mut window = open_pair([1400.0, 1000.0]);
     window.click("Methods");
     window.settle();
-    window.click("Matches");
+    window.click("Match lines");
     window.snapshot("methods_matches");
 }
 

@@ -42,7 +42,7 @@ fn with_a_second_burst_matches_are_compared_too() {
     let inliers = |method| model.method_matches(method).unwrap().result.counts.inliers.unwrap();
     assert!(inliers(Contender::Buff1d) > 2 * inliers(Contender::Sift), "a burst shows what one frame does not");
     assert!(window.shows(&inliers(Contender::Buff1d).to_string()));
-    window.click("Matches");
+    window.click("Match lines");
     window.settle();
     assert_eq!(window.app().model.compare.look.layout, Layout::Matches);
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "B: BuFF 1D").is_some());

@@ -28,7 +28,7 @@ impl Layout {
             Self::Panes => "Panes",
             Self::Wipe => "Wipe",
             Self::Flip => "Flip",
-            Self::Matches => "Matches",
+            Self::Matches => "Match lines",
         }
     }
 
