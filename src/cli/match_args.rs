@@ -16,7 +16,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = MATCH_HELP)]
 pub struct MatchArgs {
-    /// The first burst: a folder of frames, an image, a multi-page TIFF, a .npy stack [N,H,W], or 'demo'.
+    /// The first burst: a folder of frames, an image, a multi-page TIFF, a .npy stack, or 'demo'.
     #[arg(value_name = "A")]
     pub a: PathBuf,
     /// The second burst.

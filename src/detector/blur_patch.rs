@@ -43,13 +43,13 @@ impl Patch {
         let band_stride = (skipped + width + 2 * kernel.radius()).next_multiple_of(LANES);
         scratch.0.grow(TOGETHER * band_stride + LANES);
         Arch::new().dispatch(BlurRows {
-            from: self.from(left - skipped as i64, top),
+            from: self.values(left - skipped as i64, top),
             from_stride: self.stride(),
             half: kernel.half(),
             band: &mut scratch.0,
             band_stride,
             skipped,
-            out: out.from_mut(columns.start, rows.start),
+            out: out.values_mut(columns.start, rows.start),
             stride,
             columns: width,
             rows: count,
@@ -141,8 +141,8 @@ fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mu
     while distance < half.len() {
         step!();
     }
-    for i in 0..TOGETHER {
-        store::<S>(out, i * out_stride, sums[i]);
+    for (i, &sum) in sums.iter().enumerate() {
+        store::<S>(out, i * out_stride, sum);
     }
 }
 
@@ -152,21 +152,21 @@ fn convolve<S: Simd, const V: usize>(simd: S, half: &[f32], line: &[f32], out: &
     let (radius, read) = (half.len() - 1, V * S::F32_LANES);
     let tap = simd.splat_f32s(half[0]);
     let mut sums = [tap; V];
-    for i in 0..V {
-        sums[i] = simd.mul_f32s(tap, load::<S>(line, radius + i * S::F32_LANES));
+    for (i, sum) in sums.iter_mut().enumerate() {
+        *sum = simd.mul_f32s(tap, load::<S>(line, radius + i * S::F32_LANES));
     }
     // Iterators need no test of bounds in the loop.
     let before = line[..radius + read - 1].windows(read).rev();
     let after = line[radius + 1..2 * radius + read].windows(read);
     for ((before, after), &tap) in before.zip(after).zip(&half[1..]) {
         let tap = simd.splat_f32s(tap);
-        for i in 0..V {
+        for (i, sum) in sums.iter_mut().enumerate() {
             let at = i * S::F32_LANES;
-            sums[i] = simd.mul_add_f32s(tap, simd.add_f32s(load::<S>(before, at), load::<S>(after, at)), sums[i]);
+            *sum = simd.mul_add_f32s(tap, simd.add_f32s(load::<S>(before, at), load::<S>(after, at)), *sum);
         }
     }
-    for i in 0..V {
-        store::<S>(out, i * S::F32_LANES, sums[i]);
+    for (i, &sum) in sums.iter().enumerate() {
+        store::<S>(out, i * S::F32_LANES, sum);
     }
 }
 

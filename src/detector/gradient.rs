@@ -95,8 +95,8 @@ impl<'a> GradientRow<'a> {
     /// Row `v` of `level` from column `u` on; the level holds what is around it.
     #[inline(always)]
     pub(super) fn new(level: &'a Patch, u: i64, v: i64) -> Self {
-        let row = level.from(u - 1, v);
-        Self { before: row, after: &row[2..], above: level.from(u, v - 1), below: level.from(u, v + 1) }
+        let row = level.values(u - 1, v);
+        Self { before: row, after: &row[2..], above: level.values(u, v - 1), below: level.values(u, v + 1) }
     }
 
     /// Magnitudes and directions (eighths of a turn in [0, 8), from +u towards +v) of a vector of gradients, from the row's pixel `at` on.

@@ -78,14 +78,14 @@ impl Patch {
     /// # Panics
     /// When the pixel is not held.
     #[inline(always)]
-    pub(super) fn from(&self, u: i64, v: i64) -> &[f32] {
+    pub(super) fn values(&self, u: i64, v: i64) -> &[f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
         let at = (v - self.rows.start) as usize * self.stride + (u - self.columns.start) as usize;
         &self.data[at..]
     }
 
     /// The same, to be written.
-    pub(super) fn from_mut(&mut self, u: i64, v: i64) -> &mut [f32] {
+    pub(super) fn values_mut(&mut self, u: i64, v: i64) -> &mut [f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
         let at = (v - self.rows.start) as usize * self.stride + (u - self.columns.start) as usize;
         &mut self.data[at..]
@@ -96,12 +96,12 @@ impl Patch {
     /// # Panics
     /// When the row is not held.
     pub fn row(&self, v: i64) -> &[f32] {
-        &self.from(self.columns.start, v)[..self.columns.clone().count()]
+        &self.values(self.columns.start, v)[..self.columns.clone().count()]
     }
 
     fn row_mut(&mut self, v: i64) -> &mut [f32] {
         let width = self.columns.clone().count();
-        &mut self.from_mut(self.columns.start, v)[..width]
+        &mut self.values_mut(self.columns.start, v)[..width]
     }
 
     /// Writes what lies beyond the octave of `size`, given what lies inside.
@@ -130,7 +130,7 @@ impl Patch {
     /// Subtracts the value in the middle: only differences matter around a feature, and small numbers round less.
     fn centre(&mut self) {
         let (columns, rows) = (self.columns(), self.rows());
-        let middle = self.from((columns.start + columns.end) / 2, (rows.start + rows.end) / 2)[0];
+        let middle = self.values((columns.start + columns.end) / 2, (rows.start + rows.end) / 2)[0];
         let held = self.stride * rows.count();
         self.data[..held].iter_mut().for_each(|x| *x -= middle);
     }
@@ -153,7 +153,7 @@ impl Base<'_> {
                 let columns = inside(&columns, size.0);
                 for v in inside(&rows, size.1) {
                     let from = &level.row(v)[columns.clone()];
-                    patch.from_mut(columns.start as i64, v as i64)[..from.len()].copy_from_slice(from);
+                    patch.values_mut(columns.start as i64, v as i64)[..from.len()].copy_from_slice(from);
                 }
                 patch.repeat_border(size);
             }
@@ -175,7 +175,7 @@ impl Base<'_> {
                 patch.reset(columns.clone(), rows.clone());
                 let columns = inside(&columns, size.0);
                 self.raw_rows(inside(&rows, size.1), columns.clone(), &mut scratch.row, |v, row| {
-                    patch.from_mut(columns.start as i64, v as i64)[..row.len()].copy_from_slice(row);
+                    patch.values_mut(columns.start as i64, v as i64)[..row.len()].copy_from_slice(row);
                 });
                 patch.repeat_border(size);
             }
@@ -201,7 +201,7 @@ impl Patch {
             let odd = left.rem_euclid(2) as usize;
             for (i, out) in self.row_mut(v).iter_mut().enumerate() {
                 let at = (i + odd) / 2;
-                *out = if (i + odd) % 2 == 0 { row[at] } else { 0.5 * (row[at] + row[at + 1]) };
+                *out = if (i + odd).is_multiple_of(2) { row[at] } else { 0.5 * (row[at] + row[at + 1]) };
             }
         }
     }

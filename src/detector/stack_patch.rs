@@ -22,7 +22,7 @@ pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
     if columns.len() < LANES || !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
         let mut stacker = RowStacker::new(frames, vec![offsets]);
         for v in rows {
-            stacker.row(v, columns.clone(), &mut [&mut patch.from_mut(left, v as i64)[..columns.len()]]);
+            stacker.row(v, columns.clone(), &mut [&mut patch.values_mut(left, v as i64)[..columns.len()]]);
         }
         return;
     }
@@ -37,7 +37,7 @@ pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
         }
     }
     shifted.grow(columns.len() + LANES);
-    let (columns, rows, out) = (columns.len(), rows.len(), patch.from_mut(left, top));
+    let (columns, rows, out) = (columns.len(), rows.len(), patch.values_mut(left, top));
     Arch::new().dispatch(WeightedRows { taps: &taps, width: size.0, columns, rows, shifted, out, stride });
 }
 

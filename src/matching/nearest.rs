@@ -4,8 +4,8 @@
 //! is below 2²⁴, so `f32` holds every sum and every partial sum exactly: the result is that of integer arithmetic, whatever the order of the
 //! additions, at the speed of floating-point lanes.
 //!
-//! Layout. The descriptors that are searched are turned into blocks of [`LANES`], element by element, so that one lane is one descriptor and no sum has to
-//! be taken across lanes. Queries go in groups that stay in the nearest cache together with one block, and [`TILE`] of them share each
+//! Layout. The descriptors that are searched are turned into blocks of `LANES`, element by element, so that one lane is one descriptor and no sum has to
+//! be taken across lanes. Queries go in groups that stay in the nearest cache together with one block, and `TILE` of them share each
 //! load of the block. Groups run in parallel; each query is searched by one thread alone, and ties go to the lowest index, so threads cannot change the result.
 
 use crate::detector::Descriptor;
@@ -108,7 +108,7 @@ impl Block {
     }
 }
 
-/// The elements of up to [`GROUP`] queries, [`TILE`] side by side; queries that are missing are 0.
+/// The elements of up to [`GROUP`] queries, `TILE` side by side; queries that are missing are 0.
 fn floats_of(group: &[Descriptor]) -> [[[f32; TILE]; LENGTH]; GROUP / TILE] {
     let mut tiles = [[[0.0; TILE]; LENGTH]; GROUP / TILE];
     for (index, query) in group.iter().enumerate() {

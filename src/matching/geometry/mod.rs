@@ -1,7 +1,7 @@
 //! Geometric verification: which putative matches agree on one geometry of the two views.
 //!
-//! The way of the data: matched points → [`points`] (normalised coordinates) → samples that are solved exactly ([`fundamental`], [`essential`],
-//! [`homography`]) and weighed against all matches ([`consensus`], [`loss`], [`sampling`]) → a [`TwoViewModel`] in pixels, each match's error
+//! The way of the data: matched points → `points` (normalised coordinates) → samples that are solved exactly (`fundamental`, `essential`,
+//! `homography`) and weighed against all matches (`consensus`, `loss`, `sampling`) → a [`TwoViewModel`] in pixels, each match's error
 //! under it, and which matches are inliers. [`verify`] is the composition. [`pose`] turns an essential matrix into the relative pose of the cameras.
 //!
 //! Why not a library: of the estimators that are written for Rust none has what has been learnt since RANSAC (local optimisation, marginal cost, degenerate samples) and is

@@ -17,7 +17,7 @@ pub enum TwoViewModel {
     },
     /// Any scene, both images from a camera that is known: d_bᵀ·E·d_a = 0 for its directions d = (x, y, 1).
     Essential {
-        /// E = [t]×·R with |t| = 1.
+        /// `E = [t]×·R` with |t| = 1.
         essential: Matrix3<f64>,
         /// The camera.
         camera: Camera,

@@ -1,6 +1,6 @@
 //! The relative pose of two cameras, from the essential matrix.
 //!
-//! E = [t]×·R has four solutions: two rotations, and both signs of the translation. Only in one of them do points lie in front of both cameras (Hartley and
+//! `E = [t]×·R` has four solutions: two rotations, and both signs of the translation. Only in one of them do points lie in front of both cameras (Hartley and
 //! Zisserman, "Multiple View Geometry", 2nd ed., 9.6.2; the decomposition here is Horn's, "Recovering Baseline and Orientation from 'Essential' Matrix", 1990,
 //! which needs no singular values).
 
@@ -18,7 +18,7 @@ pub struct RelativePose {
 }
 
 impl RelativePose {
-    /// E = [t]×·R.
+    /// `E = [t]×·R`.
     pub fn essential(&self) -> Matrix3<f64> {
         cross_matrix(&self.translation) * self.rotation
     }

@@ -6,7 +6,7 @@
 //!
 //! Numerics. A level's kernel is the exact convolution of the chain's kernels, cut at [`LEVEL_CUT`] standard deviations and normalised to sum 1.
 //! Near the border the chain repeats the nearest pixel of every level in turn, which is not the same as repeating the nearest pixel of the input;
-//! there the weights are taken from the chain's own matrix ([`edge`]), so that the result is the chain's everywhere. Every value is made by the same operations in the
+//! there the weights are taken from the chain's own matrix (`edge`), so that the result is the chain's everywhere. Every value is made by the same operations in the
 //! same order wherever it lies in a tile, so tiles and threads cannot change a bit.
 
 mod edge;

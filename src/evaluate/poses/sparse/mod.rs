@@ -1,6 +1,6 @@
 //! COLMAP's sparse models: which images were registered, where their cameras stand, and what they see in common.
 //!
-//! A model is a folder of files, all in [binary](binary) or all in [text](text). Of these only what tells about poses and points is read: `images` (pose, name,
+//! A model is a folder of files, all in binary or all in text. Of these only what tells about poses and points is read: `images` (pose, name,
 //! which of its keypoints became points) and `points3D` (reprojection error, length of the track); intrinsics, places of keypoints and
 //! colours are passed over. Format: <https://colmap.github.io/format.html>.
 
