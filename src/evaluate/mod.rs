@@ -7,7 +7,7 @@
 //! - [`accuracy`]: in enough light. How far are places, scales and motions from the truth?
 //! - [`pure_noise`]: on noise alone. How many features are found where there is nothing to find?
 //!
-//! One of what the features are for, on real or synthetic bursts, [`matches`] (`burstscope evaluate matches`): how many of them match between bursts, and how many matches are right?
+//! One of what the features are for, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): how many of them match between bursts, and how many matches are right?
 //!
 //! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far is a reconstruction's trajectory from the true one?
 //!

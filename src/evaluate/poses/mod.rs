@@ -1,7 +1,7 @@
 //! Camera poses: how far an estimated trajectory is from a known one.
 //!
 //! Structure from motion answers with cameras in a world of its own: its origin, directions and scale mean nothing. So the poses that belong together are
-//! [paired](associate), the similarity that lays the estimate on the truth best is [found](align), and what is left over is the [error](errors):
+//! [paired](mod@associate), the similarity that lays the estimate on the truth best is [found](mod@align), and what is left over is the [error](errors):
 //! of each pose by itself (absolute trajectory error) and from one pose to the next (relative pose error). [`evaluate_poses`] does all of it.
 //!
 //! Poses come from COLMAP's [sparse models](sparse) and from [trajectory files](tum). A [`Pose`] always holds the camera in the world (its centre and
