@@ -42,21 +42,21 @@ struct Counts {
     below_any: u32,
 }
 
-/// Marks with 1 the inner columns (`marks[i]` is column `i + 1`) of a row whose value reaches `limit` in magnitude and is above, or below, all
-/// its eight neighbours. The rows are those above, at and below.
+/// Appends to `found` the inner columns (0 is the row's second one) of a row whose value reaches `limit` in magnitude and is above, or below, all its eight
+/// neighbours, and counts what fails before that. The rows are those above, at and below.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn mark_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, marks: &mut [u8]) -> Counts {
+fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, found: &mut Vec<u32>) -> Counts {
     let larger = |x: f32, y: f32| if x > y { x } else { y };
     let smaller = |x: f32, y: f32| if x < y { x } else { y };
     let mut counts = Counts::default();
-    let total = marks.len();
+    let total = row.len() - 2;
+    let mut marks = [0u8; RUN];
     let mut start = 0;
     while start < total {
         let n = RUN.min(total - start);
         let (a, b, c) = (&above[start..][..n], &above[start + 1..][..n], &above[start + 2..][..n]);
         let (d, e, f) = (&row[start..][..n], &row[start + 1..][..n], &row[start + 2..][..n]);
         let (g, h, i) = (&below[start..][..n], &below[start + 1..][..n], &below[start + 2..][..n]);
-        let marks = &mut marks[start..][..n];
         let (mut below_peak, mut below_any) = (0u32, 0u32);
         for value in e {
             below_peak += u32::from(value.abs() < peak);
@@ -64,9 +64,8 @@ fn mark_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32
         }
         counts.below_peak += below_peak;
         counts.below_any += below_any;
-        if below_any == n as u32 {
-            marks.fill(0);
-        } else {
+        if below_any < n as u32 {
+            let marks = &mut marks[..n];
             for u in 0..n {
                 let most = larger(
                     larger(larger(a[u], b[u]), larger(c[u], d[u])),
@@ -80,10 +79,26 @@ fn mark_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32
                 let low = (e[u] < least) & (e[u] <= -limit);
                 marks[u] = u8::from(high | low);
             }
+            append_marked(marks, start as u32, found);
         }
         start += n;
     }
     counts
+}
+
+/// Appends `first` plus the places of the marks that are not 0: eight at a time, since few are.
+#[inline(always)]
+fn append_marked(marks: &[u8], first: u32, found: &mut Vec<u32>) {
+    let (words, rest) = marks.as_chunks::<8>();
+    for (place, word) in words.iter().enumerate() {
+        let mut word = u64::from_le_bytes(*word);
+        while word != 0 {
+            found.push(first + 8 * place as u32 + word.trailing_zeros() / 8);
+            word &= word - 1;
+        }
+    }
+    let end = first + 8 * words.len() as u32;
+    found.extend(rest.iter().zip(end..).filter(|(mark, _)| **mark != 0).map(|(_, at)| at));
 }
 
 /// Whether `value` beats three samples.
@@ -138,7 +153,7 @@ pub fn own_slope_extrema(
         return;
     }
     let count = end - first;
-    let mut marks = vec![0u8; count];
+    let mut found = Vec::with_capacity(count / 2);
     for level_index in 1..levels.len() - 1 {
         // A sample of exactly 0 is no extremum, whatever the thresholds.
         let limit = thresholds.peak.max(thresholds.gate[level_index]).max(f32::MIN_POSITIVE);
@@ -146,32 +161,23 @@ pub fn own_slope_extrema(
         let left = first - 1 - own.region().columns.start;
         let line = |v: usize| &own.row(v)[left..left + count + 2];
         for y in region.rows.start.max(1)..region.rows.end.min(height - 1) {
-            let counts = mark_extrema(line(y - 1), line(y), line(y + 1), thresholds.peak, limit, &mut marks);
+            found.clear();
+            let counts = space_extrema(line(y - 1), line(y), line(y + 1), thresholds.peak, limit, &mut found);
             let (below_peak, below_any) = (u64::from(counts.below_peak), u64::from(counts.below_any));
-            let above = count as u64 - below_any;
             tally.samples += count as u64;
             tally.reject(Test::PeakThreshold, below_peak);
             tally.reject(Test::NoiseGate, below_any - below_peak);
-            if above == 0 {
-                continue;
-            }
-            let mut extrema = 0;
-            for (chunk_index, chunk) in marks.chunks(8).enumerate() {
-                if chunk.iter().fold(0, |any, mark| any | mark) == 0 {
-                    continue;
-                }
-                for (i, _) in chunk.iter().enumerate().filter(|(_, mark)| **mark != 0) {
-                    extrema += 1;
-                    let x = first + chunk_index * 8 + i;
-                    let value = own.at(x, y);
-                    if is_scale_extremum(value, levels, x, y, level_index) {
-                        out.push(Candidate { x, y, level_index, value });
-                    } else {
-                        tally.reject(Test::ScaleExtremum, 1);
-                    }
+            for &column in &found {
+                let x = first + column as usize;
+                let value = own.at(x, y);
+                if is_scale_extremum(value, levels, x, y, level_index) {
+                    out.push(Candidate { x, y, level_index, value });
+                } else {
+                    tally.reject(Test::ScaleExtremum, 1);
                 }
             }
-            tally.reject(Test::SpaceExtremum, above - extrema);
+            let extrema = found.len() as u64;
+            tally.reject(Test::SpaceExtremum, count as u64 - below_any - extrema);
         }
     }
 }

@@ -142,10 +142,16 @@ fn edge<S: Simd>(
         }
         // Two sums, so that one need not wait for the other.
         let mut acc = [simd.splat_f32s(0.0); 2];
-        for (pixels, rows) in pixels.chunks(2).zip(weights.chunks(2 * dense.stride)) {
-            for (i, (&pixel, row)) in pixels.iter().zip(rows.chunks_exact(dense.stride)).enumerate() {
-                acc[i] = simd.mul_add_f32s(simd.splat_f32s(pixel), load::<S>(row, start), acc[i]);
+        let (mut row, mut input) = (start, 0);
+        while input + 1 < pixels.len() {
+            for (i, acc) in acc.iter_mut().enumerate() {
+                let weights = load::<S>(weights, row + i * dense.stride);
+                *acc = simd.mul_add_f32s(simd.splat_f32s(pixels[input + i]), weights, *acc);
             }
+            (row, input) = (row + 2 * dense.stride, input + 2);
+        }
+        if let Some(&pixel) = pixels.get(input) {
+            acc[0] = simd.mul_add_f32s(simd.splat_f32s(pixel), load::<S>(weights, row), acc[0]);
         }
         let mut made = [0.0f32; VECTOR];
         store::<S>(&mut made, 0, simd.add_f32s(acc[0], acc[1]));
