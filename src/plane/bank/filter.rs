@@ -1,9 +1,10 @@
 //! Filtering a tile: the two passes put together, a batch of rows at a time.
 
+use super::band::Band;
 use super::edge::{Axis, Section};
-use super::horizontal::{Packed, convolve_row, edge_columns, packed};
+use super::horizontal::{Blocks, Packed, convolve_row, edge_columns, packed};
 use super::lanes::{BLOCK, whole_blocks};
-use super::vertical::{Band, Sink, edge_rows, inner_rows};
+use super::vertical::{Sink, edge_rows, inner_rows};
 use crate::plane::aligned::Aligned;
 use crate::plane::tile::{Region, Tile};
 use pulp::{Arch, Simd, WithSimd};
@@ -36,8 +37,8 @@ impl Lines for Tile {
 #[derive(Debug, Default)]
 pub struct FilterScratch {
     line: Aligned,
-    /// For each level, a ring of the rows that the second pass reads.
-    bands: Vec<Aligned>,
+    /// For each level, the rows that the second pass reads.
+    bands: Vec<Band>,
     /// A block of columns of the level before.
     level: Aligned,
 }
@@ -50,8 +51,8 @@ struct Job<'a, L: Lines + ?Sized> {
     lines: &'a L,
     region: &'a Region,
     stride: usize,
-    /// Rows that a band holds at once.
-    band_rows: usize,
+    /// Rows of the image that the bands hold; of a level, at least those that it still needs.
+    held: Range<usize>,
     scratch: &'a mut FilterScratch,
     differences: &'a mut [Tile],
     keep: Option<(usize, &'a mut Tile)>,
@@ -85,7 +86,7 @@ pub fn filter_tile<L: Lines + ?Sized>(
         lines,
         region,
         stride,
-        band_rows: 0,
+        held: 0..0,
         scratch,
         differences,
         keep,
@@ -99,23 +100,23 @@ impl<L: Lines + ?Sized> WithSimd for Job<'_, L> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let rows = self.region.rows.clone();
-        let radius = self.along_v.radius;
-        let band_rows = (BATCH_ROWS + 2 * radius).min(self.along_v.n);
+        let room = (BATCH_ROWS + 2 * self.along_v.radius).min(self.along_v.n);
         let FilterScratch { line, bands, level } = &mut *self.scratch;
-        bands.resize_with(self.along_u.levels.len(), Aligned::default);
-        bands.iter_mut().for_each(|band| band.grow(band_rows * self.stride));
+        bands.resize_with(self.along_u.levels.len(), Band::default);
+        bands.iter_mut().for_each(|band| band.reset(self.stride / BLOCK, room));
         line.grow(self.stride + 2 * self.along_u.radius);
         level.grow(BATCH_ROWS * BLOCK);
-        self.band_rows = band_rows;
-        let mut made = self.along_v.inputs(&rows).start;
+        self.held = self.along_v.inputs(&rows);
+        self.held.end = self.held.start;
         let mut start = rows.start;
         while start < rows.end {
             let batch = start..(start + BATCH_ROWS).min(rows.end);
-            let needed = self.along_v.inputs(&batch).end;
-            for v in made..needed {
+            let needed = self.along_v.inputs(&batch);
+            self.forget_above(needed.start, batch.start);
+            for v in self.held.end..needed.end {
                 self.make_band_row(simd, v);
             }
-            made = needed;
+            self.held.end = needed.end;
             self.finish(simd, &batch);
             (self.batch_done)(self.differences, batch.clone());
             start = batch.end;
@@ -124,10 +125,22 @@ impl<L: Lines + ?Sized> WithSimd for Job<'_, L> {
 }
 
 impl<L: Lines + ?Sized> Job<'_, L> {
+    /// Makes row `top` the first one that is held; of each level, the rows that it needs from row `next` on stay.
+    fn forget_above(&mut self, top: usize, next: usize) {
+        let Range { start, end } = self.held;
+        for (band, level) in self.scratch.bands.iter_mut().zip(&self.along_v.levels) {
+            let first = level.first_input(next).max(top);
+            if start < top && first < end {
+                band.move_rows(first - start..end - start, first - top);
+            }
+        }
+        self.held.start = top;
+    }
+
     /// The first pass for row `v`.
     #[inline(always)]
     fn make_band_row<S: Simd>(&mut self, simd: S, v: usize) {
-        let index = v % self.band_rows;
+        let index = v - self.held.start;
         let reach = self.along_u.radius;
         let columns = &self.region.columns;
         let wide = self.along_u.inputs(columns);
@@ -141,17 +154,17 @@ impl<L: Lines + ?Sized> Job<'_, L> {
             line[offset..offset + wide.len()].copy_from_slice(&there[..wide.len()]);
             line
         };
-        let here = index * self.stride..(index + 1) * self.stride;
+        let blocks = Blocks { columns: self.stride, step: bands[0].step() };
         for group in &self.groups {
             let mut out: [&mut [f32]; super::horizontal::MOST] = Default::default();
             for (out, band) in out.iter_mut().zip(&mut bands[group.levels.clone()]) {
-                *out = &mut band[here.clone()];
+                *out = band.row_mut(index);
             }
-            convolve_row(simd, group, line, reach, &mut out[..group.levels.len()]);
+            convolve_row(simd, group, (line, reach), blocks, &mut out[..group.levels.len()]);
         }
         if columns.start < reach || columns.end + reach > self.along_u.n {
             for (weights, band) in self.along_u.levels.iter().zip(bands) {
-                edge_columns(simd, weights, columns, line, reach, &mut band[here.clone()]);
+                edge_columns(simd, weights, columns, (line, reach), blocks, band.row_mut(index));
             }
         }
     }
@@ -188,14 +201,17 @@ impl<L: Lines + ?Sized> Job<'_, L> {
     fn level_rows<S: Simd, const ROWS: usize>(&mut self, simd: S, place: Place) {
         let Place { section, index, batch_start, first, block } = place;
         let FilterScratch { bands, level, .. } = &mut *self.scratch;
-        let band = Band { data: &bands[index], rows: self.band_rows, stride: self.stride };
+        let (rows, top, stride) = (bands[index].block(block / BLOCK), self.held.start, self.stride);
         let weights = &self.along_v.levels[index];
         let difference = index.checked_sub(1).map(|i| self.differences[i].rows_from_mut(first, ROWS));
         let mut sink = Sink { level: &mut level[(first - batch_start) * BLOCK..][..ROWS * BLOCK], difference };
         match section {
-            Section::Inner => inner_rows::<S, ROWS>(simd, &weights.half, band, first, block, &mut sink),
-            Section::Head => edge_rows::<S, ROWS>(simd, &weights.head, band, first, block, &mut sink),
-            Section::Tail => edge_rows::<S, ROWS>(simd, &weights.tail, band, first, block, &mut sink),
+            Section::Inner => {
+                let around = first - top - (weights.half.len() - 1);
+                inner_rows::<S, ROWS>(simd, &weights.half, &rows[around..], block, stride, &mut sink);
+            }
+            Section::Head => edge_rows::<S, ROWS>(simd, &weights.head, (rows, top), first, block, stride, &mut sink),
+            Section::Tail => edge_rows::<S, ROWS>(simd, &weights.tail, (rows, top), first, block, stride, &mut sink),
         }
     }
 

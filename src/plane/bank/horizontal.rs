@@ -4,7 +4,7 @@
 //! [`BLOCK`](super::lanes::BLOCK) columns stay in vector registers.
 
 use super::edge::{Axis, Dense, Weights};
-use super::lanes::{VECTOR, load, store};
+use super::lanes::{BLOCK, VECTOR, load, store};
 use pulp::Simd;
 use std::ops::Range;
 
@@ -39,28 +39,55 @@ pub(super) fn packed(axis: &Axis) -> Vec<Packed> {
         .collect()
 }
 
-/// One row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side; `out[level]` has a whole number of blocks.
+/// Where a row's values go: `columns` of them, a whole number of blocks, which begin `step` apart.
+#[derive(Clone, Copy)]
+pub(super) struct Blocks {
+    pub columns: usize,
+    pub step: usize,
+}
+
+impl Blocks {
+    /// Where column `column` goes.
+    #[inline(always)]
+    fn place(self, column: usize) -> usize {
+        column / BLOCK * self.step + column % BLOCK
+    }
+}
+
+/// One row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side; `out[level]` takes its blocks.
 #[inline(always)]
-pub(super) fn convolve_row<S: Simd>(simd: S, group: &Packed, line: &[f32], reach: usize, out: &mut [&mut [f32]]) {
+pub(super) fn convolve_row<S: Simd>(
+    simd: S,
+    group: &Packed,
+    (line, reach): (&[f32], usize),
+    blocks: Blocks,
+    out: &mut [&mut [f32]],
+) {
+    let line = (line, reach);
     match group.levels.len() {
-        1 => convolve::<S, 1>(simd, group, line, reach, out),
-        2 => convolve::<S, 2>(simd, group, line, reach, out),
-        3 => convolve::<S, 3>(simd, group, line, reach, out),
-        4 => convolve::<S, 4>(simd, group, line, reach, out),
-        5 => convolve::<S, 5>(simd, group, line, reach, out),
-        6 => convolve::<S, 6>(simd, group, line, reach, out),
-        7 => convolve::<S, 7>(simd, group, line, reach, out),
-        _ => convolve::<S, MOST>(simd, group, line, reach, out),
+        1 => convolve::<S, 1>(simd, group, line, blocks, out),
+        2 => convolve::<S, 2>(simd, group, line, blocks, out),
+        3 => convolve::<S, 3>(simd, group, line, blocks, out),
+        4 => convolve::<S, 4>(simd, group, line, blocks, out),
+        5 => convolve::<S, 5>(simd, group, line, blocks, out),
+        6 => convolve::<S, 6>(simd, group, line, blocks, out),
+        7 => convolve::<S, 7>(simd, group, line, blocks, out),
+        _ => convolve::<S, MOST>(simd, group, line, blocks, out),
     }
 }
 
 #[inline(always)]
-fn convolve<S: Simd, const L: usize>(simd: S, group: &Packed, line: &[f32], reach: usize, out: &mut [&mut [f32]]) {
+fn convolve<S: Simd, const L: usize>(
+    simd: S,
+    group: &Packed,
+    (line, reach): (&[f32], usize),
+    blocks: Blocks,
+    out: &mut [&mut [f32]],
+) {
     let out: &mut [&mut [f32]; L] = out.try_into().expect("as many rows as levels");
     let radii: &[usize; L] = group.radii[..].try_into().expect("as many radii as levels");
-    let columns = out[0].len();
     let lanes = S::F32_LANES;
-    for start in (0..columns).step_by(2 * lanes) {
+    for start in (0..blocks.columns).step_by(2 * lanes) {
         let at = reach + start;
         let radius = radii[L - 1];
         let mut acc = [[simd.splat_f32s(0.0); 2]; L];
@@ -94,27 +121,30 @@ fn convolve<S: Simd, const L: usize>(simd: S, group: &Packed, line: &[f32], reac
             )*};
         }
         until_radius_of!(0 1 2 3 4 5 6 7);
+        // Both vectors belong to one block.
+        let place = blocks.place(start);
         for level in 0..L {
-            store::<S>(out[level], start, acc[level][0]);
-            store::<S>(out[level], start + lanes, acc[level][1]);
+            let out = &mut out[level][place..place + 2 * lanes];
+            store::<S>(out, 0, acc[level][0]);
+            store::<S>(out, lanes, acc[level][1]);
         }
     }
 }
 
-/// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` and `out[i]` are column `columns.start + i`.
+/// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` is column `columns.start + i`, and `out` takes the blocks that begin there.
 #[inline(always)]
 pub(super) fn edge_columns<S: Simd>(
     simd: S,
     level: &Weights,
     columns: &Range<usize>,
-    line: &[f32],
-    reach: usize,
+    line: (&[f32], usize),
+    blocks: Blocks,
     out: &mut [f32],
 ) {
     for dense in [&level.head, &level.tail] {
         let mine = dense.outs.start.max(columns.start)..dense.outs.end.min(columns.end);
         if !mine.is_empty() {
-            edge(simd, dense, &mine, columns, line, reach, out);
+            edge(simd, dense, &mine, columns, line, blocks, out);
         }
     }
 }
@@ -125,8 +155,8 @@ fn edge<S: Simd>(
     dense: &Dense,
     mine: &Range<usize>,
     columns: &Range<usize>,
-    line: &[f32],
-    reach: usize,
+    (line, reach): (&[f32], usize),
+    blocks: Blocks,
     out: &mut [f32],
 ) {
     let lanes = S::F32_LANES;
@@ -155,7 +185,8 @@ fn edge<S: Simd>(
         }
         let mut made = [0.0f32; VECTOR];
         store::<S>(&mut made, 0, simd.add_f32s(acc[0], acc[1]));
-        out[part.start - columns.start..part.end - columns.start]
-            .copy_from_slice(&made[part.start - outs.start..part.end - outs.start]);
+        for (output, value) in part.clone().zip(&made[part.start - outs.start..]) {
+            out[blocks.place(output - columns.start)] = *value;
+        }
     }
 }

@@ -9,6 +9,7 @@
 //! there the weights are taken from the chain's own matrix (`edge`), so that the result is the chain's everywhere. Every value is made by the same operations in the
 //! same order wherever it lies in a tile, so tiles and threads cannot change a bit.
 
+mod band;
 mod edge;
 mod filter;
 mod horizontal;

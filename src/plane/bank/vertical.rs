@@ -3,29 +3,10 @@
 //! The rows above and below that belong to the next distance from the centre are mostly those that already lie in registers, one place further; each
 //! step loads only two. Columns are taken a block at a time, so that all rows which a batch reads there stay in the first cache.
 
+use super::band::Row;
 use super::edge::Dense;
 use super::lanes::{BLOCK, load, store};
 use pulp::Simd;
-
-/// The rows of one level that the pass reads: a ring, in which row `v` of the image is row `v % rows` of the data.
-#[derive(Clone, Copy)]
-pub(super) struct Band<'a> {
-    pub data: &'a [f32],
-    pub rows: usize,
-    pub stride: usize,
-}
-
-impl Band<'_> {
-    #[inline(always)]
-    fn before(&self, place: usize) -> usize {
-        if place == 0 { self.rows - 1 } else { place - 1 }
-    }
-
-    #[inline(always)]
-    fn after(&self, place: usize) -> usize {
-        if place + 1 == self.rows { 0 } else { place + 1 }
-    }
-}
 
 /// Where a few finished rows of a block of columns go.
 pub(super) struct Sink<'a> {
@@ -47,94 +28,92 @@ impl Sink<'_> {
     }
 }
 
-/// `ROWS` rows away from the borders, from row `first` on; the block of columns that begins at `block`.
+/// `ROWS` rows away from the borders; the first one is row `radius` of `rows`, which holds the kernel's radius more on both sides. `column` is the block's
+/// first one in the tile.
 #[inline(always)]
 pub(super) fn inner_rows<S: Simd, const ROWS: usize>(
     simd: S,
     half: &[f32],
-    band: Band<'_>,
-    first: usize,
-    block: usize,
+    rows: &[Row],
+    column: usize,
+    stride: usize,
     sink: &mut Sink<'_>,
 ) {
-    let middle = simd.splat_f32s(half[0]);
-    let (stride, data) = (band.stride, band.data);
-    let first = first % band.rows;
-    for within in (0..BLOCK).step_by(S::F32_LANES) {
-        let column = block + within;
-        let mut above = [middle; ROWS];
-        let mut acc = [middle; ROWS];
-        let (mut upper, mut lower) = (first, first);
+    let radius = half.len() - 1;
+    let middle: &[Row; ROWS] = rows[radius..radius + ROWS].try_into().expect("as many rows as are made");
+    // By their distance from the first and from the last of them.
+    let (upper, lower) = (&rows[..radius], &rows[radius + ROWS..][..radius]);
+    let (upper_rest, upper) = upper.as_rchunks::<4>();
+    let (lower, lower_rest) = lower.as_chunks::<4>();
+    let (taps, taps_rest) = half[1..].as_chunks::<4>();
+    for part in 0..BLOCK / S::F32_LANES {
+        let tap = simd.splat_f32s(half[0]);
+        let (mut above, mut acc) = ([tap; ROWS], [tap; ROWS]);
         for i in 0..ROWS {
-            if i > 0 {
-                lower = band.after(lower);
-            }
-            above[i] = load::<S>(data, lower * stride + column);
-            acc[i] = simd.mul_f32s(middle, above[i]);
+            above[i] = S::as_simd_f32s(&middle[i]).0[part];
+            acc[i] = simd.mul_f32s(tap, above[i]);
         }
         let mut below = above;
-        let mut distance = 1;
+        // A macro, since a closure would not be compiled for the processor at hand.
         macro_rules! step {
-            () => {
-                let tap = simd.splat_f32s(half[distance]);
+            ($tap:expr, $upper:expr, $lower:expr) => {
+                // The rows a tap farther away are those at hand, one place on, and a new one.
+                let tap = simd.splat_f32s($tap);
                 for i in (1..ROWS).rev() {
                     above[i] = above[i - 1];
                 }
-                upper = band.before(upper);
-                above[0] = load::<S>(data, upper * stride + column);
+                above[0] = S::as_simd_f32s($upper).0[part];
                 for i in 1..ROWS {
                     below[i - 1] = below[i];
                 }
-                lower = band.after(lower);
-                below[ROWS - 1] = load::<S>(data, lower * stride + column);
+                below[ROWS - 1] = S::as_simd_f32s($lower).0[part];
                 for i in 0..ROWS {
                     acc[i] = simd.mul_add_f32s(tap, simd.add_f32s(above[i], below[i]), acc[i]);
                 }
-                distance += 1;
             };
         }
-        while distance + 3 < half.len() {
-            step!();
-            step!();
-            step!();
-            step!();
+        for ((taps, upper), lower) in taps.iter().zip(upper.iter().rev()).zip(lower) {
+            step!(taps[0], &upper[3], &lower[0]);
+            step!(taps[1], &upper[2], &lower[1]);
+            step!(taps[2], &upper[1], &lower[2]);
+            step!(taps[3], &upper[0], &lower[3]);
         }
-        while distance < half.len() {
-            step!();
+        for ((&tap, upper), lower) in taps_rest.iter().zip(upper_rest.iter().rev()).zip(lower_rest) {
+            step!(tap, upper, lower);
         }
+        let within = part * S::F32_LANES;
         for (i, &value) in acc.iter().enumerate() {
-            sink.put(simd, i, (column, within), stride, value);
+            sink.put(simd, i, (column + within, within), stride, value);
         }
     }
 }
 
-/// `ROWS` rows near a border, from row `first` on; the block of columns that begins at `block`.
+/// `ROWS` rows near a border, from row `first` on, of a block of columns whose first one in the tile is `column`. `rows` are those of the band, which
+/// begins at row `top`.
 #[inline(always)]
 pub(super) fn edge_rows<S: Simd, const ROWS: usize>(
     simd: S,
     dense: &Dense,
-    band: Band<'_>,
+    (rows, top): (&[Row], usize),
     first: usize,
-    block: usize,
+    column: usize,
+    stride: usize,
     sink: &mut Sink<'_>,
 ) {
-    let (stride, data) = (band.stride, band.data);
     let inputs = dense.inputs(&(first..first + ROWS));
     let out = first - dense.outs.start;
-    for within in (0..BLOCK).step_by(S::F32_LANES) {
-        let column = block + within;
+    for part in 0..BLOCK / S::F32_LANES {
         let mut acc = [simd.splat_f32s(0.0); ROWS];
-        let mut place = inputs.start % band.rows;
-        for input in inputs.clone() {
-            let value = load::<S>(data, place * stride + column);
-            place = band.after(place);
+        for (input, row) in inputs.clone().zip(&rows[inputs.start - top..]) {
+            let value = S::as_simd_f32s(row).0[part];
             let weights: &[f32; ROWS] = dense.row(input)[out..out + ROWS].try_into().expect("one weight a row");
             for i in 0..ROWS {
                 acc[i] = simd.mul_add_f32s(value, simd.splat_f32s(weights[i]), acc[i]);
             }
         }
+        let within = part * S::F32_LANES;
         for (i, &value) in acc.iter().enumerate() {
-            sink.put(simd, i, (column, within), stride, value);
+            sink.put(simd, i, (column + within, within), stride, value);
         }
     }
 }
