@@ -216,7 +216,8 @@ impl FeatureStore {
     }
 }
 
-fn image_name(source: &BurstSource) -> String {
+/// The name of the picture of a burst, below the folder of images; COLMAP calls its camera so.
+pub fn image_name(source: &BurstSource) -> String {
     format!("{}.png", safe_file_name(&source.name))
 }
 

@@ -17,7 +17,7 @@ mod thumbnail;
 pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
 pub use colmap::{ColmapJob, ColmapReport, Event, ImageReport, PairReport, export_colmap};
 pub use error::DatasetError;
-pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all};
+pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use pairs::{PairSelection, match_pairs};
 pub use picture::{BurstPicture, ImageKind, burst_picture};
 pub use source::DatasetSource;

@@ -182,6 +182,18 @@ impl Window {
         self.harness.run_steps(2);
     }
 
+    /// Clicks twice at a place of the window. A step here takes longer than a hand's double click, so that one may be slower.
+    pub fn double_click_at(&mut self, pos: egui::Pos2) {
+        let set_delay = |window: &Self, seconds| {
+            window.harness.ctx.options_mut(|o| o.input_options.max_double_click_delay = seconds);
+        };
+        let usual = self.harness.ctx.options(|o| o.input_options.max_double_click_delay);
+        set_delay(self, 5.0);
+        self.click_at(pos);
+        self.click_at(pos);
+        set_delay(self, usual);
+    }
+
     /// Whether this text can be read somewhere.
     pub fn shows(&self, text: &str) -> bool {
         self.harness.query_all_by_label_contains(text).next().is_some()

@@ -1,6 +1,6 @@
 //! An estimated trajectory beside the true one.
 
-use crate::support::{Start, Window};
+use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::dataset::Which;
 use burstscope::app::state::room::Room;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
@@ -100,6 +100,37 @@ fn a_camera_is_pointed_at_in_the_plane() {
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
     window.click_at(at);
     assert_eq!(window.app().model.trajectories.selected, Some(6));
+}
+
+#[test]
+fn a_second_click_on_a_camera_opens_its_burst() {
+    let home = tempfile::tempdir().unwrap();
+    let nights = home.path().join("nights");
+    for (k, frames) in [(0, 3), (1, 5)] {
+        let burst = nights.join(format!("burst_{k:02}"));
+        std::fs::create_dir_all(&burst).unwrap();
+        noisy_stack(&burst, frames, 40, 40);
+    }
+    let (mut window, _) = open_both(home.path());
+    let row = |window: &Window, name: &str| window.harness.get_by_role_and_label(Role::Row, name).rect().center();
+    let at = row(&window, "Camera burst_01.png");
+    window.double_click_at(at);
+    assert!(window.shows("Open the dataset that burst_01.png is of"));
+    window.dialogs.will_choose(&nights);
+    window.run_action("open");
+    window.settle();
+    assert_eq!(window.app().model.frame_count(), 3);
+    window.run_action("trajectories");
+    window.settle();
+    let at = row(&window, "Camera burst_01.png");
+    window.double_click_at(at);
+    window.settle();
+    assert_eq!((window.app().model.room, window.app().model.frame_count()), (Room::Burst, 5));
+    window.run_action("trajectories");
+    window.settle();
+    let at = row(&window, "Camera burst_02.png");
+    window.double_click_at(at);
+    assert!(window.shows("nights has no burst named like the camera burst_02.png"));
 }
 
 #[test]

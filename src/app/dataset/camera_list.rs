@@ -66,6 +66,9 @@ pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
                 if response.clicked() {
                     clicked = Some(index);
                 }
+                if response.double_clicked() {
+                    trajectories.wanted = Some(pair.label.clone());
+                }
             });
         });
     if hovered.is_some() {

@@ -2,7 +2,7 @@
 
 use super::matches::{Pair, PairTable, pair_of};
 use crate::burst::BurstSource;
-use crate::dataset::{DatasetSource, FinishedBurst, PairSelection};
+use crate::dataset::{DatasetSource, FinishedBurst, PairSelection, image_name};
 use crate::detector::DetectorParams;
 use crate::engine::{Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset, Running};
 use crate::matching::ImageCounts;
@@ -136,6 +136,13 @@ impl Dataset {
     pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
         let crate::engine::BurstSource::Paths(paths) = &open?.source else { return None };
         self.bursts.iter().position(|b| b.paths == *paths)
+    }
+
+    /// The place of the burst that a camera's label names: its picture's name, with or without folders before it, or its own name.
+    pub fn place_of_camera(&self, label: &str) -> Option<usize> {
+        let file = label.rsplit(['/', '\\']).next().unwrap_or(label);
+        let named = |b: &BurstSource| image_name(b) == file || b.name == label;
+        self.bursts.iter().position(named)
     }
 
     /// The burst at `place`, as the inspector opens it.
@@ -363,6 +370,15 @@ mod tests {
         assert_eq!((open.counts().done, open.counts().failed), (2, 0));
         open.begin_detection(&DetectorParams { levels: 5, ..DetectorParams::default() });
         assert_eq!((open.counts().done, open.params.levels), (0, 5));
+    }
+
+    #[test]
+    fn cameras_are_named_after_their_bursts() {
+        let open = dataset(3);
+        assert_eq!(open.place_of_camera("b1.png"), Some(1));
+        assert_eq!(open.place_of_camera("images/b2.png"), Some(2));
+        assert_eq!(open.place_of_camera("b0"), Some(0));
+        assert_eq!((open.place_of_camera("b3.png"), open.place_of_camera("1621.5")), (None, None));
     }
 
     #[test]

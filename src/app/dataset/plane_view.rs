@@ -34,6 +34,7 @@ pub fn plane_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     }
     let pixels_per_point = ui.ctx().pixels_per_point();
     trajectories.view.settle(rect, scene.size, pixels_per_point);
+    let before = trajectories.view;
     navigate(ui, &response, rect, &mut trajectories.view);
     let ui_from_plane = trajectories.view.settle(rect, scene.size, pixels_per_point);
     let pointed = response.hover_pos().and_then(|pos| nearest(&scene, &ui_from_plane, pos));
@@ -43,10 +44,15 @@ pub fn plane_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     if response.clicked() {
         trajectories.selected = trajectories.hovered;
     }
+    if let Some((of_truth, spot)) = pointed.filter(|_| response.double_clicked()) {
+        trajectories.wanted = Some(label_of(trajectories, of_truth, spot).to_owned());
+        // Beside cameras a double click fits the view; here it must not.
+        trajectories.view = before;
+    }
     draw(ui, &painter, trajectories, &scene, &ui_from_plane);
     frame_ui(ui, &painter, trajectories, &scene, &ui_from_plane, rect);
     if let Some((of_truth, spot)) = pointed.filter(|_| !response.dragged()) {
-        let text = spot_text(trajectories, of_truth, spot);
+        let text = spot_text(trajectories, of_truth, spot) + "\nDouble-click to open its burst";
         response.on_hover_text_at_pointer(text);
     }
 }
@@ -59,14 +65,19 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
     Some((of_truth, spot))
 }
 
+/// A camera's name in its own trajectory.
+fn label_of<'t>(trajectories: &'t Trajectories, of_truth: bool, spot: &Spot) -> &'t str {
+    let compared = &trajectories.compared;
+    let read = if of_truth { &compared.truth } else { &compared.estimate };
+    read.as_ref().and_then(|(_, t)| t.poses.get(spot.index)).map_or("", |p| p.label.as_str())
+}
+
 /// A camera in words: the image's name, its errors, its points.
 fn spot_text(trajectories: &Trajectories, of_truth: bool, spot: &Spot) -> String {
     if let (Some(report), Some(pair)) = (trajectories.report(), spot.pair) {
         return pair_text(trajectories, &report.pairs[pair]);
     }
-    let compared = &trajectories.compared;
-    let read = if of_truth { &compared.truth } else { &compared.estimate };
-    let label = read.as_ref().and_then(|(_, t)| t.poses.get(spot.index)).map_or("", |p| p.label.as_str());
+    let label = label_of(trajectories, of_truth, spot);
     let why = if of_truth && trajectories.report().is_some() {
         "\nnot registered: the estimate has no camera here"
     } else {

@@ -60,6 +60,8 @@ pub struct Trajectories {
     pub hovered: Option<usize>,
     /// The pair of cameras that was clicked.
     pub selected: Option<usize>,
+    /// The label of the camera whose burst was asked for by a second click, until that is seen to.
+    pub wanted: Option<String>,
     /// What is being read, as of this pass.
     pub running: Option<Running>,
     /// What was asked for and has not come.

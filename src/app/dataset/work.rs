@@ -141,6 +141,21 @@ impl BurstscopeApp {
         }
     }
 
+    /// Opens the burst of the camera with this label in the inspector, or says why there is none.
+    pub(in crate::app) fn look_at_camera(&mut self, label: &str) {
+        let dataset = self.model.datasets.open.as_ref();
+        match dataset.map(|d| (d.place_of_camera(label), d.source.label())) {
+            Some((Some(place), _)) => {
+                self.open_burst_at(place);
+                self.model.room = Room::Burst;
+            }
+            Some((None, name)) => {
+                self.model.messages.note(format!("{name} has no burst named like the camera {label}"))
+            }
+            None => self.model.messages.note(format!("Open the dataset that {label} is of to look at its burst")),
+        }
+    }
+
     /// Makes the burst that is open in the inspector A (0) or B (1).
     pub(in crate::app) fn choose_open_burst(&mut self, side: usize) {
         let shown = self.model.burst.as_ref();

@@ -43,4 +43,7 @@ pub fn trajectories_room_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Qu
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         plane_view::plane_ui(ui, &mut app.model.trajectories);
     });
+    if let Some(label) = app.model.trajectories.wanted.take() {
+        app.look_at_camera(&label);
+    }
 }
