@@ -13,7 +13,7 @@ use super::octave::{Base, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use super::params::{DetectorParams, ParamError};
 use super::refine::{Limits, MAX_MOVES, refine};
 use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
-use super::search::{Thresholds, own_slope_extrema};
+use super::search::{Candidate, Thresholds, own_slope_extrema};
 use super::slope_grid::SlopeGrid;
 use super::slope_window::{SlopeWindow, capacity};
 use super::view::searched_octaves;
@@ -30,13 +30,14 @@ use std::time::Instant;
 
 /// Bytes of DoG tiles that the threads' windows of slopes may hold together.
 const WINDOWS_BYTES: usize = 128 << 20;
-/// Bytes that one of them holds at most: more would not make it faster.
-const WINDOW_BYTES: usize = 20 << 20;
+/// Bytes that one of them holds at most: as much as stays in a thread's share of the third cache. Fewer rows than that repeat too much of what the filters
+/// need around a tile.
+const WINDOW_BYTES: usize = 6 << 20;
 /// Columns of a tile. With those held around it for the moves of the refinement it is five blocks of vectors wide, and what lies between the two
 /// passes of its filters stays in the second cache.
 const TILE_COLUMNS: usize = 148;
-/// Rows of a tile where memory does not ask for fewer: enough that the rows its filters need around it matter little.
-const TILE_ROWS: usize = 640;
+/// Rows of a tile where the window does not ask for fewer: enough that the rows its filters need around it matter little.
+const TILE_ROWS: usize = 320;
 /// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the mixing of rows.
 const STACKED_SLOPES: usize = 8;
 /// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
@@ -307,6 +308,7 @@ impl Search<'_> {
                     row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
                 }
             }
+            self.compare(job, window, index, &mut tally);
             for decided in window.decidable(index) {
                 self.decide(job, window, decided, &mut keypoints, &mut tally);
             }
@@ -315,7 +317,24 @@ impl Search<'_> {
         Ok((keypoints, tally))
     }
 
-    /// Puts the candidates of one slope through the tests that remain.
+    /// σ_D of a candidate. Where fewer frames cover a place the mean is noisier, by the square root.
+    fn sigma_d_at(&self, job: &Octave<'_>, slope_index: usize, candidate: &Candidate) -> f32 {
+        job.sigma_d[candidate.level_index][slope_index]
+            * self.coverage_factor(job.octave, slope_index, candidate.x, candidate.y)
+    }
+
+    /// Compares the slope that was made last with the others that are held.
+    fn compare(&self, job: &Octave<'_>, window: &mut SlopeWindow, made: usize, tally: &mut Tally) {
+        let limits = Limits { peak_threshold: self.params.peak_threshold, edge_threshold: self.params.edge_threshold };
+        window.compare(
+            made,
+            |candidate| candidate.value.abs() >= self.gate_factor * self.sigma_d_at(job, made, candidate),
+            |dog, candidate| refine(dog, (candidate.x, candidate.y), candidate.level_index, job.size, limits),
+            tally,
+        );
+    }
+
+    /// Appends the keypoints among what no slope has beaten at one slope, and counts the others.
     fn decide(
         &self,
         job: &Octave<'_>,
@@ -324,32 +343,20 @@ impl Search<'_> {
         keypoints: &mut Vec<Keypoint>,
         tally: &mut Tally,
     ) {
-        let limits = Limits { peak_threshold: self.params.peak_threshold, edge_threshold: self.params.edge_threshold };
-        for candidate in window.candidates(slope_index) {
-            // Where fewer frames cover a place the mean is noisier, by the square root.
-            let sigma_d = job.sigma_d[candidate.level_index][slope_index]
-                * self.coverage_factor(job.octave, slope_index, candidate.x, candidate.y);
-            if candidate.value.abs() < self.gate_factor * sigma_d {
-                tally.reject(Test::NoiseGate, 1);
-                continue;
-            }
-            if !window.is_slope_extremum(slope_index, candidate) {
-                tally.reject(Test::SlopeExtremum, 1);
-                continue;
-            }
-            let at = (candidate.x, candidate.y);
-            match refine(window.tile(slope_index), at, candidate.level_index, job.size, limits) {
+        for undecided in window.undecided(slope_index) {
+            match undecided.refined {
                 Err(test) => tally.reject(test, 1),
                 Ok(refined) => {
                     tally.kept += 1;
-                    let slope = window.refined_slope(slope_index, refined.x, refined.y, candidate.level_index);
+                    let candidate = &undecided.candidate;
+                    let sigma_d = self.sigma_d_at(job, slope_index, candidate);
                     keypoints.push(Keypoint {
                         x: refined.x_refined as f32,
                         y: refined.y_refined as f32,
                         sigma_octave: self.space.sigma_octave(refined.level_refined - 1.0) as f32,
                         level: candidate.level_index as i32 - 1,
                         slope_index,
-                        slope,
+                        slope: window.refined_slope(slope_index, undecided),
                         value: refined.value,
                         snr: if sigma_d > 0.0 { refined.value.abs() / sigma_d } else { f32::INFINITY },
                     });

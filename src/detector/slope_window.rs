@@ -1,13 +1,35 @@
 //! The slopes that the joint search holds at once, for one tile of the octave.
 //!
-//! Slopes are visited in running order, first axis fastest. A candidate at one slope is decided as soon as its last neighbouring slope has been made; then
-//! the oldest DoG tile is overwritten. So a line of slopes needs three tiles, a plane two rows of the grid and three.
+//! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as soon as it is found, while their tiles are
+//! still held, and with those after its own as they come: it waits for them with what is needed of its own tile, which nobody asks for any more. So a line
+//! of slopes needs two tiles, a plane one row of the grid and two.
 
+use super::feature::{Tally, Test};
 use super::octave::DogTile;
 use super::params::SlopeNeighbours;
-use super::refine::{peak_offset, peak_offset_2d};
+use super::refine::{Refined, peak_offset, peak_offset_2d};
 use super::search::{Candidate, beats_all_27};
 use super::slope_grid::{Slope, SlopeGrid};
+
+/// A candidate that no slope so far has beaten.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Undecided {
+    /// The sample.
+    pub candidate: Candidate,
+    /// Where the extremum lies between the samples, or the test that rejects it should no slope do so.
+    pub refined: Result<Refined, Test>,
+    /// D of the refined sample at the slopes around, as far as they have come: `around[dj + 1][di + 1]`.
+    around: [[f32; 3]; 3],
+}
+
+impl Undecided {
+    /// Takes note of a neighbouring slope's tile.
+    fn look_at(&mut self, tile: &DogTile, (di, dj): (i64, i64)) {
+        if let (Ok(Refined { x, y, .. }), -1..=1, -1..=1) = (self.refined, di, dj) {
+            self.around[(dj + 1) as usize][(di + 1) as usize] = tile.at(self.candidate.level_index, x, y);
+        }
+    }
+}
 
 /// DoG tiles and undecided candidates of the slopes in reach.
 #[derive(Debug)]
@@ -15,14 +37,16 @@ pub(super) struct SlopeWindow {
     grid: SlopeGrid,
     neighbours: SlopeNeighbours,
     tiles: Vec<DogTile>,
-    candidates: Vec<Vec<Candidate>>,
+    /// Candidates of the slope that was made last.
+    candidates: Vec<Candidate>,
+    undecided: Vec<Vec<Undecided>>,
 }
 
 /// How many tiles the window holds.
 pub(super) fn capacity(grid: &SlopeGrid, neighbours: SlopeNeighbours) -> usize {
     match neighbours {
         SlopeNeighbours::All => grid.len(),
-        SlopeNeighbours::Adjacent => (2 * reach(grid) + 1).min(grid.len()),
+        SlopeNeighbours::Adjacent => (reach(grid) + 1).min(grid.len()),
     }
 }
 
@@ -38,26 +62,83 @@ impl SlopeWindow {
             grid,
             neighbours,
             tiles: (0..capacity).map(|_| DogTile::default()).collect(),
-            candidates: vec![Vec::new(); capacity],
+            candidates: Vec::new(),
+            undecided: vec![Vec::new(); capacity],
         }
     }
 
     /// The tile and the (emptied) candidates to be filled for slope `index`.
     pub(super) fn slot_mut(&mut self, index: usize) -> (&mut DogTile, &mut Vec<Candidate>) {
         let slot = index % self.tiles.len();
-        self.candidates[slot].clear();
-        (&mut self.tiles[slot], &mut self.candidates[slot])
+        self.candidates.clear();
+        (&mut self.tiles[slot], &mut self.candidates)
     }
 
-    pub(super) fn tile(&self, index: usize) -> &DogTile {
+    fn tile(&self, index: usize) -> &DogTile {
         &self.tiles[index % self.tiles.len()]
     }
 
-    pub(super) fn candidates(&self, index: usize) -> &[Candidate] {
-        &self.candidates[index % self.candidates.len()]
+    /// The slopes before slope `index` with which it is compared, and how many steps from it they lie along both axes.
+    fn earlier(&self, index: usize) -> Vec<(usize, (i64, i64))> {
+        let (i, j) = self.grid.coordinates(index);
+        let first = match self.neighbours {
+            SlopeNeighbours::All => 0,
+            SlopeNeighbours::Adjacent => index.saturating_sub(reach(&self.grid)),
+        };
+        (first..index)
+            .map(|other| {
+                let (ii, jj) = self.grid.coordinates(other);
+                (other, (ii as i64 - i as i64, jj as i64 - j as i64))
+            })
+            .filter(|(_, (di, dj))| self.neighbours == SlopeNeighbours::All || (di.abs() <= 1 && dj.abs() <= 1))
+            .collect()
     }
 
-    /// The slopes that can be decided once slope `made` has been made.
+    /// Compares the tile of slope `made` with the candidates that wait for it, and its candidates with the slopes before it. A candidate that `gate` lets
+    /// pass and that beats them waits with what `refine` makes of it. `tally` counts the others.
+    pub(super) fn compare(
+        &mut self,
+        made: usize,
+        gate: impl Fn(&Candidate) -> bool,
+        refine: impl Fn(&DogTile, &Candidate) -> Result<Refined, Test>,
+        tally: &mut Tally,
+    ) {
+        let earlier = self.earlier(made);
+        let slots = self.tiles.len();
+        let own = &self.tiles[made % slots];
+        // Of two slopes with the same D the earlier one stays.
+        let beats = |candidate: &Candidate, tile: &DogTile, or_equals: bool| {
+            beats_all_27(candidate.value, tile, candidate.x, candidate.y, candidate.level_index, or_equals)
+        };
+        for &(other, (di, dj)) in &earlier {
+            let waiting = &mut self.undecided[other % slots];
+            let before = waiting.len();
+            waiting.retain_mut(|undecided| {
+                let stays = beats(&undecided.candidate, own, true);
+                undecided.look_at(own, (-di, -dj));
+                stays
+            });
+            tally.reject(Test::SlopeExtremum, (before - waiting.len()) as u64);
+        }
+        let mut waiting = std::mem::take(&mut self.undecided[made % slots]);
+        waiting.clear();
+        for candidate in &self.candidates {
+            if !gate(candidate) {
+                tally.reject(Test::NoiseGate, 1);
+            } else if !earlier.iter().all(|&(other, _)| beats(candidate, self.tile(other), false)) {
+                tally.reject(Test::SlopeExtremum, 1);
+            } else {
+                let refined = refine(own, candidate);
+                let mut undecided = Undecided { candidate: *candidate, refined, around: [[0.0; 3]; 3] };
+                undecided.look_at(own, (0, 0));
+                earlier.iter().for_each(|&(other, step)| undecided.look_at(self.tile(other), step));
+                waiting.push(undecided);
+            }
+        }
+        self.undecided[made % slots] = waiting;
+    }
+
+    /// The slopes whose candidates have been compared with all their neighbours once slope `made` has been.
     pub(super) fn decidable(&self, made: usize) -> std::ops::Range<usize> {
         let last = made + 1 == self.grid.len();
         match self.neighbours {
@@ -72,38 +153,22 @@ impl SlopeWindow {
         }
     }
 
-    /// Whether the candidate at slope `index` beats its 27 neighbours at each slope that it is compared with.
-    pub(super) fn is_slope_extremum(&self, index: usize, candidate: &Candidate) -> bool {
-        let beats = |other: usize| {
-            let or_equals = other > index;
-            beats_all_27(candidate.value, self.tile(other), candidate.x, candidate.y, candidate.level_index, or_equals)
-        };
-        match self.neighbours {
-            SlopeNeighbours::All => (0..self.grid.len()).all(|other| other == index || beats(other)),
-            SlopeNeighbours::Adjacent => {
-                let (i, j) = self.grid.coordinates(index);
-                let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-                around(j, self.grid.v.count).all(|jj| {
-                    around(i, self.grid.u.count).all(|ii| (ii, jj) == (i, j) || beats(jj * self.grid.u.count + ii))
-                })
-            }
-        }
+    /// What has not been beaten at slope `index`.
+    pub(super) fn undecided(&self, index: usize) -> &[Undecided] {
+        &self.undecided[index % self.undecided.len()]
     }
 
-    /// The slope of the extremum between the grid's slopes, from D at the sample (x, y, level index) of the neighbouring slopes. An axis
+    /// The slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope `index`. An axis
     /// on which `index` is the first or last keeps the grid's slope.
-    pub(super) fn refined_slope(&self, index: usize, x: usize, y: usize, level_index: usize) -> Slope {
+    pub(super) fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
         let (i, j) = self.grid.coordinates(index);
-        let value = |ii: usize, jj: usize| self.tile(jj * self.grid.u.count + ii).at(level_index, x, y);
+        let around = &undecided.around;
         let inner = |at: usize, count: usize| at > 0 && at + 1 < count;
-        let here = value(i, j);
         let (di, dj) = match (inner(i, self.grid.u.count), inner(j, self.grid.v.count)) {
             (false, false) => (0.0, 0.0),
-            (true, false) => (peak_offset(value(i - 1, j), here, value(i + 1, j)), 0.0),
-            (false, true) => (0.0, peak_offset(value(i, j - 1), here, value(i, j + 1))),
-            (true, true) => {
-                peak_offset_2d(std::array::from_fn(|b| std::array::from_fn(|a| value(i + a - 1, j + b - 1))))
-            }
+            (true, false) => (peak_offset(around[1][0], around[1][1], around[1][2]), 0.0),
+            (false, true) => (0.0, peak_offset(around[0][1], around[1][1], around[2][1])),
+            (true, true) => peak_offset_2d(*around),
         };
         self.grid.at(i as f32 + di, j as f32 + dj)
     }
@@ -112,10 +177,10 @@ impl SlopeWindow {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::tile::{Region, Tile};
 
-    #[test]
-    fn every_slope_is_decided_once_while_its_neighbours_are_held() {
-        let grids = [
+    fn grids() -> [SlopeGrid; 7] {
+        [
             SlopeGrid::line(-1.0..=1.0, 1),
             SlopeGrid::line(-1.0..=1.0, 2),
             SlopeGrid::line(-1.0..=1.0, 9),
@@ -123,28 +188,77 @@ mod tests {
             SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 2),
             SlopeGrid::plane(-1.0..=1.0, 5, -1.0..=1.0, 7),
             SlopeGrid::plane(0.0..=0.0, 1, -1.0..=1.0, 4),
-        ];
-        for grid in grids {
+        ]
+    }
+
+    /// D is `values[slope]` in the middle of a tile of 3×3 samples, and a little less around.
+    fn fill(tile: &mut DogTile, value: f32) {
+        tile.levels.resize_with(3, Tile::default);
+        for (s, level) in tile.levels.iter_mut().enumerate() {
+            level.reset(&Region { columns: 0..3, rows: 0..3 }, 16);
+            for v in 0..3 {
+                for u in 0..3 {
+                    let middle = (s, u, v) == (1, 1, 1);
+                    level.row_mut(v)[u] = if middle { value } else { value - 0.5 };
+                }
+            }
+        }
+    }
+
+    /// Which slopes keep a candidate in the middle, in the order in which they are decided, and D around them.
+    fn kept(grid: SlopeGrid, neighbours: SlopeNeighbours, values: &[f32]) -> (Vec<usize>, Vec<[[f32; 3]; 3]>, Tally) {
+        let mut window = SlopeWindow::new(grid, neighbours);
+        let (mut kept, mut around, mut tally) = (Vec::new(), Vec::new(), Tally::default());
+        for (made, &value) in values.iter().enumerate() {
+            let (tile, candidates) = window.slot_mut(made);
+            fill(tile, value);
+            candidates.push(Candidate { x: 1, y: 1, level_index: 1, value });
+            let here = Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value };
+            window.compare(made, |_| true, |_, _| Ok(here), &mut tally);
+            for index in window.decidable(made) {
+                for undecided in window.undecided(index) {
+                    kept.push(index);
+                    around.push(undecided.around);
+                }
+            }
+        }
+        (kept, around, tally)
+    }
+
+    #[test]
+    fn every_slope_is_compared_with_all_its_neighbours_and_decided_once() {
+        for grid in grids() {
+            // Repeats, so that some neighbours are equal.
+            let values: Vec<f32> = (0..grid.len()).map(|k| 1.0 + ((k * 7919 + 13) % 11) as f32).collect();
             for neighbours in [SlopeNeighbours::Adjacent, SlopeNeighbours::All] {
-                let window = SlopeWindow::new(grid, neighbours);
-                let mut decided = Vec::new();
-                for made in 0..grid.len() {
-                    for index in window.decidable(made) {
-                        decided.push(index);
-                        let (i, j) = grid.coordinates(index);
-                        for other in 0..grid.len() {
-                            let (a, b) = grid.coordinates(other);
-                            let near = a.abs_diff(i) <= 1 && b.abs_diff(j) <= 1;
-                            if near || neighbours == SlopeNeighbours::All {
-                                assert!(
-                                    other <= made && made - other < capacity(&grid, neighbours),
-                                    "{grid:?} {index} {other}"
-                                );
-                            }
+                let (kept, around, tally) = kept(grid, neighbours, &values);
+                let near = |a: usize, b: usize| a.abs_diff(b) <= 1;
+                let is_kept = |index: &usize| {
+                    let (i, j) = grid.coordinates(*index);
+                    (0..grid.len()).all(|other| {
+                        let (ii, jj) = grid.coordinates(other);
+                        let compared = neighbours == SlopeNeighbours::All || (near(i, ii) && near(j, jj));
+                        let earlier_or_less =
+                            values[other] < values[*index] || (values[other] == values[*index] && other >= *index);
+                        !compared || earlier_or_less
+                    })
+                };
+                let expected: Vec<usize> = (0..grid.len()).filter(is_kept).collect();
+                assert_eq!(kept, expected, "{grid:?} {neighbours:?}");
+                let rejected = tally.rejected_by(Test::SlopeExtremum) as usize;
+                assert_eq!(rejected + kept.len(), grid.len());
+                for (index, around) in kept.iter().zip(&around) {
+                    let (i, j) = grid.coordinates(*index);
+                    for (dj, row) in (-1i64..).zip(around) {
+                        for (di, &value) in (-1i64..).zip(row) {
+                            let (ii, jj) = (i as i64 + di, j as i64 + dj);
+                            let there =
+                                (0..grid.u.count as i64).contains(&ii) && (0..grid.v.count as i64).contains(&jj);
+                            let expected = if there { values[jj as usize * grid.u.count + ii as usize] } else { 0.0 };
+                            assert_eq!(value, expected, "{grid:?} {index} {di} {dj}");
                         }
                     }
                 }
-                assert_eq!(decided, (0..grid.len()).collect::<Vec<_>>(), "{grid:?}");
             }
         }
     }
