@@ -3,6 +3,9 @@
 //! Octaves come in turn, each starting from planes that the one before left for every slope. Within an octave the tiles run in parallel; a
 //! tile visits all slopes in order, holding only those that its undecided candidates still need. Its height is chosen so that
 //! what the threads hold together stays bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in order, so threads cannot change the result.
+//!
+//! Keypoints are described when their octave is finished, or, where a tile of the first octave still holds the stacked images of all slopes, at the end of that
+//! tile, which saves stacking them again. The pixels have the same bits either way, and so have the features.
 
 use super::describing::{DescribeScratch, Describing, Keypoint};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};

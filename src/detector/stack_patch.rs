@@ -29,7 +29,7 @@ pub(super) fn cut_patch(
     let Region { columns, rows } = part_inside(patch, frames[0].size());
     let there =
         Region { columns: overlap(&columns, &tile.region().columns), rows: overlap(&rows, &tile.region().rows) };
-    // Strips narrower than a vector are not worth less than one.
+    // A strip narrower than a vector would take longer than one as wide.
     let whole_vector = |n: usize| n.next_multiple_of(LANES).min(columns.len());
     let before = whole_vector(there.columns.start - columns.start);
     let behind = whole_vector(columns.end - there.columns.end);
