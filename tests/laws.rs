@@ -6,6 +6,7 @@
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::detector::{DetectError, Interpolation, Method, NoiseGate, Slope, SlopeNeighbours};
 use burstscope::synth::random::Stream;
+use burstscope::synth::{SceneParams, synth_scene};
 use burstscope::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -199,6 +200,29 @@ fn any_number_of_threads_gives_the_same_bits() {
         let one = with(1);
         assert!(one.features.len() > 10);
         for threads in [2, 3, 7] {
+            let many = with(threads);
+            assert_eq!(one.features, many.features);
+            assert_eq!(one.descriptors, many.descriptors);
+            assert_eq!(one.tally, many.tally);
+        }
+    }
+}
+
+#[test]
+fn features_described_in_their_tiles_have_the_bits_of_those_described_after_them() {
+    // Wide enough for a few tiles, which few threads describe as they go and more threads do not.
+    let scene = SceneParams { width: 640, height: 440, snr: 8.0, seed: 5, ..SceneParams::default() };
+    let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
+    // Whole and half columns a frame, and other fractions.
+    for slopes in [SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::line(-1.7..=2.0, 5)] {
+        let params = DetectorParams { slopes, peak_threshold: 0.0015, ..DetectorParams::default() };
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| found(&burst, &params))
+        };
+        let one = with(1);
+        assert!(one.features.len() > 100, "{}", one.features.len());
+        for threads in [2, 16] {
             let many = with(threads);
             assert_eq!(one.features, many.features);
             assert_eq!(one.descriptors, many.descriptors);

@@ -1,4 +1,4 @@
-//! Localising and describing the keypoints that the search found in an octave, in parallel.
+//! Localising and describing the keypoints that the search found in an octave: of a whole octave in parallel, or of one of its tiles.
 
 use super::blur_patch::BlurScratch;
 use super::descriptor::{DescriptorScratch, descriptor, descriptor_radius};
@@ -69,7 +69,7 @@ const TOGETHER: usize = 32;
 
 /// Space that a thread reuses from keypoint to keypoint.
 #[derive(Default)]
-struct Scratch {
+pub(super) struct DescribeScratch {
     raw: Patch,
     level: Patch,
     patch: PatchScratch,
@@ -85,13 +85,10 @@ impl Describing<'_> {
     /// # Errors
     /// [`Cancelled`] once the monitor was cancelled.
     pub fn describe(&self, keypoints: &[Keypoint]) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
-        let mut order: Vec<&Keypoint> = keypoints.iter().collect();
-        let strip = |keypoint: &Keypoint| (keypoint.x / STRIP_COLUMNS) as i64;
-        order.sort_by(|a, b| strip(a).cmp(&strip(b)).then(a.y.total_cmp(&b.y)).then(a.x.total_cmp(&b.x)));
-        let kernels: Vec<GaussianKernel> = (0..self.space.levels as i32).map(|level| self.kernel(level)).collect();
+        let (order, kernels) = (self.in_order(keypoints), self.kernels());
         let described: Vec<Vec<(Feature, Descriptor)>> = order
             .par_chunks(TOGETHER)
-            .map_init(Scratch::default, |scratch, keypoints| {
+            .map_init(DescribeScratch::default, |scratch, keypoints| {
                 let mut out = Vec::with_capacity(TOGETHER + TOGETHER / 2);
                 for keypoint in keypoints {
                     self.monitor.check()?;
@@ -101,6 +98,37 @@ impl Describing<'_> {
             })
             .collect::<Result<_, Cancelled>>()?;
         Ok(described.into_iter().flatten().collect())
+    }
+
+    /// The same in this thread alone, for `keypoints` that lie close together.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the monitor was cancelled.
+    pub fn describe_here(
+        &self,
+        keypoints: &[Keypoint],
+        scratch: &mut DescribeScratch,
+    ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
+        let (order, kernels) = (self.in_order(keypoints), self.kernels());
+        let mut out = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
+        for keypoint in order {
+            self.monitor.check()?;
+            self.describe_one(keypoint, &kernels, scratch, &mut out);
+        }
+        Ok(out)
+    }
+
+    /// The keypoints so that those that follow one another lie close together.
+    fn in_order<'k>(&self, keypoints: &'k [Keypoint]) -> Vec<&'k Keypoint> {
+        let mut order: Vec<&Keypoint> = keypoints.iter().collect();
+        let strip = |keypoint: &Keypoint| (keypoint.x / STRIP_COLUMNS) as i64;
+        order.sort_by(|a, b| strip(a).cmp(&strip(b)).then(a.y.total_cmp(&b.y)).then(a.x.total_cmp(&b.x)));
+        order
+    }
+
+    /// From what the octave is made from to each Gaussian level on which features are described.
+    fn kernels(&self) -> Vec<GaussianKernel> {
+        (0..self.space.levels as i32).map(|level| self.kernel(level)).collect()
     }
 
     /// From what the octave is made from to Gaussian level `level`.
@@ -116,7 +144,7 @@ impl Describing<'_> {
         &self,
         keypoint: &Keypoint,
         kernels: &[GaussianKernel],
-        scratch: &mut Scratch,
+        scratch: &mut DescribeScratch,
         out: &mut Vec<(Feature, Descriptor)>,
     ) {
         let (size, pixel) = (self.size, octave_pixel(self.octave));
@@ -129,7 +157,7 @@ impl Describing<'_> {
         let reach = (scale_peak::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
             .max(hat_reach(rim_radius(wanted_sigma, self.space.levels), 1))
             .max(level_reach(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
-        let Scratch { raw, level: patch, .. } = scratch;
+        let DescribeScratch { raw, level: patch, .. } = scratch;
         base.patch(size, around(keypoint.x, reach), around(keypoint.y, reach), &mut scratch.patch, raw);
         let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
             self.located(keypoint, raw, from, &mut scratch.locate);

@@ -133,7 +133,8 @@ impl Tally {
     }
 }
 
-/// Seconds spent in each stage of a detection, by the wall clock.
+/// Seconds spent in each stage of a detection, by the wall clock. Where threads search and describe at the same time, the time that passes is divided in
+/// proportion to what they spend on each.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct StageTimes {
     /// Estimating the noise.

@@ -33,6 +33,7 @@ mod stack_patch;
 mod stack_rows;
 mod vectors;
 pub mod view;
+mod weighted_rows;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{

@@ -65,9 +65,19 @@ impl FrameOffset {
         Self::covered(self.whole_u, self.part_u, self.before_u, width)
     }
 
+    /// Columns of an image `width` wide at which the frame has pixels of its own, and one more to the right, whether that is needed or not.
+    pub(super) fn reads_next_columns(&self, width: usize) -> Range<usize> {
+        Self::covered(self.whole_u, 1.0, 0, width)
+    }
+
+    /// Rows of an image `height` high that the frame covers.
+    pub(super) fn covers_rows(&self, height: usize) -> Range<usize> {
+        Self::covered(self.whole_v, self.part_v, self.before_v, height)
+    }
+
     /// Whether the frame covers row `v` of an image `height` high.
     pub(super) fn covers_row(&self, v: usize, height: usize) -> bool {
-        Self::covered(self.whole_v, self.part_v, self.before_v, height).contains(&v)
+        self.covers_rows(height).contains(&v)
     }
 
     /// Positions `0 … n−1` that this offset keeps inside, as a half-open range: whole offset `whole`, fraction `part`; the position

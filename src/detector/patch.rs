@@ -6,7 +6,8 @@
 
 use super::hat::PixelView;
 use super::octave::Base;
-use super::stack_patch::stack_patch;
+use super::stack_patch::{cut_patch, stack_patch};
+use super::weighted_rows::WeightedRows;
 use crate::plane::aligned::Aligned;
 use std::ops::Range;
 
@@ -28,7 +29,7 @@ pub struct Patch {
 pub struct PatchScratch {
     narrow: Patch,
     row: Vec<f32>,
-    shifted: Aligned,
+    sums: WeightedRows,
 }
 
 /// The pixels within `radius` of the one in which `place` lies.
@@ -157,16 +158,19 @@ impl Base<'_> {
                 }
                 patch.repeat_border(size);
             }
-            Self::Frames { frames, offsets, octave: 0 } => {
+            Self::Frames { frames, offsets, octave: 0, made } => {
                 patch.reset(columns, rows);
-                stack_patch(frames, offsets, patch, &mut scratch.shifted);
+                match made {
+                    Some(tile) => cut_patch(frames, offsets, tile, patch, &mut scratch.sums),
+                    None => stack_patch(frames, offsets, patch, &mut scratch.sums),
+                }
                 patch.repeat_border(size);
             }
-            Self::Frames { frames, offsets, octave: -1 } => {
+            Self::Frames { frames, offsets, octave: -1, .. } => {
                 // The pixels between which those of the doubled image lie. Repeated ones double to repeated ones.
                 let narrow = |range: &Range<i64>| range.start.div_euclid(2)..(range.end - 1).div_euclid(2) + 2;
                 scratch.narrow.reset(narrow(&columns), narrow(&rows));
-                stack_patch(frames, offsets, &mut scratch.narrow, &mut scratch.shifted);
+                stack_patch(frames, offsets, &mut scratch.narrow, &mut scratch.sums);
                 scratch.narrow.repeat_border(frames[0].size());
                 patch.reset(columns, rows);
                 patch.double(&scratch.narrow, &mut scratch.row);

@@ -3,8 +3,11 @@
 //! Octaves come in turn, each starting from planes that the one before left for every slope. Within an octave the tiles run in parallel; a
 //! tile visits all slopes in order, holding only those that its undecided candidates still need. Its height is chosen so that
 //! what the threads hold together stays bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in order, so threads cannot change the result.
+//!
+//! Keypoints are described when their octave is finished, or, where a tile of the first octave still holds the stacked images of all slopes, at the end of that
+//! tile, which saves stacking them again. The pixels have the same bits either way, and so have the features.
 
-use super::describing::{Describing, Keypoint};
+use super::describing::{DescribeScratch, Describing, Keypoint};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 use super::motion::{FrameOffset, coverage, frame_offsets};
 use super::noise::{dog_noise_variance, gate_factor};
@@ -26,7 +29,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Bytes of DoG tiles that the threads' windows of slopes may hold together.
 const WINDOWS_BYTES: usize = 128 << 20;
@@ -112,31 +115,27 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
         let share = pixels(octave) / all_pixels;
         let progress = |part: f32| monitor.report(Stage::Search { octave }, done + share * part);
         let searching = Instant::now();
-        let (keypoints, next_bases) = search.octave(octave, &bases, octave + 1 < octaves.end, &mut tally, &progress)?;
-        times.search_secs += searching.elapsed().as_secs_f32();
+        let (in_tiles, next_bases) = search.octave(octave, &bases, octave + 1 < octaves.end, &mut tally, &progress)?;
+        let (secs, describing_part) = (searching.elapsed().as_secs_f32(), in_tiles.describing_part());
+        times.search_secs += secs * (1.0 - describing_part);
+        times.describe_secs += secs * describing_part;
         let started = Instant::now();
         monitor.report(Stage::Describe, done + share * 0.95);
         let finer = |slope_index: usize| search.base(octave - 1, &finer_bases, slope_index);
-        let describing = Describing {
-            base: &|slope_index| search.base(octave, &bases, slope_index),
-            finer: (octave > octaves.start).then_some(&finer as _),
-            offsets: &search.offsets,
-            octave,
-            size: octave_size(burst.size(), octave),
-            size_image: burst.size(),
-            grid,
-            space: &search.space,
-            params,
-            monitor,
-        };
-        found.extend(describing.describe(&keypoints)?);
+        let base = |slope_index: usize| search.base(octave, &bases, slope_index);
+        let describing = search.describing(octave, &base, (octave > octaves.start).then_some(&finer as _));
+        found.extend(in_tiles.described);
+        found.extend(describing.describe(&in_tiles.keypoints)?);
         times.describe_secs += started.elapsed().as_secs_f32();
         finer_bases = std::mem::replace(&mut bases, next_bases);
         done += share;
     }
     monitor.check()?;
     found.sort_by(|(a, _), (b, _)| {
-        b.strength().total_cmp(&a.strength()).then(a.v.total_cmp(&b.v)).then(a.u.total_cmp(&b.u))
+        let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));
+        // Features of one keypoint stay in the order of their orientations.
+        let by_sample = || (a.octave, a.level, a.slope_index).cmp(&(b.octave, b.level, b.slope_index));
+        b.strength().total_cmp(&a.strength()).then_with(by_place).then_with(by_sample)
     });
     if params.max_features > 0 && found.len() > params.max_features {
         tally.reject(Test::MaxFeatures, (found.len() - params.max_features) as u64);
@@ -160,10 +159,48 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
 impl Search<'_> {
     fn base<'s>(&'s self, octave: i32, bases: &'s [Plane], slope_index: usize) -> Base<'s> {
         if octave == self.space.first_octave {
-            Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave }
+            Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave, made: None }
         } else {
             Base::Level(&bases[slope_index])
         }
+    }
+
+    fn describing<'s>(
+        &'s self,
+        octave: i32,
+        base: &'s (dyn Fn(usize) -> Base<'s> + Sync),
+        finer: Option<&'s (dyn Fn(usize) -> Base<'s> + Sync)>,
+    ) -> Describing<'s> {
+        Describing {
+            base,
+            finer,
+            offsets: &self.offsets,
+            octave,
+            size: octave_size(self.size_image, octave),
+            size_image: self.size_image,
+            grid: self.grid,
+            space: &self.space,
+            params: self.params,
+            monitor: self.monitor,
+        }
+    }
+
+    /// How many slopes of the first octave are stacked together.
+    fn slopes_together(&self) -> usize {
+        match self.grid.u.count {
+            row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
+            _ => STACKED_SLOPES,
+        }
+    }
+
+    /// Whether the keypoints of an octave of `tiles` tiles are described at the end of their tile, from its pixels: where it still holds all slopes, those have
+    /// the bits of pixels made anew, and there are enough tiles that threads do not wait for one with many keypoints. The features are the same.
+    fn describes_tiles(&self, octave: i32, tiles: usize) -> bool {
+        octave == 0
+            && octave == self.space.first_octave
+            && self.grid.len() <= self.slopes_together()
+            && self.offsets.iter().flatten().all(|offset| offset.part_v == 0.0)
+            && tiles >= 2 * rayon::current_num_threads()
     }
 
     /// σ_D at `octave` and DoG level index `level_index` for each slope.
@@ -180,6 +217,7 @@ impl Search<'_> {
             stacked: Vec::new(),
             filter: FilterScratch::default(),
             next: Tile::default(),
+            describe: DescribeScratch::default(),
             window: SlopeWindow::new(self.grid, self.params.slope_neighbours),
         })
     }
@@ -199,7 +237,7 @@ impl Search<'_> {
         (cuts(width, TILE_COLUMNS), cuts(height, rows.clamp(8, TILE_ROWS)))
     }
 
-    /// Searches one octave. Returns its keypoints, in order of tiles, and the first levels of the next octave, one a slope, if asked for.
+    /// Searches one octave. Returns what was found and the first levels of the next octave, one a slope, if asked for.
     fn octave(
         &self,
         octave: i32,
@@ -207,7 +245,7 @@ impl Search<'_> {
         wants_next: bool,
         tally: &mut Tally,
         progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<(Vec<Keypoint>, Vec<Plane>), Cancelled> {
+    ) -> Result<(Found, Vec<Plane>), Cancelled> {
         let size = octave_size(self.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
         let sigma_d: Vec<Vec<f32>> =
@@ -226,6 +264,7 @@ impl Search<'_> {
             .iter()
             .flat_map(|rows| columns.iter().map(|columns| Region { columns: columns.clone(), rows: rows.clone() }))
             .collect();
+        let describes = self.describes_tiles(octave, regions.len());
         // For each tile, its part of the next octave's planes.
         let mut next_parts: Vec<Vec<Vec<&mut [f32]>>> = regions.iter().map(|_| Vec::new()).collect();
         let halved = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
@@ -239,24 +278,51 @@ impl Search<'_> {
         }
         let finished = AtomicUsize::new(0);
         let steps = regions.len() * self.grid.len();
-        let results: Vec<(Vec<Keypoint>, Tally)> = regions
+        let results: Vec<(Found, Tally)> = regions
             .par_iter()
             .zip(next_parts)
             .map(|(region, next)| {
-                let mut scratch = self.take_scratch();
-                let found = self.tile(&job, region, next, &mut scratch, &|| {
+                let (mut scratch, started) = (self.take_scratch(), Instant::now());
+                let (keypoints, tally) = self.tile(&job, region, next, &mut scratch, &|| {
                     progress(0.95 * finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
-                });
+                })?;
+                let searched = started.elapsed();
+                let mut found = Found { keypoints, ..Found::default() };
+                if describes {
+                    found.described = self.describe_tile(&found.keypoints, &mut scratch)?;
+                    found.keypoints.clear();
+                }
+                found.spent = started.elapsed();
+                found.describing = found.spent - searched;
                 self.put_back(scratch);
-                found
+                Ok((found, tally))
             })
             .collect::<Result<_, Cancelled>>()?;
-        let mut keypoints = Vec::new();
-        for (tile_keypoints, tile_tally) in results {
-            keypoints.extend(tile_keypoints);
+        let mut all = Found::default();
+        for (found, tile_tally) in results {
+            all.keypoints.extend(found.keypoints);
+            all.described.extend(found.described);
+            all.spent += found.spent;
+            all.describing += found.describing;
             tally.merge(&tile_tally);
         }
-        Ok((keypoints, next))
+        Ok((all, next))
+    }
+
+    /// Describes the keypoints of the tile of octave 0 whose stacked pixels are in `scratch`.
+    fn describe_tile(
+        &self,
+        keypoints: &[Keypoint],
+        scratch: &mut TileScratch,
+    ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
+        let TileScratch { stacked, describe, .. } = scratch;
+        let base = |slope_index: usize| Base::Frames {
+            frames: self.frames,
+            offsets: &self.offsets[slope_index],
+            octave: 0,
+            made: Some(&stacked[slope_index]),
+        };
+        self.describing(0, &base, None).describe_here(keypoints, describe)
     }
 
     /// Searches one tile over all slopes.
@@ -271,14 +337,11 @@ impl Search<'_> {
         let held = region.widened(HELD, job.size);
         let inputs = job.filters.inputs(&held);
         let first = job.octave == self.space.first_octave;
-        let together = match self.grid.u.count {
-            row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
-            _ => STACKED_SLOPES,
-        };
+        let together = self.slopes_together();
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         for index in 0..self.grid.len() {
             self.monitor.check()?;
-            let TileScratch { stacked, filter, next: level, window } = &mut *scratch;
+            let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
             if first && index % together == 0 {
                 let slopes = &self.offsets[index..(index + together).min(self.offsets.len())];
                 stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
@@ -392,5 +455,24 @@ struct TileScratch {
     filter: FilterScratch,
     /// The level from which the next octave starts.
     next: Tile,
+    describe: DescribeScratch,
     window: SlopeWindow,
+}
+
+/// What was found in a tile or an octave.
+#[derive(Default)]
+struct Found {
+    /// What is left to be described, in order of tiles.
+    keypoints: Vec<Keypoint>,
+    described: Vec<(Feature, Descriptor)>,
+    /// Time that threads spent on all of it, and on describing.
+    spent: Duration,
+    describing: Duration,
+}
+
+impl Found {
+    /// The part of the time that was spent on describing.
+    fn describing_part(&self) -> f32 {
+        self.describing.as_secs_f32() / self.spent.as_secs_f32().max(f32::MIN_POSITIVE)
+    }
 }

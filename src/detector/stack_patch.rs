@@ -1,27 +1,77 @@
 //! The motion stack of a patch: few rows and columns of many frames.
 //!
-//! Where every frame covers the whole patch, which frame pixels belong together and with which weights is the same for all of its pixels; it is worked out once.
-//! Each frame pixel adds to two of the patch's pixels, the one at its place and the one before, in proportion to the frame's fraction of a column; so two
-//! sums are made of the frames, both from the same loads and in registers, and the second is shifted by a pixel at last. At the image's sides
-//! rows are made one by one as those of whole images.
+//! Where every frame covers the whole patch, which frame pixels belong together and with which weights is the same for all of its pixels; it is worked out once. At the
+//! image's sides rows are made one by one as those of whole images. A pixel has the same bits either way, unless a frame is read between its rows.
 
 use super::motion::FrameOffset;
 use super::patch::{LANES, Patch, inside};
 use super::stack_rows::RowStacker;
-use super::vectors::{MOST_VECTORS, in_vectors, load, store};
+use super::weighted_rows::{Tap, WeightedRows};
 use crate::plane::Plane;
-use crate::plane::aligned::Aligned;
-use pulp::{Arch, Simd, WithSimd};
+use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
 
 /// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, of one size, at their [`super::motion::frame_offsets`].
-pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, shifted: &mut Aligned) {
-    let size = frames[0].size();
-    let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
+pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {
+    let part = part_inside(patch, frames[0].size());
+    stack_part(frames, offsets, &part, patch, sums);
+}
+
+/// The same where `tile` holds a part of that image already, which is copied. No frame may be read between its rows; then bits are the same.
+pub(super) fn cut_patch(
+    frames: &[&Plane],
+    offsets: &[FrameOffset],
+    tile: &Tile,
+    patch: &mut Patch,
+    sums: &mut WeightedRows,
+) {
+    debug_assert!(offsets.iter().all(|offset| offset.part_v == 0.0), "tiles mix rows in another order");
+    let Region { columns, rows } = part_inside(patch, frames[0].size());
+    let there =
+        Region { columns: overlap(&columns, &tile.region().columns), rows: overlap(&rows, &tile.region().rows) };
+    // A strip narrower than a vector would take longer than one as wide.
+    let whole_vector = |n: usize| n.next_multiple_of(LANES).min(columns.len());
+    let before = whole_vector(there.columns.start - columns.start);
+    let behind = whole_vector(columns.end - there.columns.end);
+    let copied = columns.len().saturating_sub(before + behind) * there.rows.len();
+    if 2 * copied < columns.len() * rows.len() {
+        return stack_part(frames, offsets, &Region { columns, rows }, patch, sums);
+    }
+    let strips = [
+        Region { columns: columns.clone(), rows: rows.start..there.rows.start },
+        Region { columns: columns.clone(), rows: there.rows.end..rows.end },
+        Region { columns: columns.start..columns.start + before, rows: there.rows.clone() },
+        Region { columns: columns.end - behind..columns.end, rows: there.rows.clone() },
+    ];
+    for strip in strips.iter().filter(|strip| !strip.columns.is_empty() && !strip.rows.is_empty()) {
+        stack_part(frames, offsets, strip, patch, sums);
+    }
+    let first = columns.start + before;
+    let held = first - tile.region().columns.start;
+    for v in there.rows {
+        let from = &tile.row(v)[held..held + columns.len() - before - behind];
+        patch.values_mut(first as i64, v as i64)[..from.len()].copy_from_slice(from);
+    }
+}
+
+/// The part of `range` inside `other`; an empty one inside `range` where there is none.
+fn overlap(range: &Range<usize>, other: &Range<usize>) -> Range<usize> {
+    let start = other.start.clamp(range.start, range.end);
+    start..other.end.clamp(start, range.end)
+}
+
+/// The part of `patch` inside an image of `size`.
+fn part_inside(patch: &Patch, size: (usize, usize)) -> Region {
+    Region { columns: inside(&patch.columns(), size.0), rows: inside(&patch.rows(), size.1) }
+}
+
+/// Fills `part` of `patch`.
+fn stack_part(frames: &[&Plane], offsets: &[FrameOffset], part: &Region, patch: &mut Patch, sums: &mut WeightedRows) {
+    let (size, Region { columns, rows }) = (frames[0].size(), part);
     let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
-    if columns.len() < LANES || !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
+    if !offsets.iter().all(|offset| reaches(offset, columns, rows, size)) {
         let mut stacker = RowStacker::new(frames, vec![offsets]);
-        for v in rows {
+        for v in rows.clone() {
             stacker.row(v, columns.clone(), &mut [&mut patch.values_mut(left, v as i64)[..columns.len()]]);
         }
         return;
@@ -32,17 +82,13 @@ pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
         let start = (top + offset.whole_v) as usize * size.0 + (left + offset.whole_u) as usize;
         for (below, weight) in [(0, scale * (1.0 - offset.part_v)), (size.0, scale * offset.part_v)] {
             if weight > 0.0 {
-                taps.push((&frame.data()[start + below..], [weight * (1.0 - offset.part_u), weight * offset.part_u]));
+                taps.push(Tap::new(&frame.data()[start + below..], weight, offset.part_u));
             }
         }
     }
-    shifted.grow(columns.len() + LANES);
     let (columns, rows, out) = (columns.len(), rows.len(), patch.values_mut(left, top));
-    Arch::new().dispatch(WeightedRows { taps: &taps, width: size.0, columns, rows, shifted, out, stride });
+    sums.make(&taps, size.0, columns, 0..rows, out, stride);
 }
-
-/// Pixels of a frame from where a patch reads them, and their weights at their own place and a pixel to the left.
-type Tap<'a> = (&'a [f32], [f32; 2]);
 
 /// Whether a frame read at `offset` has pixels of its own for all of `columns` × `rows`, and one more in each row.
 fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, size: (usize, usize)) -> bool {
@@ -52,69 +98,10 @@ fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, si
     covers(columns, offset.whole_u, true, size.0) && covers(rows, offset.whole_v, offset.part_v > 0.0, size.1)
 }
 
-/// Rows of the weighted sum of the taps, which begin at the first row's first pixel and have rows `width` apart.
-struct WeightedRows<'a> {
-    taps: &'a [Tap<'a>],
-    width: usize,
-    /// At least [`LANES`].
-    columns: usize,
-    rows: usize,
-    /// Room for a row of the second sum.
-    shifted: &'a mut [f32],
-    /// Rows `stride` apart.
-    out: &'a mut [f32],
-    stride: usize,
-}
-
-impl WithSimd for WeightedRows<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for v in 0..self.rows {
-            let (out, row) = (&mut self.out[v * self.stride..], v * self.width);
-            // Of the second sum one more is needed.
-            in_vectors!(S, self.columns + 1, |V, places| {
-                weighted::<S, V>(simd, self.taps, row, places, out, self.shifted);
-            });
-            for (out, shifted) in out[..self.columns].chunks_mut(LANES).zip(self.shifted[1..].chunks(LANES)) {
-                out.iter_mut().zip(shifted).for_each(|(out, shifted)| *out += shifted);
-            }
-        }
-    }
-}
-
-/// Vectors of both weighted sums at `places` of the row that begins `row` values after the taps.
-#[inline(always)]
-fn weighted<S: Simd, const V: usize>(
-    simd: S,
-    taps: &[Tap<'_>],
-    row: usize,
-    places: [usize; V],
-    here: &mut [f32],
-    shifted: &mut [f32],
-) {
-    let zero = simd.splat_f32s(0.0);
-    let mut sums = [[zero; V]; 2];
-    for &(pixels, weights) in taps {
-        let weights = [simd.splat_f32s(weights[0]), simd.splat_f32s(weights[1])];
-        let pixels = &pixels[row..];
-        for i in 0..V {
-            let pixels = load::<S>(pixels, places[i]);
-            sums[0][i] = simd.mul_add_f32s(weights[0], pixels, sums[0][i]);
-            sums[1][i] = simd.mul_add_f32s(weights[1], pixels, sums[1][i]);
-        }
-    }
-    for i in 0..V {
-        store::<S>(here, places[i], sums[0][i]);
-        store::<S>(shifted, places[i], sums[1][i]);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::motion::frame_offsets;
-    use super::super::octave::Base;
+    use super::super::octave::{Base, stack_tiles};
     use super::super::params::Interpolation;
     use super::super::patch::PatchScratch;
     use super::super::slope_grid::Slope;
@@ -129,7 +116,7 @@ mod tests {
         for slope in [Slope::new(0.0, 0.0), Slope::new(1.3, 0.0), Slope::new(-0.6, 2.2)] {
             let offsets = frame_offsets(4, slope, Interpolation::Linear);
             for (octave, size) in [(0, (97, 61)), (-1, (194, 122)), (1, (48, 30))] {
-                let base = Base::Frames { frames: &frames, offsets: &offsets, octave };
+                let base = Base::Frames { frames: &frames, offsets: &offsets, octave, made: None };
                 let mut whole = Plane::zeros(size.0, size.1);
                 let mut row = Vec::new();
                 base.raw_rows(0..size.1, 0..size.0, &mut row, |v, row| whole.row_mut(v).copy_from_slice(row));
@@ -143,6 +130,41 @@ mod tests {
                             let expected = whole.at(nearest(x, size.0), nearest(y, size.1)) - middle;
                             assert!((value - expected).abs() < 1e-6, "{octave} {slope:?} ({x}, {y})");
                         }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_patch_from_a_tile_has_the_bits_of_one_from_the_frames() {
+        let frames = [0, 1, 2, 3, 4]
+            .map(|t| Plane::from_fn(140, 90, |u, v| ((u * 31 + v * 17 + t * 7 + (u * v) % 13) % 29) as f32 / 29.0));
+        let frames: Vec<&Plane> = frames.iter().collect();
+        let (mut scratch, mut patches) = (PatchScratch::default(), [Patch::default(), Patch::default()]);
+        let slopes = [(0.0, 0.0), (1.3, 0.0), (-2.5, 0.0), (2.0, -3.0), (-0.7, 1.0)];
+        let how = [Interpolation::Linear, Interpolation::Truncated, Interpolation::Nearest];
+        for ((u, v), interpolation) in slopes.into_iter().flat_map(|slope| how.map(|how| (slope, how))) {
+            let offsets = frame_offsets(5, Slope::new(u, v), interpolation);
+            for region in [(0..140, 0..90), (37..101, 0..61), (3..60, 20..90), (70..140, 11..83)] {
+                let region = Region { columns: region.0, rows: region.1 };
+                let mut tiles = Vec::new();
+                stack_tiles(&frames, &[&offsets], 0, &region, &mut tiles);
+                let made = Base::Frames { frames: &frames, offsets: &offsets, octave: 0, made: None };
+                let cut = Base::Frames { frames: &frames, offsets: &offsets, octave: 0, made: Some(&tiles[0]) };
+                for (x, y, radius) in [(70, 45, 20), (40, 50, 15), (3, 2, 9), (100, 60, 33), (137, 88, 30), (66, 30, 3)]
+                {
+                    let (columns, rows) = (x - radius..x + radius + 1, y - radius..y + radius + 1);
+                    for (base, patch) in [&made, &cut].into_iter().zip(&mut patches) {
+                        base.patch((140, 90), columns.clone(), rows.clone(), &mut scratch, patch);
+                    }
+                    for v in rows {
+                        let bits = |patch: &Patch| patch.row(v).iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                        assert_eq!(
+                            bits(&patches[0]),
+                            bits(&patches[1]),
+                            "{u} {interpolation:?} {region:?} {x} {y} {v}"
+                        );
                     }
                 }
             }
