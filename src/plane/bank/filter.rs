@@ -11,7 +11,7 @@ use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Rows that are finished before the next ones are begun: few enough that what lies between the passes stays in the second cache.
-const BATCH_ROWS: usize = 64;
+const BATCH_ROWS: usize = 112;
 /// Most rows of one level that are made at once.
 const MOST_ROWS: usize = 8;
 

@@ -7,16 +7,17 @@
 //! Keypoints are described when their octave is finished, or, where a tile of the first octave still holds the stacked images of all slopes, at the end of that
 //! tile, which saves stacking them again. The pixels have the same bits either way, and so have the features.
 
+mod tile;
+
 use super::describing::{DescribeScratch, Describing, Keypoint};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
-use super::motion::{FrameOffset, coverage, frame_offsets};
+use super::motion::{FrameOffset, frame_offsets};
 use super::noise::{dog_noise_variance, gate_factor};
 use super::noise_estimate::frame_noise;
-use super::octave::{Base, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use super::octave::{Base, OctaveFilters};
 use super::params::{DetectorParams, ParamError};
-use super::refine::{Limits, MAX_MOVES, refine};
-use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
-use super::search::{Candidate, Thresholds, own_slope_extrema};
+use super::refine::MAX_MOVES;
+use super::scale_space::{ScaleSpace, octave_size};
 use super::slope_grid::SlopeGrid;
 use super::slope_window::{SlopeWindow, capacity};
 use super::view::searched_octaves;
@@ -30,6 +31,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+use tile::{Octave, TileScratch};
 
 /// Bytes of DoG tiles that the threads' windows of slopes may hold together.
 const WINDOWS_BYTES: usize = 128 << 20;
@@ -40,7 +42,7 @@ const WINDOW_BYTES: usize = 6 << 20;
 /// passes of its filters stays in the second cache.
 const TILE_COLUMNS: usize = 148;
 /// Rows of a tile where the window does not ask for fewer: enough that the rows its filters need around it matter little.
-const TILE_ROWS: usize = 320;
+const TILE_ROWS: usize = 548;
 /// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the mixing of rows.
 const STACKED_SLOPES: usize = 8;
 /// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
@@ -308,155 +310,6 @@ impl Search<'_> {
         }
         Ok((all, next))
     }
-
-    /// Describes the keypoints of the tile of octave 0 whose stacked pixels are in `scratch`.
-    fn describe_tile(
-        &self,
-        keypoints: &[Keypoint],
-        scratch: &mut TileScratch,
-    ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
-        let TileScratch { stacked, describe, .. } = scratch;
-        let base = |slope_index: usize| Base::Frames {
-            frames: self.frames,
-            offsets: &self.offsets[slope_index],
-            octave: 0,
-            made: Some(&stacked[slope_index]),
-        };
-        self.describing(0, &base, None).describe_here(keypoints, describe)
-    }
-
-    /// Searches one tile over all slopes.
-    fn tile(
-        &self,
-        job: &Octave<'_>,
-        region: &Region,
-        mut next: Vec<Vec<&mut [f32]>>,
-        scratch: &mut TileScratch,
-        slope_done: &dyn Fn(),
-    ) -> Result<(Vec<Keypoint>, Tally), Cancelled> {
-        let held = region.widened(HELD, job.size);
-        let inputs = job.filters.inputs(&held);
-        let first = job.octave == self.space.first_octave;
-        let together = self.slopes_together();
-        let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
-        for index in 0..self.grid.len() {
-            self.monitor.check()?;
-            let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
-            if first && index % together == 0 {
-                let slopes = &self.offsets[index..(index + together).min(self.offsets.len())];
-                stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
-            }
-            let pixels =
-                if first { Pixels::Stacked(&stacked[index % together]) } else { Pixels::Level(&job.bases[index]) };
-            let thresholds = Thresholds {
-                peak: 0.8 * self.params.peak_threshold,
-                gate: job.sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[index]).collect(),
-            };
-            let (dog, candidates) = window.slot_mut(index);
-            // Rows are searched while they are still in the cache, as soon as the row below them is there.
-            let mut searched = region.rows.start;
-            let mut search = |levels: &[Tile], finished: Range<usize>| {
-                let end = if finished.end == held.rows.end { region.rows.end } else { finished.end - 1 };
-                let rows = searched..end.min(region.rows.end).max(searched);
-                searched = rows.end;
-                let part = Region { columns: region.columns.clone(), rows };
-                own_slope_extrema(levels, &part, job.size, &thresholds, &mut tally, candidates);
-            };
-            let keep = (!next.is_empty()).then_some(&mut *level);
-            dog_tile(&job.filters, pixels, &held, filter, dog, keep, &mut search);
-            if let Some(out) = next.get_mut(index) {
-                let left = region.columns.start - held.columns.start;
-                for (v, row) in out.iter_mut().enumerate() {
-                    let from = &level.row(region.rows.start + 2 * v)[left..];
-                    row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
-                }
-            }
-            self.compare(job, window, index, &mut tally);
-            for decided in window.decidable(index) {
-                self.decide(job, window, decided, &mut keypoints, &mut tally);
-            }
-            slope_done();
-        }
-        Ok((keypoints, tally))
-    }
-
-    /// σ_D of a candidate. Where fewer frames cover a place the mean is noisier, by the square root.
-    fn sigma_d_at(&self, job: &Octave<'_>, slope_index: usize, candidate: &Candidate) -> f32 {
-        job.sigma_d[candidate.level_index][slope_index]
-            * self.coverage_factor(job.octave, slope_index, candidate.x, candidate.y)
-    }
-
-    /// Compares the slope that was made last with the others that are held.
-    fn compare(&self, job: &Octave<'_>, window: &mut SlopeWindow, made: usize, tally: &mut Tally) {
-        let limits = Limits { peak_threshold: self.params.peak_threshold, edge_threshold: self.params.edge_threshold };
-        window.compare(
-            made,
-            |candidate| candidate.value.abs() >= self.gate_factor * self.sigma_d_at(job, made, candidate),
-            |dog, candidate| refine(dog, (candidate.x, candidate.y), candidate.level_index, job.size, limits),
-            tally,
-        );
-    }
-
-    /// Appends the keypoints among what no slope has beaten at one slope, and counts the others.
-    fn decide(
-        &self,
-        job: &Octave<'_>,
-        window: &SlopeWindow,
-        slope_index: usize,
-        keypoints: &mut Vec<Keypoint>,
-        tally: &mut Tally,
-    ) {
-        for undecided in window.undecided(slope_index) {
-            match undecided.refined {
-                Err(test) => tally.reject(test, 1),
-                Ok(refined) => {
-                    tally.kept += 1;
-                    let candidate = &undecided.candidate;
-                    let sigma_d = self.sigma_d_at(job, slope_index, candidate);
-                    keypoints.push(Keypoint {
-                        x: refined.x_refined as f32,
-                        y: refined.y_refined as f32,
-                        sigma_octave: self.space.sigma_octave(refined.level_refined - 1.0) as f32,
-                        level: candidate.level_index as i32 - 1,
-                        slope_index,
-                        slope: window.refined_slope(slope_index, undecided),
-                        value: refined.value,
-                        snr: if sigma_d > 0.0 { refined.value.abs() / sigma_d } else { f32::INFINITY },
-                    });
-                }
-            }
-        }
-    }
-
-    /// √(N / frames that cover the octave pixel (x, y) at the slope).
-    fn coverage_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
-        let pixel = octave_pixel(octave);
-        let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
-        let at = (to_image(x, self.size_image.0), to_image(y, self.size_image.1));
-        let covering = coverage(&self.offsets[slope_index], at.0, at.1, self.size_image);
-        (self.frames.len() as f32 / covering.max(1) as f32).sqrt()
-    }
-}
-
-/// What the tiles of an octave share.
-struct Octave<'a> {
-    octave: i32,
-    /// The octave's size.
-    size: (usize, usize),
-    bases: &'a [Plane],
-    filters: OctaveFilters,
-    /// σ_D by DoG level index and slope.
-    sigma_d: Vec<Vec<f32>>,
-}
-
-/// Space that a thread reuses from tile to tile.
-struct TileScratch {
-    stacked: Vec<Tile>,
-    filter: FilterScratch,
-    /// The level from which the next octave starts.
-    next: Tile,
-    describe: DescribeScratch,
-    window: SlopeWindow,
 }
 
 /// What was found in a tile or an octave.
