@@ -3,6 +3,7 @@
 use crate::common;
 use burstscope::app::dialogs::{FileDialogs, Question};
 use burstscope::app::settings::Settings;
+use burstscope::app::state::room::Room;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::engine::BurstSource;
 use egui::accesskit::Role;
@@ -208,6 +209,10 @@ impl Window {
     pub fn snapshot(&mut self, name: &str) {
         self.harness.remove_cursor();
         self.settle();
+        // Of the answers for two bursts, or for several methods, which comes last differs from run to run.
+        if matches!(self.app().model.room, Room::Pair | Room::Methods) {
+            self.app_mut().model.messages.note("");
+        }
         // How long it took differs from run to run.
         if let Some(found) = &mut self.app_mut().model.found {
             found.elapsed = Duration::from_millis(120);

@@ -150,7 +150,7 @@ impl BurstscopeApp {
                 self.model.room = Room::Burst;
             }
             Some((None, name)) => {
-                self.model.messages.note(format!("{name} has no burst named like the camera {label}"))
+                self.model.messages.note(format!("{name} has no burst named like the camera {label}"));
             }
             None => self.model.messages.note(format!("Open the dataset that {label} is of to look at its burst")),
         }
