@@ -44,7 +44,7 @@ const TILE_COLUMNS: usize = 148;
 /// Rows of a tile where the window does not ask for fewer: enough that the rows its filters need around it matter little.
 const TILE_ROWS: usize = 548;
 /// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the mixing of rows.
-const STACKED_SLOPES: usize = 8;
+const STACKED_SLOPES: usize = 16;
 /// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
 const HELD: usize = MAX_MOVES + 1;
 
