@@ -12,7 +12,7 @@ use pulp::Simd;
 pub(super) struct Sink<'a> {
     /// The level's rows, [`BLOCK`] apart; before, those of the level before it.
     pub level: &'a mut [f32],
-    /// The rows of their difference, for all levels but the first; as far apart as the band's.
+    /// The rows of their difference, for all levels but the first, `stride` apart.
     pub difference: Option<&'a mut [f32]>,
 }
 
