@@ -251,13 +251,13 @@ fn write_row(out: &mut String, row: &MatchRow) -> std::fmt::Result {
         out,
         "{:18}{:>11.1}{:>10.1}{:>10.1}{:>9.3}{:>8.3}{:>11}{:>10}{:>10}",
         row.method.label(),
-        row.keypoints_per_image,
-        row.putative_per_image,
-        row.inliers_per_image,
-        row.match_ratio,
-        row.match_score,
-        or_dash(row.precision, 3),
-        row.verified_pairs,
+        row.counts.keypoints_per_image,
+        row.counts.putative_per_image,
+        row.counts.inliers_per_image,
+        row.counts.match_ratio,
+        row.counts.match_score,
+        or_dash(row.counts.precision, 3),
+        row.counts.verified_pairs,
         or_dash(row.on_gold_geometry_per_image, 1)
     )
 }

@@ -14,7 +14,7 @@ use crate::burst::Burst;
 use crate::dataset::PairSelection;
 use crate::detector::{Descriptor, Detection, DetectorParams, SlopeGrid};
 use crate::matching::{
-    Geometry, MatchCounts, MatchError, MatchParams, MatchResult, MatchSide, TwoViewModel, match_features,
+    Geometry, ImageCounts, MatchCounts, MatchError, MatchParams, MatchResult, MatchSide, TwoViewModel, match_features,
 };
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
@@ -121,20 +121,9 @@ pub struct MatchReport {
 pub struct MatchRow {
     /// The method.
     pub method: MatchMethod,
-    /// Features of an image.
-    pub keypoints_per_image: f64,
-    /// Putative matches of an image.
-    pub putative_per_image: f64,
-    /// Inliers of an image.
-    pub inliers_per_image: f64,
-    /// Putative matches over keypoints.
-    pub match_ratio: f64,
-    /// Inliers over keypoints.
-    pub match_score: f64,
-    /// Inliers over putative matches, of all pairs together; `None` without matches.
-    pub precision: Option<f64>,
-    /// Pairs on whose geometry enough matches agree.
-    pub verified_pairs: usize,
+    /// Its numbers, as in the paper's table.
+    #[serde(flatten)]
+    pub counts: ImageCounts,
     /// Putative matches of an image that lie on the geometry of the sharp images; `None` without these.
     pub on_gold_geometry_per_image: Option<f64>,
     /// Each pair, in the report's order.
@@ -304,35 +293,14 @@ impl MatchStudy {
 
 /// The numbers of a method from those of its pairs.
 fn row(method: MatchMethod, keypoints: &[usize], pairs: &[(usize, usize)], by_pair: Vec<PairCounts>) -> MatchRow {
-    let images = keypoints.len() as f64;
+    let counts: Vec<_> = pairs.iter().zip(&by_pair).map(|(&pair, counted)| (pair, counted.counts)).collect();
+    let judged = by_pair.iter().any(|pair| pair.on_gold_geometry.is_some());
     // Each match is one of both images.
-    let of_images = |count: &dyn Fn(&PairCounts) -> usize| {
-        let mut sums = vec![0usize; keypoints.len()];
-        for (&(a, b), pair) in pairs.iter().zip(&by_pair) {
-            sums[a] += count(pair);
-            sums[b] += count(pair);
-        }
-        sums
-    };
-    let mean = |sums: &[usize]| sums.iter().sum::<usize>() as f64 / images;
-    let share = |sums: &[usize]| {
-        let shares = sums.iter().zip(keypoints).map(|(&n, &of)| if of > 0 { n as f64 / of as f64 } else { 0.0 });
-        shares.sum::<f64>() / images
-    };
-    let putative = of_images(&|p| p.counts.putative);
-    let inliers = of_images(&|p| p.counts.inliers.unwrap_or(0));
-    let all_putative: usize = putative.iter().sum();
-    let judged = by_pair.iter().any(|p| p.on_gold_geometry.is_some());
+    let on_gold = 2 * by_pair.iter().filter_map(|pair| pair.on_gold_geometry).sum::<usize>();
     MatchRow {
         method,
-        keypoints_per_image: mean(keypoints),
-        putative_per_image: mean(&putative),
-        inliers_per_image: mean(&inliers),
-        match_ratio: share(&putative),
-        match_score: share(&inliers),
-        precision: (all_putative > 0).then(|| inliers.iter().sum::<usize>() as f64 / all_putative as f64),
-        verified_pairs: by_pair.iter().filter(|p| p.counts.inliers.is_some_and(|n| n > 0)).count(),
-        on_gold_geometry_per_image: judged.then(|| mean(&of_images(&|p| p.on_gold_geometry.unwrap_or(0)))),
+        counts: ImageCounts::of(keypoints, &counts).expect("pairs are matched of images that are there"),
+        on_gold_geometry_per_image: judged.then(|| on_gold as f64 / keypoints.len() as f64),
         by_pair,
     }
 }
@@ -358,10 +326,14 @@ mod tests {
         // Three images of 10, 20 and 0 features.
         let by_pair = vec![pair(10, 20, 8, 6, Some(5)), pair(10, 0, 0, 0, None), pair(20, 0, 0, 0, Some(0))];
         let row = row(MatchMethod::Gold, &[10, 20, 0], &[(0, 1), (0, 2), (1, 2)], by_pair);
-        assert_eq!((row.keypoints_per_image, row.putative_per_image, row.inliers_per_image), (10.0, 16.0 / 3.0, 4.0));
-        assert!((row.match_ratio - (0.8 + 0.4) / 3.0).abs() < 1e-12);
-        assert!((row.match_score - (0.6 + 0.3) / 3.0).abs() < 1e-12);
-        assert_eq!((row.precision, row.verified_pairs), (Some(0.75), 1));
+        let counts = &row.counts;
+        assert_eq!(
+            (counts.keypoints_per_image, counts.putative_per_image, counts.inliers_per_image),
+            (10.0, 16.0 / 3.0, 4.0)
+        );
+        assert!((counts.match_ratio - (0.8 + 0.4) / 3.0).abs() < 1e-12);
+        assert!((counts.match_score - (0.6 + 0.3) / 3.0).abs() < 1e-12);
+        assert_eq!((counts.precision, counts.verified_pairs), (Some(0.75), 1));
         assert_eq!(row.on_gold_geometry_per_image, Some(10.0 / 3.0));
     }
 }
