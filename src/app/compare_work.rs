@@ -43,7 +43,7 @@ impl BurstscopeApp {
             match (answer.result, job, opened_for) {
                 (Ok(Compared::Opened(open)), _, Some(side)) => {
                     self.model.messages.resolved("Open gold standard");
-                    let said = super::window::describe_burst(&open);
+                    let said = super::burst_work::describe_burst(&open);
                     self.model.messages.note(format!("Opened as gold standard of {}: {said}", side.name()));
                     let plane = &open.burst.frames[0];
                     let range = percentiles(plane, &Region::whole(plane), &PERCENTILES);

@@ -6,6 +6,7 @@
 //! [`canvas`] is the picture's widget, [`gpu`] draws its pixels, [`histogram`] sets their range.
 
 pub mod actions;
+mod burst_work;
 pub mod canvas;
 mod compare_work;
 pub mod dataset;

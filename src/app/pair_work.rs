@@ -143,7 +143,7 @@ impl BurstscopeApp {
                 self.engine.pair().cancel(PairLane::Match);
                 self.remember(&mut burst);
                 self.model.messages.resolved("Open B");
-                self.model.messages.note(format!("Opened as B: {}", super::window::describe_burst(&burst)));
+                self.model.messages.note(format!("Opened as B: {}", super::burst_work::describe_burst(&burst)));
                 self.model.take_second_burst(burst);
                 self.pair_asked = PairAsked::default();
                 self.pair_panels.view_b = if self.model.pair.links.views { self.view } else { View::fit() };

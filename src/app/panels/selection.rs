@@ -16,16 +16,21 @@ pub struct SelectionState {
     frame: PatchTexture,
 }
 
+/// The buttons that walk through what is listed, features or matches.
+pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        button_ui(ui, model, queue, ActionId::PreviousFeature, Some("Previous"));
+        button_ui(ui, model, queue, ActionId::NextFeature, Some("Next"));
+        button_ui(ui, model, queue, ActionId::GoToFeature, Some("Go to"));
+        button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
+    });
+}
+
 /// Draws the section.
 pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, queue: &mut Queue) {
     section_ui(ui, "Selected feature", |ui| {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
-            button_ui(ui, model, queue, ActionId::PreviousFeature, Some("Previous"));
-            button_ui(ui, model, queue, ActionId::NextFeature, Some("Next"));
-            button_ui(ui, model, queue, ActionId::GoToFeature, Some("Go to"));
-            button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
-        });
+        walk_ui(ui, model, queue);
         let (Some(index), Some(feature)) = (model.selected, model.selected_feature().copied()) else {
             ui.add_space(4.0);
             ui.weak("Click a feature in the picture or a row of the table.");

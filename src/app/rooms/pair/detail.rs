@@ -1,10 +1,11 @@
 //! One match alone: both patches as their descriptors see them, both descriptors, all its numbers.
 
-use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::actions::Queue;
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::LineKind;
 use crate::app::panels::descriptor::descriptor_ui;
 use crate::app::panels::patch::{PatchTexture, PatchView};
+use crate::app::panels::selection::walk_ui;
 use crate::app::panels::widgets::{number_row_ui, section_ui};
 use crate::app::state::Model;
 use crate::app::state::pair::{MatchRow, Matches, Side};
@@ -22,13 +23,7 @@ pub fn detail_ui(
     queue: &mut Queue,
 ) {
     section_ui(ui, "Selected match", |ui| {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
-            button_ui(ui, model, queue, ActionId::PreviousFeature, Some("Previous"));
-            button_ui(ui, model, queue, ActionId::NextFeature, Some("Next"));
-            button_ui(ui, model, queue, ActionId::GoToFeature, Some("Go to"));
-            button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
-        });
+        walk_ui(ui, model, queue);
         ui.add_space(4.0);
         let Some(matches) = &model.pair.matches else {
             ui.weak("There are no matches yet.");
