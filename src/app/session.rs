@@ -6,9 +6,10 @@
 use super::canvas::{View, overlay::ColourBy};
 use super::dataset::{Dataset, Trajectories};
 use super::state::compare::CompareLook;
-use super::state::filter::{Filter, Order};
+use super::state::filter::{Column, Filter};
 use super::state::look::Look;
-use super::state::pair::{Links, MatchLook, MatchOrder, SavedMatch, Side};
+use super::state::order::Order;
+use super::state::pair::{Links, MatchColumn, MatchLook, SavedMatch, Side};
 use super::state::room::Room;
 use super::state::scrub::Scrub;
 use super::state::{BottomTab, Model, SavedSelection};
@@ -89,7 +90,7 @@ pub struct Session {
     pub filter: Filter,
     /// The table's order.
     #[serde(default)]
-    pub order: Order,
+    pub order: Order<Column>,
     /// The selected feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
@@ -139,7 +140,7 @@ pub struct PairSession {
     /// How matches looked.
     pub match_look: MatchLook,
     /// The table's order.
-    pub order: MatchOrder,
+    pub order: Order<MatchColumn>,
     /// The selected match.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedMatch>,

@@ -1,4 +1,4 @@
-//! The window: what it holds, and what it does in each pass. What goes to the engine and comes from it is in [`burst_work`](super::burst_work) and its
+//! The window: what it holds, and what it does in each pass. What goes to the engine and comes from it is in `burst_work` and its
 //! neighbours.
 
 use super::actions::{self, ActionId, Queue, palette::Palette};

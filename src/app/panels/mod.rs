@@ -15,6 +15,7 @@ pub mod picture;
 pub mod scrub;
 pub mod selection;
 pub mod slope_pad;
+pub mod sorted_table;
 pub mod status;
 pub mod table;
 pub mod tally;

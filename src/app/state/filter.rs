@@ -1,5 +1,6 @@
 //! Which features are shown, and in which order the table lists them.
 
+use super::order::Order;
 use crate::detector::Feature;
 use serde::{Deserialize, Serialize};
 
@@ -175,26 +176,13 @@ impl Column {
     }
 }
 
-/// By which column the table is sorted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Order {
-    /// The column.
-    pub column: Column,
-    /// Largest first.
-    pub descending: bool,
-}
-
-impl Order {
-    /// What a click on `column`'s heading does: sort by it, or turn the order round.
-    #[must_use]
-    pub fn clicked(self, column: Column) -> Self {
-        Self { column, descending: self.column == column && !self.descending }
-    }
-}
-
 /// Indices of the features that pass, in the table's order.
-pub fn listed(features: &[Feature], filter: &Filter, slope: crate::detector::Slope, order: Order) -> Vec<usize> {
+pub fn listed(
+    features: &[Feature],
+    filter: &Filter,
+    slope: crate::detector::Slope,
+    order: Order<Column>,
+) -> Vec<usize> {
     let mut indices: Vec<usize> = (0..features.len()).filter(|&i| filter.passes(&features[i], slope)).collect();
     indices.sort_by(|&a, &b| {
         let by = order.column.value(a, &features[a]).total_cmp(&order.column.value(b, &features[b]));

@@ -7,6 +7,7 @@ pub mod compare;
 pub mod filter;
 pub mod look;
 pub mod messages;
+pub mod order;
 pub mod pair;
 pub mod room;
 pub mod scrub;
@@ -16,9 +17,10 @@ use super::dataset::{Datasets, Trajectories};
 use crate::detector::{Detection, DetectorParams, Feature, ParamError, Slope};
 use crate::engine::{BurstId, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Running};
 use compare::Compare;
-use filter::{Filter, Order};
+use filter::{Column, Filter};
 use look::Look;
 use messages::Messages;
+use order::Order;
 use pair::Pair;
 use room::Room;
 use scrub::{Scrub, ViewKind};
@@ -126,7 +128,7 @@ pub struct Model {
     /// Which features are shown.
     pub filter: Filter,
     /// The table's order.
-    pub order: Order,
+    pub order: Order<Column>,
     /// Indices of the features that pass the filter, in the table's order; see [`Model::refresh_listed`].
     pub listed: Vec<usize>,
     /// Ranges, maps and overlay.
@@ -162,7 +164,7 @@ pub struct Model {
 struct ListedFor {
     detection: usize,
     filter: Filter,
-    order: Order,
+    order: Order<Column>,
     slope: Slope,
 }
 

@@ -1,6 +1,6 @@
 //! The numbers of all methods in one table, in the columns of the paper.
 
-use crate::app::panels::table::{ROW_HEIGHT, cell_ui, heading_ui};
+use crate::app::panels::sorted_table::{ROW_HEIGHT, cell_ui, heading_ui};
 use crate::app::state::Model;
 use crate::app::state::compare::Contender;
 use crate::app::state::pair::Side;

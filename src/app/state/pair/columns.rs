@@ -1,4 +1,4 @@
-//! The columns of the table of matches, and by which of them it is sorted.
+//! The columns of the table of matches.
 
 use super::MatchRow;
 use crate::app::canvas::number;
@@ -134,23 +134,5 @@ impl MatchColumn {
             }
             .to_owned(),
         }
-    }
-}
-
-/// By which column the table is sorted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(default)]
-pub struct MatchOrder {
-    /// The column.
-    pub column: MatchColumn,
-    /// Largest first.
-    pub descending: bool,
-}
-
-impl MatchOrder {
-    /// What a click on `column`'s heading does: sort by it, or turn the order round.
-    #[must_use]
-    pub fn clicked(self, column: MatchColumn) -> Self {
-        Self { column, descending: self.column == column && !self.descending }
     }
 }

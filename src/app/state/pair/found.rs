@@ -1,6 +1,7 @@
 //! The matches of two bursts with what they were made from.
 
-use super::{MatchLook, MatchOrder, Side};
+use super::super::order::Order;
+use super::{MatchColumn, MatchLook, Side};
 use crate::detector::{Detection, Feature};
 use crate::engine::{MatchRequest, Matched};
 use crate::matching::{Match, MatchResult, TwoViewModel};
@@ -101,7 +102,7 @@ impl Matches {
     }
 
     /// Indices of the matches that are shown, in the table's order.
-    pub fn listed(&self, look: &MatchLook, order: MatchOrder) -> Vec<usize> {
+    pub fn listed(&self, look: &MatchLook, order: Order<MatchColumn>) -> Vec<usize> {
         let mut rows: Vec<MatchRow<'_>> = self.rows().filter(|row| look.shows(row.inlier)).collect();
         rows.sort_by(|a, b| {
             let by = order.column.value(a).total_cmp(&order.column.value(b));

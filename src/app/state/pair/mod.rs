@@ -7,11 +7,12 @@ mod columns;
 mod found;
 mod look;
 
-pub use columns::{MatchColumn, MatchOrder};
+pub use columns::MatchColumn;
 pub use found::{MatchRow, Matches, SavedMatch};
 pub use look::MatchLook;
 
 use super::look::Look;
+use super::order::Order;
 use super::scrub::Scrub;
 use super::{Found, Model};
 use crate::detector::{DetectorParams, Method, ParamError};
@@ -121,7 +122,7 @@ pub struct Pair {
     /// How matches look, and which are shown.
     pub look: MatchLook,
     /// The table's order.
-    pub order: MatchOrder,
+    pub order: Order<MatchColumn>,
     /// Indices of the matches that are shown, in the table's order; see [`Pair::refresh_listed`].
     pub listed: Vec<usize>,
     /// Index of the selected match.
@@ -132,7 +133,7 @@ pub struct Pair {
     pub reselect: Option<SavedMatch>,
     /// What the engine is doing.
     pub busy: PairBusy,
-    listed_for: Option<(usize, MatchLook, MatchOrder)>,
+    listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
 
 impl Pair {

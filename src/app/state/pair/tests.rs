@@ -131,7 +131,7 @@ fn the_table_lists_what_is_shown_in_its_order() {
     let mut model = pair();
     // Four matches are fewer than any geometry needs: all of them are outliers.
     model.pair.take_matches(matched(&model));
-    model.pair.order = MatchOrder::default().clicked(MatchColumn::UA).clicked(MatchColumn::UA);
+    model.pair.order = Order::<MatchColumn>::default().clicked(MatchColumn::UA).clicked(MatchColumn::UA);
     assert!(model.pair.order.descending, "the second click turns the order round");
     model.pair.refresh_listed();
     assert_eq!(model.pair.listed, [3, 2, 1, 0]);
