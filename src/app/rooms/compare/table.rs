@@ -9,9 +9,9 @@ use egui_extras::{Column, TableBuilder};
 
 /// Headings and what they mean, after the method's name.
 const COLUMNS: [(&str, &str); 9] = [
-    ("Features in A", "Features of A"),
-    ("Features in B", "Features of B"),
-    ("Median SNR", "Median of |response| over the noise in D, of A's features"),
+    ("Features A", "Features found in A"),
+    ("Features B", "Features found in B"),
+    ("SNR", "Median of |response| over the noise in D, of A's features"),
     ("Putative", "Matches by descriptors alone"),
     ("Inliers", "Putative matches that agree with the geometry of the two views"),
     ("Match ratio", "Putative matches over keypoints, mean of A and B"),
@@ -22,15 +22,15 @@ const COLUMNS: [(&str, &str); 9] = [
 
 /// Draws the table.
 pub fn table_ui(ui: &mut Ui, model: &mut Model) {
-    ui.spacing_mut().item_spacing.x = 6.0;
+    ui.spacing_mut().item_spacing.x = 4.0;
     let mut switched = None;
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
         TableBuilder::new(ui)
             .striped(true)
             .cell_layout(Layout::left_to_right(Align::Center))
             .auto_shrink(false)
-            .column(Column::exact(150.0))
-            .columns(Column::remainder().at_least(66.0), COLUMNS.len())
+            .column(Column::exact(116.0))
+            .columns(Column::remainder().at_least(55.0), COLUMNS.len())
             .header(20.0, |mut header| {
                 header.col(|ui| {
                     ui.label(RichText::new("Method").small());
