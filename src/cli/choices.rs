@@ -21,6 +21,10 @@ fn read_word<T: DeserializeOwned>(word: &str) -> Result<T, serde_json::Error> {
 pub(super) const METHODS: &[&str] = &["buff", "sift", "merge"];
 /// The words of [`crate::detector::SlopeNeighbours`].
 pub(super) const SLOPE_NEIGHBOURS: &[&str] = &["adjacent", "all"];
+/// The words of [`crate::detector::SlopeExtrema`].
+pub(super) const SLOPE_EXTREMA: &[&str] = &["each", "joint"];
+/// The words of [`crate::detector::DescribeSlope`].
+pub(super) const DESCRIBE_SLOPES: &[&str] = &["refined", "grid"];
 /// The words of [`crate::detector::Interpolation`].
 pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest", "truncated"];
 /// The words of [`crate::detector::Localisation`].
@@ -41,7 +45,7 @@ mod tests {
     use super::*;
     use crate::app::state::scrub::ViewKind;
     use crate::dataset::ImageKind;
-    use crate::detector::{Interpolation, Localisation, Method, SlopeNeighbours};
+    use crate::detector::{DescribeSlope, Interpolation, Localisation, Method, SlopeExtrema, SlopeNeighbours};
     use crate::evaluate::poses::Association;
     use crate::matching::{CameraModel, Geometry};
 
@@ -51,6 +55,8 @@ mod tests {
         assert_eq!(methods, Method::ALL);
         assert_eq!(Method::ALL.map(Method::name).as_slice(), METHODS);
         assert!(SLOPE_NEIGHBOURS.iter().all(|w| read_word::<SlopeNeighbours>(w).is_ok()));
+        assert!(SLOPE_EXTREMA.iter().all(|w| read_word::<SlopeExtrema>(w).is_ok()));
+        assert!(DESCRIBE_SLOPES.iter().all(|w| read_word::<DescribeSlope>(w).is_ok()));
         assert!(INTERPOLATIONS.iter().all(|w| read_word::<Interpolation>(w).is_ok()));
         assert!(LOCALISATIONS.iter().all(|w| read_word::<Localisation>(w).is_ok()));
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));

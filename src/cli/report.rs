@@ -151,6 +151,7 @@ fn write_summary(
     writeln!(out, "{}: {} frames of {}×{}{used}", report.name, report.frames, report.width, report.height)?;
     let gate = match params.noise_gate {
         NoiseGate::Auto => format!("{:.2} σ (auto)", report.noise_gate_factor),
+        NoiseGate::Strict => format!("{:.2} σ (strict)", report.noise_gate_factor),
         NoiseGate::Factor(_) => format!("{:.2} σ", report.noise_gate_factor),
     };
     writeln!(out, "  noise     {:.5} of full scale in a frame; noise gate {gate}", report.frame_noise)?;

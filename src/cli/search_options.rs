@@ -3,11 +3,12 @@
 //! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file comes first, then the options that were given
 //! override it, one by one; the result is checked once.
 
-use super::choices::{INTERPOLATIONS, LOCALISATIONS, METHODS, SLOPE_NEIGHBOURS, words};
+use super::choices::{DESCRIBE_SLOPES, INTERPOLATIONS, LOCALISATIONS, METHODS, SLOPE_EXTREMA, SLOPE_NEIGHBOURS, words};
 use super::failure::Failure;
 use crate::detector::params::doc;
 use crate::detector::{
-    DetectorParams, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc, SlopeAxis, SlopeNeighbours,
+    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc,
+    SlopeAxis, SlopeExtrema, SlopeNeighbours,
 };
 use anyhow::Context;
 use clap::Args;
@@ -58,9 +59,17 @@ pub struct SearchArgs {
     pub noise_gate: Option<NoiseGate>,
     #[arg(long = doc::EDGE_THRESHOLD.name, value_name = "R", help = short_help(doc::EDGE_THRESHOLD), long_help = long_help(doc::EDGE_THRESHOLD))]
     pub edge_threshold: Option<f32>,
+    #[arg(long = doc::SLOPE_EXTREMA.name, value_name = "WHICH", help = short_help(doc::SLOPE_EXTREMA),
+        long_help = long_help(doc::SLOPE_EXTREMA), value_parser = words::<SlopeExtrema>(SLOPE_EXTREMA))]
+    pub slope_extrema: Option<SlopeExtrema>,
     #[arg(long = doc::SLOPE_NEIGHBOURS.name, value_name = "WHICH", help = short_help(doc::SLOPE_NEIGHBOURS),
         long_help = long_help(doc::SLOPE_NEIGHBOURS), value_parser = words::<SlopeNeighbours>(SLOPE_NEIGHBOURS))]
     pub slope_neighbours: Option<SlopeNeighbours>,
+    #[arg(long = doc::DISTINCT.name, value_name = "RADIUS", help = short_help(doc::DISTINCT), long_help = long_help(doc::DISTINCT),
+        value_parser = Distinct::from_str)]
+    pub distinct: Option<Distinct>,
+    #[arg(long = doc::DISTINCT_SCALE.name, value_name = "RATIO", help = short_help(doc::DISTINCT_SCALE), long_help = long_help(doc::DISTINCT_SCALE))]
+    pub distinct_scale: Option<f32>,
     #[arg(long = doc::INTERPOLATION.name, value_name = "HOW", help = short_help(doc::INTERPOLATION), long_help = long_help(doc::INTERPOLATION),
         value_parser = words::<Interpolation>(INTERPOLATIONS))]
     pub interpolation: Option<Interpolation>,
@@ -73,6 +82,9 @@ pub struct SearchArgs {
     #[arg(long = doc::MAX_ORIENTATIONS.name, value_name = "N", help = short_help(doc::MAX_ORIENTATIONS),
         long_help = long_help(doc::MAX_ORIENTATIONS))]
     pub max_orientations: Option<usize>,
+    #[arg(long = doc::DESCRIBE_SLOPE.name, value_name = "WHICH", help = short_help(doc::DESCRIBE_SLOPE),
+        long_help = long_help(doc::DESCRIBE_SLOPE), value_parser = words::<DescribeSlope>(DESCRIBE_SLOPES))]
+    pub describe_slope: Option<DescribeSlope>,
 }
 
 /// What `-h` says of a parameter: its meaning and default.
@@ -149,12 +161,16 @@ impl SearchArgs {
         set(&mut params.peak_threshold, self.peak_threshold);
         set(&mut params.noise_gate, self.noise_gate);
         set(&mut params.edge_threshold, self.edge_threshold);
+        set(&mut params.slope_extrema, self.slope_extrema);
         set(&mut params.slope_neighbours, self.slope_neighbours);
+        set(&mut params.distinct, self.distinct);
+        set(&mut params.distinct_scale, self.distinct_scale);
         set(&mut params.interpolation, self.interpolation);
         set(&mut params.kernel_cut, self.kernel_cut);
         set(&mut params.localisation, self.localisation);
         set(&mut params.max_features, self.max_features);
         set(&mut params.max_orientations, self.max_orientations);
+        set(&mut params.describe_slope, self.describe_slope);
         params.validate()?;
         Ok(params)
     }
@@ -231,6 +247,14 @@ mod tests {
             "12",
             "--slope-neighbours",
             "all",
+            "--slope-extrema",
+            "joint",
+            "--distinct",
+            "off",
+            "--distinct-scale",
+            "2",
+            "--describe-slope",
+            "grid",
             "--interpolation",
             "nearest",
             "--kernel-cut",
@@ -240,7 +264,7 @@ mod tests {
             "--max-features",
             "100",
             "--max-orientations",
-            "2",
+            "3",
         ])
         .expect("valid");
         let mut slopes = crate::SlopeGrid::plane(-6.0..=6.0, 25, -1.0..=1.0, 3);
@@ -254,12 +278,16 @@ mod tests {
             peak_threshold: 0.002,
             noise_gate: NoiseGate::Factor(4.5),
             edge_threshold: 12.0,
+            slope_extrema: SlopeExtrema::Joint,
             slope_neighbours: SlopeNeighbours::All,
+            distinct: Distinct::Off,
+            distinct_scale: 2.0,
+            describe_slope: DescribeSlope::Grid,
             interpolation: Interpolation::Nearest,
             kernel_cut: 3.0,
             localisation: Localisation::Quadratic,
             max_features: 100,
-            max_orientations: 2,
+            max_orientations: 3,
             slopes,
         };
         assert_eq!(got, expected);
@@ -288,7 +316,7 @@ mod tests {
             (vec!["--slopes-u", "1:2"], "is not MIN:MAX:COUNT"),
             (vec!["--method", "surf"], "possible values: buff, sift"),
             (vec!["--frames", "5"], "is not A..B"),
-            (vec!["--noise-gate", "lots"], "neither 'auto' nor a number"),
+            (vec!["--noise-gate", "lots"], "neither 'auto' nor 'strict' nor a number"),
             (vec!["--levels", "0"], "give 1 to 10"),
             (vec!["--params", "/nowhere/p.toml"], "/nowhere/p.toml"),
         ] {

@@ -1,8 +1,9 @@
-//! Localising and describing the keypoints that the search found in an octave: of a whole octave in parallel, or of one of its tiles.
+//! Localising and describing the keypoints of an octave, in parallel.
 
 use super::blur_patch::BlurScratch;
 use super::descriptor::{DescriptorScratch, descriptor, descriptor_radius};
 use super::feature::{Descriptor, Feature};
+use super::keypoint::Keypoint;
 use super::localising::LocateScratch;
 use super::locate::{FARTHEST_MOVE_PX, hat_reach, rim_radius};
 use super::motion::FrameOffset;
@@ -10,33 +11,14 @@ use super::octave::Base;
 use super::orientation::{OrientationScratch, orientations};
 use super::params::DetectorParams;
 use super::patch::{Patch, PatchScratch, around};
+use super::refined_stack::OctaveFrames;
 use super::scale_peak;
 use super::scale_space::{ScaleSpace, octave_pixel};
 use super::slope_grid::{Slope, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use rayon::prelude::*;
-
-/// A feature before orientation and descriptor.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Keypoint {
-    /// Column, octave pixels.
-    pub x: f32,
-    /// Row, octave pixels.
-    pub y: f32,
-    /// Scale, octave pixels.
-    pub sigma_octave: f32,
-    /// DoG level.
-    pub level: i32,
-    /// Index in the slope grid.
-    pub slope_index: usize,
-    /// The slope between those of the grid.
-    pub slope: Slope,
-    /// D.
-    pub value: f32,
-    /// |D| over its noise.
-    pub snr: f32,
-}
 
 /// What is needed to describe the keypoints of one octave.
 pub(super) struct Describing<'a> {
@@ -58,8 +40,19 @@ pub(super) struct Describing<'a> {
     pub space: &'a ScaleSpace,
     /// The detection's parameters.
     pub params: &'a DetectorParams,
+    /// The octave's frames, where features are described at their own slope.
+    pub own_slopes: Option<&'a OctaveFrames<'a>>,
     /// Tells of a cancel.
     pub monitor: &'a Monitor,
+}
+
+/// A feature is described at its own slope where the grid's one moves the outermost frame by more than this many σ. Less makes no difference to what
+/// matches.
+const MISALIGNED_SIGMAS: f32 = 0.1;
+
+/// Whether an outermost frame that is `px` out of place matters to a feature of scale `sigma_px`.
+pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
+    px > MISALIGNED_SIGMAS * sigma_px
 }
 
 /// Keypoints are described in strips of this many columns, each from top to bottom: what their patches share of the frames is then still in the cache.
@@ -86,36 +79,19 @@ impl Describing<'_> {
     /// [`Cancelled`] once the monitor was cancelled.
     pub fn describe(&self, keypoints: &[Keypoint]) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
         let (order, kernels) = (self.in_order(keypoints), self.kernels());
+        let planes = self.own_slopes.map(OctaveFrames::planes).unwrap_or_default();
         let described: Vec<Vec<(Feature, Descriptor)>> = order
             .par_chunks(TOGETHER)
             .map_init(DescribeScratch::default, |scratch, keypoints| {
                 let mut out = Vec::with_capacity(TOGETHER + TOGETHER / 2);
                 for keypoint in keypoints {
                     self.monitor.check()?;
-                    self.describe_one(keypoint, &kernels, scratch, &mut out);
+                    self.describe_one(keypoint, (&kernels, &planes), scratch, &mut out);
                 }
                 Ok(out)
             })
             .collect::<Result<_, Cancelled>>()?;
         Ok(described.into_iter().flatten().collect())
-    }
-
-    /// The same in this thread alone, for `keypoints` that lie close together.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once the monitor was cancelled.
-    pub fn describe_here(
-        &self,
-        keypoints: &[Keypoint],
-        scratch: &mut DescribeScratch,
-    ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
-        let (order, kernels) = (self.in_order(keypoints), self.kernels());
-        let mut out = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
-        for keypoint in order {
-            self.monitor.check()?;
-            self.describe_one(keypoint, &kernels, scratch, &mut out);
-        }
-        Ok(out)
     }
 
     /// The keypoints so that those that follow one another lie close together.
@@ -128,22 +104,32 @@ impl Describing<'_> {
 
     /// From what the octave is made from to each Gaussian level on which features are described.
     fn kernels(&self) -> Vec<GaussianKernel> {
-        (0..self.space.levels as i32).map(|level| self.kernel(level)).collect()
-    }
-
-    /// From what the octave is made from to Gaussian level `level`.
-    fn kernel(&self, level: i32) -> GaussianKernel {
         // All slopes' bases have one scale.
         let from = (self.base)(0).sigma_octave();
+        (0..self.space.levels as i32).map(|level| self.kernel(level, from)).collect()
+    }
+
+    /// From σ `from`, octave pixels, to Gaussian level `level`.
+    fn kernel(&self, level: i32, from: f64) -> GaussianKernel {
         let sigma = self.space.sigma_octave(f64::from(level));
         GaussianKernel::with_cut((sigma * sigma - from * from).max(0.0).sqrt(), self.space.kernel_cut)
     }
 
-    /// Appends the features of one keypoint: one for each of its orientations. `kernels` lead to the levels.
+    /// Where the frames are read at a keypoint's own slope, if it is described there and not at the grid's.
+    fn own_slope(&self, keypoint: &Keypoint) -> Option<(&OctaveFrames<'_>, Vec<FrameOffset>)> {
+        let frames = self.own_slopes?;
+        let grid = self.grid.slope(keypoint.slope_index);
+        let off = Slope::new(keypoint.slope.u - grid.u, keypoint.slope.v - grid.v);
+        let outermost_px = off.magnitude() * 0.5 * (self.offsets[keypoint.slope_index].len() as f32 - 1.0);
+        let sigma_px = keypoint.sigma_octave * octave_pixel(self.octave);
+        misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope, self.params.interpolation)))
+    }
+
+    /// Appends the features of one keypoint: one for each of its orientations. `kernels` lead to the levels, `planes` are those of the octave's frames.
     fn describe_one(
         &self,
         keypoint: &Keypoint,
-        kernels: &[GaussianKernel],
+        (kernels, planes): (&[GaussianKernel], &[&Plane]),
         scratch: &mut DescribeScratch,
         out: &mut Vec<(Feature, Descriptor)>,
     ) {
@@ -154,21 +140,31 @@ impl Describing<'_> {
         // The descriptor's square and the neighbours that its gradients need, and the kernel around them.
         let level_reach = |sigma: f32| descriptor_radius(sigma) + 1;
         let wanted_sigma = f64::from(keypoint.sigma_octave);
-        let reach = (scale_peak::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
-            .max(hat_reach(rim_radius(wanted_sigma, self.space.levels), 1))
-            .max(level_reach(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
+        let mut reach = (scale_peak::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
+            .max(hat_reach(rim_radius(wanted_sigma, self.space.levels), 1));
+        if self.own_slopes.is_none() {
+            reach = reach.max(level_reach(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
+        }
         let DescribeScratch { raw, level: patch, .. } = scratch;
         base.patch(size, around(keypoint.x, reach), around(keypoint.y, reach), &mut scratch.patch, raw);
-        let Keypoint { x, y, sigma_octave: sigma, level, slope_index, slope, .. } =
-            self.located(keypoint, raw, from, &mut scratch.locate);
+        let located = self.located(keypoint, raw, from, &mut scratch.locate);
+        let Keypoint { x, y, sigma_octave: sigma, .. } = located;
         let reach_level = level_reach(sigma);
-        // A scale that grew much needs a larger patch.
-        let needed = reach_level + kernel.radius();
-        if needed + FARTHEST_MOVE_PX > reach {
-            base.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
+        if let Some((frames, offsets)) = self.own_slope(&located) {
+            let kernel = self.kernel(keypoint.level, frames.sigma_octave(&offsets));
+            let needed = reach_level + kernel.radius();
+            let own = frames.base(planes, &offsets);
+            own.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
+            raw.blurred(around(x, reach_level), around(y, reach_level), &kernel, &mut scratch.blur, patch);
+        } else {
+            // A scale that grew much needs a larger patch.
+            let needed = reach_level + kernel.radius();
+            if needed + FARTHEST_MOVE_PX > reach {
+                base.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
+            }
+            raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         }
-        raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
-        let (i, j) = self.grid.coordinates(slope_index);
+        let (i, j) = self.grid.coordinates(located.slope_index);
         let most = self.params.max_orientations;
         for angle in orientations(patch, size, (x, y), sigma, most, &mut scratch.orientation) {
             let feature = Feature {
@@ -176,12 +172,12 @@ impl Describing<'_> {
                 v: y * pixel,
                 sigma: sigma * pixel,
                 orientation: if angle > std::f32::consts::PI { angle - std::f32::consts::TAU } else { angle },
-                slope,
+                slope: located.slope,
                 response: keypoint.value,
                 snr: keypoint.snr,
                 octave: self.octave,
-                level,
-                slope_index,
+                level: located.level,
+                slope_index: located.slope_index,
                 at_slope_limit: self.grid.on_rim(i, j),
             };
             out.push((feature, descriptor(patch, size, (x, y), sigma, angle, &mut scratch.descriptor)));

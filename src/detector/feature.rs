@@ -1,5 +1,6 @@
 //! What the detector answers: features, their descriptors, and the tally of what was rejected where.
 
+use super::keypoint::strength;
 use super::slope_grid::{Slope, SlopeGrid};
 
 /// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.
@@ -30,12 +31,9 @@ pub struct Feature {
 }
 
 impl Feature {
-    /// By how much a feature stands out, for ranking: |response|·√snr, or |response| where the burst has no noise.
-    ///
-    /// Response alone puts noise at fine scales above large faint blobs; signal-to-noise alone puts the weak hollows between large blobs
-    /// above everything. Their mix found most discs of the charts among 10 % of false features, over powers 0, ½, 1 and 2 of the snr.
+    /// By how much it stands out, for ranking: see [`strength`].
     pub fn strength(&self) -> f32 {
-        self.response.abs() * if self.snr.is_finite() { self.snr.sqrt() } else { 1.0 }
+        strength(self.response, self.snr)
     }
 }
 
@@ -65,13 +63,15 @@ pub enum Test {
     Edge,
     /// The refined place is outside the image or the refined scale outside the octave.
     Outside,
+    /// The same blob as a stronger keypoint.
+    Duplicate,
     /// Weaker than the strongest `max_features`.
     MaxFeatures,
 }
 
 impl Test {
     /// All tests, in order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::PeakThreshold,
         Self::NoiseGate,
         Self::SpaceExtremum,
@@ -81,6 +81,7 @@ impl Test {
         Self::InterpolatedContrast,
         Self::Edge,
         Self::Outside,
+        Self::Duplicate,
         Self::MaxFeatures,
     ];
 
@@ -96,6 +97,7 @@ impl Test {
             Self::InterpolatedContrast => "interpolated contrast below the threshold",
             Self::Edge => "on an edge",
             Self::Outside => "outside the image or the scales",
+            Self::Duplicate => "the same blob as a stronger one",
             Self::MaxFeatures => "weaker than the strongest kept",
         }
     }
@@ -107,7 +109,7 @@ pub struct Tally {
     /// Samples of D that were examined: pixels × levels × slopes over all octaves.
     pub samples: u64,
     /// Samples that each test rejected, in the order of [`Test::ALL`].
-    pub rejected: [u64; 10],
+    pub rejected: [u64; 11],
     /// Keypoints that passed every test (before they were split by orientation).
     pub kept: u64,
 }

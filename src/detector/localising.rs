@@ -1,11 +1,12 @@
 //! Localising one keypoint: which pixels of which slopes its [hats](super::hat) are laid on.
 
-use super::describing::{Describing, Keypoint};
-use super::hat::{Answer, Hat, PixelView};
+use super::describing::Describing;
+use super::hat::{Answer, Hat, PixelView, SOFT};
+use super::keypoint::Keypoint;
 use super::locate::{FARTHEST_MOVE_PX, Neighbours, hat_reach, place, rim_radius, slope_steps};
 use super::motion::interpolation_blur;
 use super::octave::Base;
-use super::params::Localisation;
+use super::params::{Localisation, SlopeExtrema};
 use super::patch::{Patch, PatchScratch, around};
 use super::scale_peak::scale_peak;
 use super::scale_space::{octave_pixel, octave_size};
@@ -114,17 +115,24 @@ impl Describing<'_> {
                     .map(|((x, y), hat)| ((0.5 * x, 0.5 * y), hat))
             }
         };
-        let Some((at, hat)) = placed else {
-            return *keypoint;
+        let (at, hat) = match placed {
+            Some(found) => found,
+            // What no hat places keeps the place of the fit. A joint search refined its slope there; otherwise that is still to be done.
+            None if self.params.slope_extrema == SlopeExtrema::Joint => return *keypoint,
+            None => (at, SOFT),
         };
         let own = self.grid.coordinates(keypoint.slope_index);
         let slopes = Around3x3 { describing: self, own, at, rim, hat, scratch: RefCell::new(scratch) };
         let (i, j) = slope_steps(&slopes.answered(&raw.pixels()), &slopes);
+        let slope = self.grid.at(own.0 as f32 + i, own.1 as f32 + j);
+        if placed.is_none() {
+            return Keypoint { slope, ..*keypoint };
+        }
         Keypoint {
             x: at.0 as f32,
             y: at.1 as f32,
             sigma_octave: scale_peak(&raw.pixels(), at, sigma, self.space.levels, from).unwrap_or(sigma) as f32,
-            slope: self.grid.at(own.0 as f32 + i, own.1 as f32 + j),
+            slope,
             ..*keypoint
         }
     }

@@ -10,9 +10,11 @@
 pub mod blur_patch;
 mod describing;
 pub mod descriptor;
+pub mod distinct;
 pub mod feature;
 mod gradient;
 pub mod hat;
+pub mod keypoint;
 mod localising;
 pub mod locate;
 pub mod motion;
@@ -24,6 +26,7 @@ pub mod params;
 pub mod patch;
 pub mod pipeline;
 pub mod refine;
+mod refined_stack;
 pub mod scale_peak;
 pub mod scale_space;
 pub mod search;
@@ -37,7 +40,8 @@ mod weighted_rows;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{
-    DetectorParams, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc, ParamError, SlopeNeighbours,
+    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc,
+    ParamError, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{DetectError, detect};
 pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};

@@ -97,13 +97,23 @@ impl FrameOffset {
 
 /// The offsets (t − t0)·λ of `frame_count` frames, in time order.
 pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolation) -> Vec<FrameOffset> {
+    shifted_offsets(frame_count, (f64::from(slope.u), f64::from(slope.v)), 0.0, interpolation)
+}
+
+/// The same for a slope in the frames' own pixels, with every frame read `shift_px` farther along both axes.
+pub(super) fn shifted_offsets(
+    frame_count: usize,
+    slope_px_per_frame: (f64, f64),
+    shift_px: f64,
+    interpolation: Interpolation,
+) -> Vec<FrameOffset> {
     let t0 = (frame_count as f64 - 1.0) / 2.0;
-    (0..frame_count)
-        .map(|t| {
-            let dt = t as f64 - t0;
-            FrameOffset::new(dt * f64::from(slope.u), dt * f64::from(slope.v), interpolation)
-        })
-        .collect()
+    let offset = |t: usize| {
+        let dt = t as f64 - t0;
+        let at = |slope: f64| dt * slope + shift_px;
+        FrameOffset::new(at(slope_px_per_frame.0), at(slope_px_per_frame.1), interpolation)
+    };
+    (0..frame_count).map(offset).collect()
 }
 
 /// The variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at `offsets`: f(1 − f) for a fraction f.

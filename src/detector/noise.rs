@@ -38,35 +38,37 @@ pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: 
     total / (offsets.len() as f64).powi(2)
 }
 
-/// The gate's factor k: the one asked for, or the one at which white noise gives about [`FALSE_PER_MEGAPIXEL`] false features per megapixel of the
-/// first octave over all slopes.
+/// The gate's factor k: the one asked for, or the one at which white noise gives about [`STRICT_FALSE_PER_MEGAPIXEL`] or
+/// [`AUTO_FALSE_PER_MEGAPIXEL`] false features per megapixel of the input over all slopes and octaves.
 ///
 /// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the places are proportional
 /// to pixels and slopes. The factor in front, [`MAXIMA_PER_PIXEL`], was measured on pure noise.
 pub fn gate_factor(params: &DetectorParams) -> f32 {
-    match params.noise_gate {
-        NoiseGate::Factor(k) => k,
-        NoiseGate::Auto => {
-            let slopes = params.used_slopes().len() as f64;
-            // Octave 0 and the coarser ones have 4/3 of its places; the doubled image has four times as many.
-            let places = 1e6 * 4f64.powi(-params.first_octave) * slopes;
-            let expected = |k: f64| MAXIMA_PER_PIXEL * places * k * k * (-0.5 * k * k).exp();
-            let (mut low, mut high) = (2.0, 12.0);
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if expected(middle) > FALSE_PER_MEGAPIXEL {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            high as f32
+    let allowed = match params.noise_gate {
+        NoiseGate::Factor(k) => return k,
+        NoiseGate::Strict => STRICT_FALSE_PER_MEGAPIXEL,
+        NoiseGate::Auto => AUTO_FALSE_PER_MEGAPIXEL,
+    };
+    let slopes = params.used_slopes().len() as f64;
+    // Octave 0 and the coarser ones have 4/3 of its places; the doubled image has four times as many.
+    let places = 1e6 * 4f64.powi(-params.first_octave) * slopes;
+    let expected = |k: f64| MAXIMA_PER_PIXEL * places * k * k * (-0.5 * k * k).exp();
+    let (mut low, mut high) = (2.0, 12.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if expected(middle) > allowed {
+            low = middle;
+        } else {
+            high = middle;
         }
     }
+    high as f32
 }
 
-/// False features per megapixel of pure noise that the automatic gate aims at: half of the one that is promised.
-pub const FALSE_PER_MEGAPIXEL: f64 = 0.5;
+/// False features per megapixel of pure noise that the strict gate aims at: half of the one that is promised.
+pub const STRICT_FALSE_PER_MEGAPIXEL: f64 = 0.5;
+/// The same for the automatic gate, which serves matching.
+pub const AUTO_FALSE_PER_MEGAPIXEL: f64 = 0.5;
 /// Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 … 0.0004, for one slope, 7 and 13 on a line, 7×7, and the doubled image.
 /// See [`gate_factor`].
 pub const MAXIMA_PER_PIXEL: f64 = 0.000_35;

@@ -23,8 +23,6 @@ pub enum Base<'a> {
         offsets: &'a [FrameOffset],
         /// The octave, which is the first one.
         octave: i32,
-        /// A part of what they make at octave 0, if it was made already; no frame is read between its rows then.
-        made: Option<&'a Tile>,
     },
     /// The finished first level, on the octave's pixels.
     Level(&'a Plane),
@@ -39,7 +37,7 @@ impl Base<'_> {
         stacked: &mut Vec<f32>,
         mut write: impl FnMut(usize, &[f32]),
     ) {
-        let Self::Frames { frames, offsets, octave, .. } = self else {
+        let Self::Frames { frames, offsets, octave } = self else {
             unreachable!("only frames are made into raw rows");
         };
         let (width_image, height_image) = frames[0].size();
@@ -169,7 +167,7 @@ pub fn stack_tiles(
     }
     let mut stacked = Vec::new();
     for (offsets, tile) in slopes.iter().zip(tiles) {
-        let base = Base::Frames { frames, offsets: offsets.as_ref(), octave, made: None };
+        let base = Base::Frames { frames, offsets: offsets.as_ref(), octave };
         base.raw_rows(region.rows.clone(), region.columns.clone(), &mut stacked, |v, row| {
             tile.row_mut(v).copy_from_slice(row);
         });

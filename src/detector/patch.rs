@@ -6,7 +6,7 @@
 
 use super::hat::PixelView;
 use super::octave::Base;
-use super::stack_patch::{cut_patch, stack_patch};
+use super::stack_patch::stack_patch;
 use super::weighted_rows::WeightedRows;
 use crate::plane::aligned::Aligned;
 use std::ops::Range;
@@ -158,15 +158,12 @@ impl Base<'_> {
                 }
                 patch.repeat_border(size);
             }
-            Self::Frames { frames, offsets, octave: 0, made } => {
+            Self::Frames { frames, offsets, octave: 0 } => {
                 patch.reset(columns, rows);
-                match made {
-                    Some(tile) => cut_patch(frames, offsets, tile, patch, &mut scratch.sums),
-                    None => stack_patch(frames, offsets, patch, &mut scratch.sums),
-                }
+                stack_patch(frames, offsets, patch, &mut scratch.sums);
                 patch.repeat_border(size);
             }
-            Self::Frames { frames, offsets, octave: -1, .. } => {
+            Self::Frames { frames, offsets, octave: -1 } => {
                 // The pixels between which those of the doubled image lie. Repeated ones double to repeated ones.
                 let narrow = |range: &Range<i64>| range.start.div_euclid(2)..(range.end - 1).div_euclid(2) + 2;
                 scratch.narrow.reset(narrow(&columns), narrow(&rows));

@@ -6,7 +6,7 @@
 
 use super::feature::{Tally, Test};
 use super::octave::DogTile;
-use super::params::SlopeNeighbours;
+use super::params::{DetectorParams, Localisation, SlopeExtrema, SlopeNeighbours};
 use super::refine::{Refined, peak_offset, peak_offset_2d};
 use super::search::{Candidate, beats_all_27};
 use super::slope_grid::{Slope, SlopeGrid};
@@ -31,11 +31,44 @@ impl Undecided {
     }
 }
 
+/// What a candidate needs of other slopes than its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum OtherSlopes {
+    /// Nothing.
+    Unseen,
+    /// D around it at the neighbouring slopes, to refine its slope.
+    Seen,
+    /// The same, and it must beat them.
+    Beaten(SlopeNeighbours),
+}
+
+impl OtherSlopes {
+    /// What a search with `params` asks for.
+    pub(super) fn of(params: &DetectorParams) -> Self {
+        match (params.slope_extrema, params.localisation) {
+            (SlopeExtrema::Joint, _) => Self::Beaten(params.slope_neighbours),
+            (SlopeExtrema::Each, Localisation::Quadratic) => Self::Seen,
+            (SlopeExtrema::Each, Localisation::Continuous) => Self::Unseen,
+        }
+    }
+
+    /// Running distance from a slope of `grid` to the farthest one that is held with it; `None` for all of them.
+    fn reach(self, grid: &SlopeGrid) -> Option<usize> {
+        match self {
+            Self::Unseen => Some(0),
+            Self::Beaten(SlopeNeighbours::All) => None,
+            Self::Seen | Self::Beaten(SlopeNeighbours::Adjacent) => {
+                Some(if grid.v.count > 1 { grid.u.count + 1 } else { 1 })
+            }
+        }
+    }
+}
+
 /// DoG tiles and undecided candidates of the slopes in reach.
 #[derive(Debug)]
 pub(super) struct SlopeWindow {
     grid: SlopeGrid,
-    neighbours: SlopeNeighbours,
+    others: OtherSlopes,
     tiles: Vec<DogTile>,
     /// Candidates of the slope that was made last.
     candidates: Vec<Candidate>,
@@ -43,24 +76,16 @@ pub(super) struct SlopeWindow {
 }
 
 /// How many tiles the window holds.
-pub(super) fn capacity(grid: &SlopeGrid, neighbours: SlopeNeighbours) -> usize {
-    match neighbours {
-        SlopeNeighbours::All => grid.len(),
-        SlopeNeighbours::Adjacent => (reach(grid) + 1).min(grid.len()),
-    }
-}
-
-/// Running distance from a slope to its farthest neighbour.
-fn reach(grid: &SlopeGrid) -> usize {
-    if grid.v.count > 1 { grid.u.count + 1 } else { 1 }
+pub(super) fn capacity(grid: &SlopeGrid, others: OtherSlopes) -> usize {
+    others.reach(grid).map_or(grid.len(), |reach| (reach + 1).min(grid.len()))
 }
 
 impl SlopeWindow {
-    pub(super) fn new(grid: SlopeGrid, neighbours: SlopeNeighbours) -> Self {
-        let capacity = capacity(&grid, neighbours);
+    pub(super) fn new(grid: SlopeGrid, others: OtherSlopes) -> Self {
+        let capacity = capacity(&grid, others);
         Self {
             grid,
-            neighbours,
+            others,
             tiles: (0..capacity).map(|_| DogTile::default()).collect(),
             candidates: Vec::new(),
             undecided: vec![Vec::new(); capacity],
@@ -78,19 +103,17 @@ impl SlopeWindow {
         &self.tiles[index % self.tiles.len()]
     }
 
-    /// The slopes before slope `index` with which it is compared, and how many steps from it they lie along both axes.
+    /// The slopes before slope `index` at which it is looked, and how many steps from it they lie along both axes.
     fn earlier(&self, index: usize) -> Vec<(usize, (i64, i64))> {
         let (i, j) = self.grid.coordinates(index);
-        let first = match self.neighbours {
-            SlopeNeighbours::All => 0,
-            SlopeNeighbours::Adjacent => index.saturating_sub(reach(&self.grid)),
-        };
+        let reach = self.others.reach(&self.grid);
+        let first = reach.map_or(0, |reach| index.saturating_sub(reach));
         (first..index)
             .map(|other| {
                 let (ii, jj) = self.grid.coordinates(other);
                 (other, (ii as i64 - i as i64, jj as i64 - j as i64))
             })
-            .filter(|(_, (di, dj))| self.neighbours == SlopeNeighbours::All || (di.abs() <= 1 && dj.abs() <= 1))
+            .filter(|(_, (di, dj))| reach.is_none() || (di.abs() <= 1 && dj.abs() <= 1))
             .collect()
     }
 
@@ -106,9 +129,10 @@ impl SlopeWindow {
         let earlier = self.earlier(made);
         let slots = self.tiles.len();
         let own = &self.tiles[made % slots];
+        let joint = matches!(self.others, OtherSlopes::Beaten(_));
         // Of two slopes with the same D the earlier one stays.
         let beats = |candidate: &Candidate, tile: &DogTile, or_equals: bool| {
-            beats_all_27(candidate.value, tile, candidate.x, candidate.y, candidate.level_index, or_equals)
+            !joint || beats_all_27(candidate.value, tile, candidate.x, candidate.y, candidate.level_index, or_equals)
         };
         for &(other, (di, dj)) in &earlier {
             let waiting = &mut self.undecided[other % slots];
@@ -141,11 +165,10 @@ impl SlopeWindow {
     /// The slopes whose candidates have been compared with all their neighbours once slope `made` has been.
     pub(super) fn decidable(&self, made: usize) -> std::ops::Range<usize> {
         let last = made + 1 == self.grid.len();
-        match self.neighbours {
-            SlopeNeighbours::All if last => 0..self.grid.len(),
-            SlopeNeighbours::All => 0..0,
-            SlopeNeighbours::Adjacent => {
-                let reach = reach(&self.grid);
+        match self.others.reach(&self.grid) {
+            None if last => 0..self.grid.len(),
+            None => 0..0,
+            Some(reach) => {
                 let start = made.saturating_sub(reach);
                 let end = if last { self.grid.len() } else { (made + 1).saturating_sub(reach) };
                 start.min(end)..end
@@ -159,8 +182,11 @@ impl SlopeWindow {
     }
 
     /// The slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope `index`. An axis
-    /// on which `index` is the first or last keeps the grid's slope.
+    /// on which `index` is the first or last keeps the grid's slope, and so do all where other slopes are not looked at.
     pub(super) fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
+        if self.others == OtherSlopes::Unseen {
+            return self.grid.slope(index);
+        }
         let (i, j) = self.grid.coordinates(index);
         let around = &undecided.around;
         let inner = |at: usize, count: usize| at > 0 && at + 1 < count;
@@ -206,8 +232,8 @@ mod tests {
     }
 
     /// Which slopes keep a candidate in the middle, in the order in which they are decided, and D around them.
-    fn kept(grid: SlopeGrid, neighbours: SlopeNeighbours, values: &[f32]) -> (Vec<usize>, Vec<[[f32; 3]; 3]>, Tally) {
-        let mut window = SlopeWindow::new(grid, neighbours);
+    fn kept(grid: SlopeGrid, others: OtherSlopes, values: &[f32]) -> (Vec<usize>, Vec<[[f32; 3]; 3]>, Tally) {
+        let mut window = SlopeWindow::new(grid, others);
         let (mut kept, mut around, mut tally) = (Vec::new(), Vec::new(), Tally::default());
         for (made, &value) in values.iter().enumerate() {
             let (tile, candidates) = window.slot_mut(made);
@@ -230,21 +256,29 @@ mod tests {
         for grid in grids() {
             // Repeats, so that some neighbours are equal.
             let values: Vec<f32> = (0..grid.len()).map(|k| 1.0 + ((k * 7919 + 13) % 11) as f32).collect();
-            for neighbours in [SlopeNeighbours::Adjacent, SlopeNeighbours::All] {
-                let (kept, around, tally) = kept(grid, neighbours, &values);
+            for others in [
+                OtherSlopes::Beaten(SlopeNeighbours::Adjacent),
+                OtherSlopes::Beaten(SlopeNeighbours::All),
+                OtherSlopes::Seen,
+            ] {
+                let (kept, around, tally) = kept(grid, others, &values);
                 let near = |a: usize, b: usize| a.abs_diff(b) <= 1;
                 let is_kept = |index: &usize| {
                     let (i, j) = grid.coordinates(*index);
                     (0..grid.len()).all(|other| {
                         let (ii, jj) = grid.coordinates(other);
-                        let compared = neighbours == SlopeNeighbours::All || (near(i, ii) && near(j, jj));
+                        let compared = match others {
+                            OtherSlopes::Beaten(SlopeNeighbours::All) => true,
+                            OtherSlopes::Beaten(SlopeNeighbours::Adjacent) => near(i, ii) && near(j, jj),
+                            OtherSlopes::Seen | OtherSlopes::Unseen => false,
+                        };
                         let earlier_or_less =
                             values[other] < values[*index] || (values[other] == values[*index] && other >= *index);
                         !compared || earlier_or_less
                     })
                 };
                 let expected: Vec<usize> = (0..grid.len()).filter(is_kept).collect();
-                assert_eq!(kept, expected, "{grid:?} {neighbours:?}");
+                assert_eq!(kept, expected, "{grid:?} {others:?}");
                 let rejected = tally.rejected_by(Test::SlopeExtremum) as usize;
                 assert_eq!(rejected + kept.len(), grid.len());
                 for (index, around) in kept.iter().zip(&around) {
@@ -259,6 +293,23 @@ mod tests {
                         }
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_for_themselves_are_decided_at_once_and_keep_the_slope_of_the_grid() {
+        for grid in grids() {
+            let mut window = SlopeWindow::new(grid, OtherSlopes::Unseen);
+            assert_eq!(capacity(&grid, OtherSlopes::Unseen), 1);
+            for made in 0..grid.len() {
+                let (tile, candidates) = window.slot_mut(made);
+                fill(tile, 1.0);
+                candidates.push(Candidate { x: 1, y: 1, level_index: 1, value: 1.0 });
+                let here = Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value: 1.0 };
+                window.compare(made, |_| true, |_, _| Ok(here), &mut Tally::default());
+                assert_eq!(window.decidable(made), made..made + 1);
+                assert_eq!(window.refined_slope(made, &window.undecided(made)[0]), grid.slope(made));
             }
         }
     }

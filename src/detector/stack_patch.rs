@@ -4,60 +4,17 @@
 //! image's sides rows are made one by one as those of whole images. A pixel has the same bits either way, unless a frame is read between its rows.
 
 use super::motion::FrameOffset;
-use super::patch::{LANES, Patch, inside};
+use super::patch::{Patch, inside};
 use super::stack_rows::RowStacker;
 use super::weighted_rows::{Tap, WeightedRows};
 use crate::plane::Plane;
-use crate::plane::tile::{Region, Tile};
+use crate::plane::tile::Region;
 use std::ops::Range;
 
 /// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, of one size, at their [`super::motion::frame_offsets`].
 pub(super) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {
     let part = part_inside(patch, frames[0].size());
     stack_part(frames, offsets, &part, patch, sums);
-}
-
-/// The same where `tile` holds a part of that image already, which is copied. No frame may be read between its rows; then bits are the same.
-pub(super) fn cut_patch(
-    frames: &[&Plane],
-    offsets: &[FrameOffset],
-    tile: &Tile,
-    patch: &mut Patch,
-    sums: &mut WeightedRows,
-) {
-    debug_assert!(offsets.iter().all(|offset| offset.part_v == 0.0), "tiles mix rows in another order");
-    let Region { columns, rows } = part_inside(patch, frames[0].size());
-    let there =
-        Region { columns: overlap(&columns, &tile.region().columns), rows: overlap(&rows, &tile.region().rows) };
-    // A strip narrower than a vector would take longer than one as wide.
-    let whole_vector = |n: usize| n.next_multiple_of(LANES).min(columns.len());
-    let before = whole_vector(there.columns.start - columns.start);
-    let behind = whole_vector(columns.end - there.columns.end);
-    let copied = columns.len().saturating_sub(before + behind) * there.rows.len();
-    if 2 * copied < columns.len() * rows.len() {
-        return stack_part(frames, offsets, &Region { columns, rows }, patch, sums);
-    }
-    let strips = [
-        Region { columns: columns.clone(), rows: rows.start..there.rows.start },
-        Region { columns: columns.clone(), rows: there.rows.end..rows.end },
-        Region { columns: columns.start..columns.start + before, rows: there.rows.clone() },
-        Region { columns: columns.end - behind..columns.end, rows: there.rows.clone() },
-    ];
-    for strip in strips.iter().filter(|strip| !strip.columns.is_empty() && !strip.rows.is_empty()) {
-        stack_part(frames, offsets, strip, patch, sums);
-    }
-    let first = columns.start + before;
-    let held = first - tile.region().columns.start;
-    for v in there.rows {
-        let from = &tile.row(v)[held..held + columns.len() - before - behind];
-        patch.values_mut(first as i64, v as i64)[..from.len()].copy_from_slice(from);
-    }
-}
-
-/// The part of `range` inside `other`; an empty one inside `range` where there is none.
-fn overlap(range: &Range<usize>, other: &Range<usize>) -> Range<usize> {
-    let start = other.start.clamp(range.start, range.end);
-    start..other.end.clamp(start, range.end)
 }
 
 /// The part of `patch` inside an image of `size`.
@@ -101,7 +58,7 @@ fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, si
 #[cfg(test)]
 mod tests {
     use super::super::motion::frame_offsets;
-    use super::super::octave::{Base, stack_tiles};
+    use super::super::octave::Base;
     use super::super::params::Interpolation;
     use super::super::patch::PatchScratch;
     use super::super::slope_grid::Slope;
@@ -116,7 +73,7 @@ mod tests {
         for slope in [Slope::new(0.0, 0.0), Slope::new(1.3, 0.0), Slope::new(-0.6, 2.2)] {
             let offsets = frame_offsets(4, slope, Interpolation::Linear);
             for (octave, size) in [(0, (97, 61)), (-1, (194, 122)), (1, (48, 30))] {
-                let base = Base::Frames { frames: &frames, offsets: &offsets, octave, made: None };
+                let base = Base::Frames { frames: &frames, offsets: &offsets, octave };
                 let mut whole = Plane::zeros(size.0, size.1);
                 let mut row = Vec::new();
                 base.raw_rows(0..size.1, 0..size.0, &mut row, |v, row| whole.row_mut(v).copy_from_slice(row));
@@ -130,41 +87,6 @@ mod tests {
                             let expected = whole.at(nearest(x, size.0), nearest(y, size.1)) - middle;
                             assert!((value - expected).abs() < 1e-6, "{octave} {slope:?} ({x}, {y})");
                         }
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_patch_from_a_tile_has_the_bits_of_one_from_the_frames() {
-        let frames = [0, 1, 2, 3, 4]
-            .map(|t| Plane::from_fn(140, 90, |u, v| ((u * 31 + v * 17 + t * 7 + (u * v) % 13) % 29) as f32 / 29.0));
-        let frames: Vec<&Plane> = frames.iter().collect();
-        let (mut scratch, mut patches) = (PatchScratch::default(), [Patch::default(), Patch::default()]);
-        let slopes = [(0.0, 0.0), (1.3, 0.0), (-2.5, 0.0), (2.0, -3.0), (-0.7, 1.0)];
-        let how = [Interpolation::Linear, Interpolation::Truncated, Interpolation::Nearest];
-        for ((u, v), interpolation) in slopes.into_iter().flat_map(|slope| how.map(|how| (slope, how))) {
-            let offsets = frame_offsets(5, Slope::new(u, v), interpolation);
-            for region in [(0..140, 0..90), (37..101, 0..61), (3..60, 20..90), (70..140, 11..83)] {
-                let region = Region { columns: region.0, rows: region.1 };
-                let mut tiles = Vec::new();
-                stack_tiles(&frames, &[&offsets], 0, &region, &mut tiles);
-                let made = Base::Frames { frames: &frames, offsets: &offsets, octave: 0, made: None };
-                let cut = Base::Frames { frames: &frames, offsets: &offsets, octave: 0, made: Some(&tiles[0]) };
-                for (x, y, radius) in [(70, 45, 20), (40, 50, 15), (3, 2, 9), (100, 60, 33), (137, 88, 30), (66, 30, 3)]
-                {
-                    let (columns, rows) = (x - radius..x + radius + 1, y - radius..y + radius + 1);
-                    for (base, patch) in [&made, &cut].into_iter().zip(&mut patches) {
-                        base.patch((140, 90), columns.clone(), rows.clone(), &mut scratch, patch);
-                    }
-                    for v in rows {
-                        let bits = |patch: &Patch| patch.row(v).iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-                        assert_eq!(
-                            bits(&patches[0]),
-                            bits(&patches[1]),
-                            "{u} {interpolation:?} {region:?} {x} {y} {v}"
-                        );
                     }
                 }
             }

@@ -63,7 +63,7 @@ pub fn dog_view(
     for current in octaves {
         let size = octave_size(burst.size(), current);
         let base = match &first_level {
-            None => Base::Frames { frames: &frames, offsets: &offsets, octave: current, made: None },
+            None => Base::Frames { frames: &frames, offsets: &offsets, octave: current },
             Some(plane) => Base::Level(plane),
         };
         if current == octave {
@@ -103,7 +103,7 @@ fn each_tile(
             monitor.check()?;
             let region = Region { columns, rows };
             let pixels = match base {
-                Base::Frames { frames, offsets, octave, .. } => {
+                Base::Frames { frames, offsets, octave } => {
                     let inputs = filters.inputs(&region);
                     stack_tiles(frames, std::slice::from_ref(offsets), *octave, &inputs, stacked);
                     Pixels::Stacked(&stacked[0])

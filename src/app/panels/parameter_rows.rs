@@ -1,7 +1,7 @@
 //! The pieces of a parameter's row: its name, the editors for each type of value, and the button that gives it its default.
 
 use crate::detector::params::{ParamDoc, ParamError};
-use crate::detector::{FrameRange, NoiseGate, SlopeAxis};
+use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis};
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 
 /// Width of the names in front, in points.
@@ -137,16 +137,32 @@ pub fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_
     }
 }
 
-/// The noise gate: automatic, or a factor.
+/// The noise gate: automatic, strict, or a factor.
 pub fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, label: Id) {
-    /// What a person gets who switches from automatic to a factor: about what automatic gives for a small search.
+    /// What a person gets who switches to a factor: about what automatic gives for a small search.
     const FIRST_FACTOR: f32 = 4.5;
-    let mut auto = *gate == NoiseGate::Auto;
-    if ui.checkbox(&mut auto, "Auto").changed() {
-        *gate = if auto { NoiseGate::Auto } else { NoiseGate::Factor(FIRST_FACTOR) };
-    }
-    if let NoiseGate::Factor(factor) = gate {
+    let mut factor = match gate {
+        NoiseGate::Factor(factor) => *factor,
+        NoiseGate::Auto | NoiseGate::Strict => FIRST_FACTOR,
+    };
+    let names = [(NoiseGate::Auto, "Auto"), (NoiseGate::Strict, "Strict"), (NoiseGate::Factor(factor), "Factor")];
+    choice_ui(ui, gate, label, &names);
+    if let NoiseGate::Factor(_) = gate {
         let size = vec2(48.0, ui.spacing().interact_size.y);
-        ui.add_sized(size, DragValue::new(factor).speed(0.02).max_decimals(2).suffix(" σ")).labelled_by(label);
+        let field = DragValue::new(&mut factor).speed(0.02).max_decimals(2).suffix(" σ");
+        ui.add_sized(size, field).labelled_by(label);
+        *gate = NoiseGate::Factor(factor);
+    }
+}
+
+/// Distinct keypoints: off, or a radius.
+pub fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, label: Id) {
+    let mut on = *distinct != Distinct::Off;
+    if ui.checkbox(&mut on, "On").changed() {
+        *distinct = if on { Distinct::default() } else { Distinct::Off };
+    }
+    if let Distinct::Radius(radius) = distinct {
+        let size = vec2(48.0, ui.spacing().interact_size.y);
+        ui.add_sized(size, DragValue::new(radius).speed(0.01).max_decimals(2).suffix(" σ")).labelled_by(label);
     }
 }

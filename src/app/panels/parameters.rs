@@ -5,7 +5,9 @@ use super::widgets::section_ui;
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::state::Model;
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, Interpolation, Localisation, Method, NoiseGate, SlopeNeighbours};
+use crate::detector::{
+    DescribeSlope, DetectorParams, Interpolation, Localisation, Method, NoiseGate, SlopeExtrema, SlopeNeighbours,
+};
 use egui::{Align, Layout, Ui};
 
 /// Draws the section.
@@ -132,13 +134,44 @@ fn all_rows_ui(ui: &mut Ui, table: &rows::ParamTable<'_, DetectorParams>, p: &mu
         },
     );
     ui.add_enabled_ui(!sift, |ui| {
+        let extrema = [(SlopeExtrema::Each, "Each"), (SlopeExtrema::Joint, "Joint")];
         table.row(
             ui,
-            &doc::SLOPE_NEIGHBOURS,
+            &doc::SLOPE_EXTREMA,
             p,
-            |p| &mut p.slope_neighbours,
+            |p| &mut p.slope_extrema,
             |ui, value, label| {
-                rows::choice_ui(ui, value, label, &adjacent);
+                rows::choice_ui(ui, value, label, &extrema);
+            },
+        );
+        let joint = p.slope_extrema == SlopeExtrema::Joint;
+        ui.add_enabled_ui(joint, |ui| {
+            table.row(
+                ui,
+                &doc::SLOPE_NEIGHBOURS,
+                p,
+                |p| &mut p.slope_neighbours,
+                |ui, value, label| {
+                    rows::choice_ui(ui, value, label, &adjacent);
+                },
+            );
+        });
+        table.row(
+            ui,
+            &doc::DISTINCT,
+            p,
+            |p| &mut p.distinct,
+            |ui, value, label| {
+                rows::distinct_ui(ui, value, label);
+            },
+        );
+        table.row(
+            ui,
+            &doc::DISTINCT_SCALE,
+            p,
+            |p| &mut p.distinct_scale,
+            |ui, value, label| {
+                rows::number_ui(ui, egui::DragValue::new(value).speed(0.01).max_decimals(2), label);
             },
         );
         table.row(
@@ -196,4 +229,16 @@ fn all_rows_ui(ui: &mut Ui, table: &rows::ParamTable<'_, DetectorParams>, p: &mu
             rows::number_ui(ui, egui::DragValue::new(value).speed(0.02), label);
         },
     );
+    ui.add_enabled_ui(!sift, |ui| {
+        let slopes = [(DescribeSlope::Refined, "Refined"), (DescribeSlope::Grid, "Grid")];
+        table.row(
+            ui,
+            &doc::DESCRIBE_SLOPE,
+            p,
+            |p| &mut p.describe_slope,
+            |ui, value, label| {
+                rows::choice_ui(ui, value, label, &slopes);
+            },
+        );
+    });
 }

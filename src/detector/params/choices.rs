@@ -29,6 +29,94 @@ impl Method {
     }
 }
 
+/// Which samples are candidates: extrema of place and scale at their own slope, or jointly over slopes too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SlopeExtrema {
+    /// At each slope for itself: what stands out in place and scale at its own slope. Which slope a blob has is decided by the strongest keypoint on it.
+    #[default]
+    Each,
+    /// Jointly: a sample must also beat those around it at the neighbouring slopes, as in the paper and in LiFF.
+    Joint,
+}
+
+/// At which slope a feature's orientation and descriptor are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DescribeSlope {
+    /// The feature's own slope, between those of the grid.
+    #[default]
+    Refined,
+    /// The grid's slope at which it was found, as the published codes do.
+    Grid,
+}
+
+/// How near a weaker keypoint must be to be taken for the same blob.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Distinct {
+    /// All keypoints stay.
+    Off,
+    /// Of keypoints nearer than this many σ of the stronger one, the stronger one stays; above 0.
+    Radius(f32),
+}
+
+impl Default for Distinct {
+    /// See [`super::doc::DISTINCT`]; chosen by what was reconstructed (docs/MEASUREMENTS.md).
+    fn default() -> Self {
+        Self::Radius(1.25)
+    }
+}
+
+impl std::fmt::Display for Distinct {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Off => f.write_str("off"),
+            Self::Radius(radius) => write!(f, "{radius}"),
+        }
+    }
+}
+
+impl std::str::FromStr for Distinct {
+    type Err = String;
+
+    /// Reads `off` or a number.
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "off" => Ok(Self::Off),
+            number => number
+                .parse()
+                .map(Self::Radius)
+                .map_err(|_| format!("'{text}' is neither 'off' nor a radius in σ, such as 1.25")),
+        }
+    }
+}
+
+impl Serialize for Distinct {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Off => serializer.serialize_str("off"),
+            Self::Radius(radius) => serializer.serialize_f32(*radius),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Distinct {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match NumberOrWord::deserialize(deserializer)? {
+            NumberOrWord::Number(radius) => Ok(Self::Radius(radius)),
+            NumberOrWord::Word(word) => word.parse().map_err(serde::de::Error::custom),
+        }
+    }
+}
+
+/// A value that is a number or one of a few words.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum NumberOrWord {
+    Number(f32),
+    Word(String),
+}
+
 /// With which slopes a candidate is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -67,9 +155,12 @@ pub enum Localisation {
 /// The noise gate: how many standard deviations of the noise in D a response must reach.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoiseGate {
-    /// The factor is derived from the size of the search so that pure noise gives at most about one false feature per megapixel.
+    /// For matching: the factor is derived from the size of the search so that pure noise gives at most about
+    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::AUTO_FALSE_PER_MEGAPIXEL) false features a megapixel, which matching sorts out.
     #[default]
     Auto,
+    /// The same for at most one false feature a megapixel over everything that is searched.
+    Strict,
     /// This factor; 0 switches the gate off.
     Factor(f32),
 }
@@ -78,6 +169,7 @@ impl std::fmt::Display for NoiseGate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Auto => f.write_str("auto"),
+            Self::Strict => f.write_str("strict"),
             Self::Factor(k) => write!(f, "{k}"),
         }
     }
@@ -86,14 +178,15 @@ impl std::fmt::Display for NoiseGate {
 impl std::str::FromStr for NoiseGate {
     type Err = String;
 
-    /// Reads `auto` or a number.
+    /// Reads `auto`, `strict` or a number.
     fn from_str(text: &str) -> Result<Self, String> {
         match text.trim() {
             "auto" => Ok(Self::Auto),
+            "strict" => Ok(Self::Strict),
             number => number
                 .parse()
                 .map(Self::Factor)
-                .map_err(|_| format!("'{text}' is neither 'auto' nor a number of standard deviations")),
+                .map_err(|_| format!("'{text}' is neither 'auto' nor 'strict' nor a number of standard deviations")),
         }
     }
 }
@@ -102,6 +195,7 @@ impl Serialize for NoiseGate {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Auto => serializer.serialize_str("auto"),
+            Self::Strict => serializer.serialize_str("strict"),
             Self::Factor(k) => serializer.serialize_f32(*k),
         }
     }
@@ -109,15 +203,9 @@ impl Serialize for NoiseGate {
 
 impl<'de> Deserialize<'de> for NoiseGate {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Either {
-            Number(f32),
-            Word(String),
-        }
-        match Either::deserialize(deserializer)? {
-            Either::Number(k) => Ok(Self::Factor(k)),
-            Either::Word(word) => word.parse().map_err(serde::de::Error::custom),
+        match NumberOrWord::deserialize(deserializer)? {
+            NumberOrWord::Number(k) => Ok(Self::Factor(k)),
+            NumberOrWord::Word(word) => word.parse().map_err(serde::de::Error::custom),
         }
     }
 }

@@ -105,16 +105,16 @@ param_doc!(
     "peak-threshold",
     "Peak threshold",
     "of full scale",
-    "The least |DoG| of a feature, after interpolation, as a fraction of full scale.",
-    "Raise it to keep only features of higher contrast; it knows nothing of the noise."
+    "The least |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.",
+    "Raise it to keep only features of higher contrast; it knows nothing of the noise and removes everything in the dark."
 );
 param_doc!(
     NOISE_GATE,
     "noise-gate",
     "Noise gate",
     "σ of the noise in D",
-    "The least |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; auto derives it from the size of the search, 0 switches it off.",
-    "Raise it to eliminate more noise; lower it to see fainter features among more false ones."
+    "The least |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; strict and auto derive it from the size of the search, 0 switches it off.",
+    "Raise it to eliminate more noise; lower it to see fainter features among more false ones. Strict gives at most one false feature a megapixel on noise alone; auto, for matching, lets through more of both."
 );
 param_doc!(
     EDGE_THRESHOLD,
@@ -125,11 +125,43 @@ param_doc!(
     "Raise it to keep more features on edges, which are poorly localised along the edge."
 );
 param_doc!(
+    SLOPE_EXTREMA,
+    "slope-extrema",
+    "Slope extrema",
+    "",
+    "Which samples are candidates: those that stand out in place and scale at each slope for itself, or jointly over the neighbouring slopes too.",
+    "Each finds more in noise and leaves it to distinct keypoints to choose the slope; joint is the rule of the paper and of LiFF."
+);
+param_doc!(
+    DISTINCT,
+    "distinct",
+    "Distinct",
+    "σ",
+    "One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the stronger one stays; off keeps all.",
+    "Raise it to thin out keypoints that share a blob, which make matches ambiguous; lower it to keep neighbours in fine texture."
+);
+param_doc!(
+    DISTINCT_SCALE,
+    "distinct-scale",
+    "Distinct scale",
+    "",
+    "The largest ratio of the scales of two keypoints that are taken for the same blob.",
+    "Raise it to let a keypoint remove others of more different sizes at its place."
+);
+param_doc!(
+    DESCRIBE_SLOPE,
+    "describe-slope",
+    "Describe slope",
+    "",
+    "The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the nearest one that was searched.",
+    "Refined keeps features between two slopes of the grid sharp, so that they match; grid is what the published codes do."
+);
+param_doc!(
     SLOPE_NEIGHBOURS,
     "slope-neighbours",
     "Slope neighbours",
     "",
-    "The slopes that a feature must beat: adjacent ones of the grid, or all.",
+    "The slopes that a joint extremum must beat: adjacent ones of the grid, or all.",
     "All keeps at most one slope per place and scale and needs more memory; adjacent lets two motions share a place."
 );
 param_doc!(
@@ -174,7 +206,7 @@ param_doc!(
 );
 
 /// All of them, in the order in which surfaces show them.
-pub const ALL: [ParamDoc; 17] = [
+pub const ALL: [ParamDoc; 21] = [
     METHOD,
     SLOPES_U,
     SLOPES_V,
@@ -186,10 +218,14 @@ pub const ALL: [ParamDoc; 17] = [
     PEAK_THRESHOLD,
     NOISE_GATE,
     EDGE_THRESHOLD,
+    SLOPE_EXTREMA,
     SLOPE_NEIGHBOURS,
+    DISTINCT,
+    DISTINCT_SCALE,
     INTERPOLATION,
     KERNEL_CUT,
     LOCALISATION,
     MAX_FEATURES,
     MAX_ORIENTATIONS,
+    DESCRIBE_SLOPE,
 ];

@@ -7,7 +7,9 @@ mod choices;
 pub mod doc;
 mod validate;
 
-pub use choices::{FrameRange, Interpolation, Localisation, Method, NoiseGate, SlopeNeighbours};
+pub use choices::{
+    DescribeSlope, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, SlopeExtrema, SlopeNeighbours,
+};
 pub use doc::ParamDoc;
 pub use validate::{MAX_SLOPES, ParamError};
 
@@ -35,8 +37,14 @@ pub struct DetectorParams {
     pub noise_gate: NoiseGate,
     /// See [`doc::EDGE_THRESHOLD`].
     pub edge_threshold: f32,
+    /// See [`doc::SLOPE_EXTREMA`].
+    pub slope_extrema: SlopeExtrema,
     /// See [`doc::SLOPE_NEIGHBOURS`].
     pub slope_neighbours: SlopeNeighbours,
+    /// See [`doc::DISTINCT`].
+    pub distinct: Distinct,
+    /// See [`doc::DISTINCT_SCALE`].
+    pub distinct_scale: f32,
     /// See [`doc::INTERPOLATION`].
     pub interpolation: Interpolation,
     /// See [`doc::KERNEL_CUT`].
@@ -47,6 +55,8 @@ pub struct DetectorParams {
     pub max_features: usize,
     /// See [`doc::MAX_ORIENTATIONS`].
     pub max_orientations: usize,
+    /// See [`doc::DESCRIBE_SLOPE`].
+    pub describe_slope: DescribeSlope,
     /// See [`doc::SLOPES_U`], [`doc::SLOPES_V`] and [`doc::SLOPE_DIRECTION`].
     pub slopes: SlopeGrid,
 }
@@ -60,15 +70,20 @@ impl Default for DetectorParams {
             // As in the paper; on dark charts four levels found at least as many discs as three at every noise level and motion.
             levels: 4,
             first_octave: 0,
-            peak_threshold: 0.0003,
+            // An absolute threshold takes everything in the dark; the noise gate does its work.
+            peak_threshold: 0.0,
             noise_gate: NoiseGate::Auto,
             edge_threshold: 10.0,
+            slope_extrema: SlopeExtrema::Each,
             slope_neighbours: SlopeNeighbours::Adjacent,
+            distinct: Distinct::default(),
+            distinct_scale: 1.5,
             interpolation: Interpolation::Linear,
             kernel_cut: 4.0,
             localisation: Localisation::Continuous,
             max_features: 0,
-            max_orientations: 1,
+            max_orientations: 2,
+            describe_slope: DescribeSlope::Refined,
             slopes: SlopeGrid::default(),
         }
     }

@@ -1,6 +1,6 @@
 //! Which parameters make sense, alone and for a burst; each refusal says what would.
 
-use super::{DetectorParams, MIN_OCTAVE_SIDE, Method, NoiseGate, ParamDoc, doc};
+use super::{DetectorParams, Distinct, MIN_OCTAVE_SIDE, Method, NoiseGate, ParamDoc, doc};
 
 /// A parameter, or a combination of them, that makes no sense: which, why, and what would.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -14,6 +14,10 @@ pub struct ParamError {
     pub remedy: String,
 }
 
+/// The largest radius of distinct keypoints, in σ.
+pub const MAX_DISTINCT_RADIUS: f32 = 10.0;
+/// The largest ratio of scales of distinct keypoints.
+pub const MAX_DISTINCT_SCALE: f32 = 8.0;
 /// The most slopes that a grid may have.
 pub const MAX_SLOPES: usize = 4096;
 
@@ -85,10 +89,19 @@ impl DetectorParams {
         if let NoiseGate::Factor(k) = self.noise_gate
             && !(k.is_finite() && k >= 0.0)
         {
-            return fail(doc::NOISE_GATE, format!("{k}"), "give auto, or 0 or more standard deviations");
+            return fail(doc::NOISE_GATE, format!("{k}"), "give auto, strict, or 0 or more standard deviations");
         }
         if !(self.edge_threshold.is_finite() && self.edge_threshold >= 1.0) {
             return fail(doc::EDGE_THRESHOLD, format!("{}", self.edge_threshold), "give 1 or more (10 is usual)");
+        }
+        if let Distinct::Radius(radius) = self.distinct
+            && !(radius.is_finite() && 0.0 < radius && radius <= MAX_DISTINCT_RADIUS)
+        {
+            return fail(doc::DISTINCT, format!("{radius}"), "give off, or a radius above 0 and up to 10 σ");
+        }
+        if !(self.distinct_scale.is_finite() && 1.0 < self.distinct_scale && self.distinct_scale <= MAX_DISTINCT_SCALE)
+        {
+            return fail(doc::DISTINCT_SCALE, format!("{}", self.distinct_scale), "give more than 1 and up to 8");
         }
         if !(self.kernel_cut.is_finite() && (1.0..=8.0).contains(&self.kernel_cut)) {
             return fail(

@@ -4,22 +4,25 @@
 //! tile visits all slopes in order, holding only those that its undecided candidates still need. Its height is chosen so that
 //! what the threads hold together stays bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in order, so threads cannot change the result.
 //!
-//! Keypoints are described when their octave is finished, or, where a tile of the first octave still holds the stacked images of all slopes, at the end of that
-//! tile, which saves stacking them again. The pixels have the same bits either way, and so have the features.
+//! What the tiles found goes through three more steps: of keypoints on one blob the strongest stays ([`distinct`]), those that stay are localised and described,
+//! and the features are ranked. The first levels of all octaves are kept until then.
 
 mod tile;
 
-use super::describing::{DescribeScratch, Describing, Keypoint};
+use super::describing::{self, Describing};
+use super::distinct::{self, Blob};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
+use super::keypoint::Keypoint;
 use super::motion::{FrameOffset, frame_offsets};
 use super::noise::{dog_noise_variance, gate_factor};
 use super::noise_estimate::frame_noise;
 use super::octave::{Base, OctaveFilters};
-use super::params::{DetectorParams, ParamError};
+use super::params::{DescribeSlope, DetectorParams, Distinct, ParamError};
 use super::refine::MAX_MOVES;
+use super::refined_stack::OctaveFrames;
 use super::scale_space::{ScaleSpace, octave_size};
 use super::slope_grid::SlopeGrid;
-use super::slope_window::{SlopeWindow, capacity};
+use super::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use super::view::searched_octaves;
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -30,7 +33,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use tile::{Octave, TileScratch};
 
 /// Bytes of DoG tiles that the threads' windows of slopes may hold together.
@@ -107,31 +110,13 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     };
     let octaves = searched_octaves(params, burst.size());
     let mut tally = Tally::default();
-    let mut found: Vec<(Feature, Descriptor)> = Vec::new();
-    // The first levels of an octave and of the one before, one a slope.
-    let (mut bases, mut finer_bases): (Vec<Plane>, Vec<Plane>) = (Vec::new(), Vec::new());
-    let pixels = |octave: i32| octave_size(burst.size(), octave).0 as f32 * octave_size(burst.size(), octave).1 as f32;
-    let all_pixels: f32 = octaves.clone().map(pixels).sum();
-    let mut done = 0.0;
-    for octave in octaves.clone() {
-        let share = pixels(octave) / all_pixels;
-        let progress = |part: f32| monitor.report(Stage::Search { octave }, done + share * part);
-        let searching = Instant::now();
-        let (in_tiles, next_bases) = search.octave(octave, &bases, octave + 1 < octaves.end, &mut tally, &progress)?;
-        let (secs, describing_part) = (searching.elapsed().as_secs_f32(), in_tiles.describing_part());
-        times.search_secs += secs * (1.0 - describing_part);
-        times.describe_secs += secs * describing_part;
-        let started = Instant::now();
-        monitor.report(Stage::Describe, done + share * 0.95);
-        let finer = |slope_index: usize| search.base(octave - 1, &finer_bases, slope_index);
-        let base = |slope_index: usize| search.base(octave, &bases, slope_index);
-        let describing = search.describing(octave, &base, (octave > octaves.start).then_some(&finer as _));
-        found.extend(in_tiles.described);
-        found.extend(describing.describe(&in_tiles.keypoints)?);
-        times.describe_secs += started.elapsed().as_secs_f32();
-        finer_bases = std::mem::replace(&mut bases, next_bases);
-        done += share;
-    }
+    let started = Instant::now();
+    let found = search.octaves(&octaves, &mut tally)?;
+    let keypoints = search.distinct(found.keypoints, &mut tally);
+    tally.kept = keypoints.len() as u64;
+    times.search_secs = started.elapsed().as_secs_f32();
+    let started = Instant::now();
+    let mut found = search.describe(&octaves, &keypoints, &found.bases)?;
     monitor.check()?;
     found.sort_by(|(a, _), (b, _)| {
         let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));
@@ -143,6 +128,7 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
         tally.reject(Test::MaxFeatures, (found.len() - params.max_features) as u64);
         found.truncate(params.max_features);
     }
+    times.describe_secs = started.elapsed().as_secs_f32();
     monitor.report(Stage::Describe, 1.0);
     let (features, descriptors) = found.into_iter().unzip();
     Ok(Detection {
@@ -158,32 +144,101 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     })
 }
 
+/// What the search leaves.
+struct Searched {
+    /// In order of octaves, and within them of tiles and slopes.
+    keypoints: Vec<Keypoint>,
+    /// For each octave the first levels, one a slope; none for the first octave, which is made from the frames.
+    bases: Vec<Vec<Plane>>,
+}
+
+/// The part of a detection's time that the search takes, about; describing takes the rest.
+const SEARCH_PART: f32 = 0.7;
+
 impl Search<'_> {
-    fn base<'s>(&'s self, octave: i32, bases: &'s [Plane], slope_index: usize) -> Base<'s> {
-        if octave == self.space.first_octave {
-            Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave, made: None }
-        } else {
-            Base::Level(&bases[slope_index])
+    /// Searches all octaves.
+    fn octaves(&self, octaves: &Range<i32>, tally: &mut Tally) -> Result<Searched, Cancelled> {
+        let pixels = |octave: i32| {
+            let (width, height) = octave_size(self.size_image, octave);
+            width as f32 * height as f32
+        };
+        let all_pixels: f32 = octaves.clone().map(pixels).sum();
+        let (mut keypoints, mut bases) = (Vec::new(), vec![Vec::new()]);
+        let mut done = 0.0;
+        for octave in octaves.clone() {
+            let share = SEARCH_PART * pixels(octave) / all_pixels;
+            let progress = |part: f32| self.monitor.report(Stage::Search { octave }, done + share * part);
+            let last = bases.last().expect("the first octave's is there");
+            let (in_octave, next) = self.octave(octave, last, octave + 1 < octaves.end, tally, &progress)?;
+            keypoints.extend(in_octave);
+            bases.push(next);
+            done += share;
         }
+        Ok(Searched { keypoints, bases })
     }
 
-    fn describing<'s>(
-        &'s self,
-        octave: i32,
-        base: &'s (dyn Fn(usize) -> Base<'s> + Sync),
-        finer: Option<&'s (dyn Fn(usize) -> Base<'s> + Sync)>,
-    ) -> Describing<'s> {
-        Describing {
-            base,
-            finer,
-            offsets: &self.offsets,
-            octave,
-            size: octave_size(self.size_image, octave),
-            size_image: self.size_image,
-            grid: self.grid,
-            space: &self.space,
-            params: self.params,
-            monitor: self.monitor,
+    /// The keypoints that stay when each blob keeps one.
+    fn distinct(&self, keypoints: Vec<Keypoint>, tally: &mut Tally) -> Vec<Keypoint> {
+        let Distinct::Radius(radius) = self.params.distinct else {
+            return keypoints;
+        };
+        let blobs: Vec<Blob> = keypoints.iter().map(Blob::from).collect();
+        let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
+        let covered = distinct::covered_by(&blobs, rule);
+        let before = keypoints.len();
+        let stay = keypoints.into_iter().zip(covered).filter(|(_, by)| by.is_none());
+        let keypoints: Vec<Keypoint> = stay.map(|(keypoint, _)| keypoint).collect();
+        tally.reject(Test::Duplicate, (before - keypoints.len()) as u64);
+        keypoints
+    }
+
+    /// The features of `keypoints`, which are in order of octaves.
+    fn describe(
+        &self,
+        octaves: &Range<i32>,
+        keypoints: &[Keypoint],
+        bases: &[Vec<Plane>],
+    ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
+        let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
+        let of_octave = |octave: i32| &bases[(octave - octaves.start) as usize];
+        for in_octave in keypoints.chunk_by(|a, b| a.octave == b.octave) {
+            let octave = in_octave[0].octave;
+            let done = found.len() as f32 / keypoints.len() as f32;
+            self.monitor.report(Stage::Describe, (SEARCH_PART + (1.0 - SEARCH_PART) * done).min(1.0));
+            let base = |slope_index: usize| self.base(octave, of_octave(octave), slope_index);
+            let finer = |slope_index: usize| self.base(octave - 1, of_octave(octave - 1), slope_index);
+            let own_slopes = self.describes_own_slopes(octave).then(|| OctaveFrames::new(self.frames, octave));
+            let describing = Describing {
+                base: &base,
+                finer: (octave > octaves.start).then_some(&finer as _),
+                offsets: &self.offsets,
+                octave,
+                size: octave_size(self.size_image, octave),
+                size_image: self.size_image,
+                grid: self.grid,
+                space: &self.space,
+                params: self.params,
+                own_slopes: own_slopes.as_ref(),
+                monitor: self.monitor,
+            };
+            found.extend(describing.describe(in_octave)?);
+        }
+        Ok(found)
+    }
+
+    /// Whether features of `octave` are described at their own slopes, so far as the octave can show the difference.
+    fn describes_own_slopes(&self, octave: i32) -> bool {
+        let step = [self.grid.u.step(), self.grid.v.step()].into_iter().fold(0.0, f32::max);
+        let outermost_px = step * 0.5 * (self.frames.len() as f32 - 1.0);
+        self.params.describe_slope == DescribeSlope::Refined
+            && describing::misaligned(outermost_px, self.space.sigma_image(octave, 0.0) as f32)
+    }
+
+    fn base<'s>(&'s self, octave: i32, bases: &'s [Plane], slope_index: usize) -> Base<'s> {
+        if octave == self.space.first_octave {
+            Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave }
+        } else {
+            Base::Level(&bases[slope_index])
         }
     }
 
@@ -193,16 +248,6 @@ impl Search<'_> {
             row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
             _ => STACKED_SLOPES,
         }
-    }
-
-    /// Whether the keypoints of an octave of `tiles` tiles are described at the end of their tile, from its pixels: where it still holds all slopes, those have
-    /// the bits of pixels made anew, and there are enough tiles that threads do not wait for one with many keypoints. The features are the same.
-    fn describes_tiles(&self, octave: i32, tiles: usize) -> bool {
-        octave == 0
-            && octave == self.space.first_octave
-            && self.grid.len() <= self.slopes_together()
-            && self.offsets.iter().flatten().all(|offset| offset.part_v == 0.0)
-            && tiles >= 2 * rayon::current_num_threads()
     }
 
     /// σ_D at `octave` and DoG level index `level_index` for each slope.
@@ -219,8 +264,7 @@ impl Search<'_> {
             stacked: Vec::new(),
             filter: FilterScratch::default(),
             next: Tile::default(),
-            describe: DescribeScratch::default(),
-            window: SlopeWindow::new(self.grid, self.params.slope_neighbours),
+            window: SlopeWindow::new(self.grid, OtherSlopes::of(self.params)),
         })
     }
 
@@ -232,7 +276,7 @@ impl Search<'_> {
 
     /// The tiles of an octave of `size`: where its columns and its rows are cut.
     fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
-        let slopes = capacity(&self.grid, self.params.slope_neighbours);
+        let slopes = capacity(&self.grid, OtherSlopes::of(self.params));
         let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
         let row_bytes = slopes * (self.space.levels + 2) * (TILE_COLUMNS + 2 * HELD) * size_of::<f32>();
         let rows = (window_bytes / row_bytes.max(1)).saturating_sub(2 * HELD);
@@ -247,7 +291,7 @@ impl Search<'_> {
         wants_next: bool,
         tally: &mut Tally,
         progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<(Found, Vec<Plane>), Cancelled> {
+    ) -> Result<(Vec<Keypoint>, Vec<Plane>), Cancelled> {
         let size = octave_size(self.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
         let sigma_d: Vec<Vec<f32>> =
@@ -266,7 +310,6 @@ impl Search<'_> {
             .iter()
             .flat_map(|rows| columns.iter().map(|columns| Region { columns: columns.clone(), rows: rows.clone() }))
             .collect();
-        let describes = self.describes_tiles(octave, regions.len());
         // For each tile, its part of the next octave's planes.
         let mut next_parts: Vec<Vec<Vec<&mut [f32]>>> = regions.iter().map(|_| Vec::new()).collect();
         let halved = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
@@ -280,52 +323,23 @@ impl Search<'_> {
         }
         let finished = AtomicUsize::new(0);
         let steps = regions.len() * self.grid.len();
-        let results: Vec<(Found, Tally)> = regions
+        let results: Vec<(Vec<Keypoint>, Tally)> = regions
             .par_iter()
             .zip(next_parts)
             .map(|(region, next)| {
-                let (mut scratch, started) = (self.take_scratch(), Instant::now());
-                let (keypoints, tally) = self.tile(&job, region, next, &mut scratch, &|| {
-                    progress(0.95 * finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
+                let mut scratch = self.take_scratch();
+                let found = self.tile(&job, region, next, &mut scratch, &|| {
+                    progress(finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
                 })?;
-                let searched = started.elapsed();
-                let mut found = Found { keypoints, ..Found::default() };
-                if describes {
-                    found.described = self.describe_tile(&found.keypoints, &mut scratch)?;
-                    found.keypoints.clear();
-                }
-                found.spent = started.elapsed();
-                found.describing = found.spent - searched;
                 self.put_back(scratch);
-                Ok((found, tally))
+                Ok(found)
             })
             .collect::<Result<_, Cancelled>>()?;
-        let mut all = Found::default();
+        let mut keypoints = Vec::with_capacity(results.iter().map(|(found, _)| found.len()).sum());
         for (found, tile_tally) in results {
-            all.keypoints.extend(found.keypoints);
-            all.described.extend(found.described);
-            all.spent += found.spent;
-            all.describing += found.describing;
+            keypoints.extend(found);
             tally.merge(&tile_tally);
         }
-        Ok((all, next))
-    }
-}
-
-/// What was found in a tile or an octave.
-#[derive(Default)]
-struct Found {
-    /// What is left to be described, in order of tiles.
-    keypoints: Vec<Keypoint>,
-    described: Vec<(Feature, Descriptor)>,
-    /// Time that threads spent on all of it, and on describing.
-    spent: Duration,
-    describing: Duration,
-}
-
-impl Found {
-    /// The part of the time that was spent on describing.
-    fn describing_part(&self) -> f32 {
-        self.describing.as_secs_f32() / self.spent.as_secs_f32().max(f32::MIN_POSITIVE)
+        Ok((keypoints, next))
     }
 }

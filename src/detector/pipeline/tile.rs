@@ -1,10 +1,10 @@
 //! The search of one tile over all slopes, and what becomes of its candidates.
 
 use super::{HELD, Search};
-use crate::detector::describing::{DescribeScratch, Keypoint};
-use crate::detector::feature::{Descriptor, Feature, Tally};
+use crate::detector::feature::Tally;
+use crate::detector::keypoint::Keypoint;
 use crate::detector::motion::coverage;
-use crate::detector::octave::{Base, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::octave::{OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::refine::{Limits, refine};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::{Candidate, Thresholds, own_slope_extrema};
@@ -32,27 +32,10 @@ pub(super) struct TileScratch {
     pub(super) filter: FilterScratch,
     /// The level from which the next octave starts.
     pub(super) next: Tile,
-    pub(super) describe: DescribeScratch,
     pub(super) window: SlopeWindow,
 }
 
 impl Search<'_> {
-    /// Describes the keypoints of the tile of octave 0 whose stacked pixels are in `scratch`.
-    pub(super) fn describe_tile(
-        &self,
-        keypoints: &[Keypoint],
-        scratch: &mut TileScratch,
-    ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
-        let TileScratch { stacked, describe, .. } = scratch;
-        let base = |slope_index: usize| Base::Frames {
-            frames: self.frames,
-            offsets: &self.offsets[slope_index],
-            octave: 0,
-            made: Some(&stacked[slope_index]),
-        };
-        self.describing(0, &base, None).describe_here(keypoints, describe)
-    }
-
     /// Searches one tile over all slopes.
     pub(super) fn tile(
         &self,
@@ -138,10 +121,10 @@ impl Search<'_> {
             match undecided.refined {
                 Err(test) => tally.reject(test, 1),
                 Ok(refined) => {
-                    tally.kept += 1;
                     let candidate = &undecided.candidate;
                     let sigma_d = self.sigma_d_at(job, slope_index, candidate);
                     keypoints.push(Keypoint {
+                        octave: job.octave,
                         x: refined.x_refined as f32,
                         y: refined.y_refined as f32,
                         sigma_octave: self.space.sigma_octave(refined.level_refined - 1.0) as f32,

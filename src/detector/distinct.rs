@@ -1,0 +1,222 @@
+//! Distinct keypoints: one keypoint for one blob, over all slopes, scales and octaves.
+//!
+//! The search at each slope for itself finds a blob at every slope whose stack still shows it, and often at neighbouring levels and octaves too. Two keypoints
+//! with nearly the same descriptor make each other's matches ambiguous, so that the ratio test rejects both. So, from the strongest to the
+//! weakest: a keypoint stays unless it lies within [`Rule::radius`] σ of one that stayed, σ being the stronger one's, and their scales differ by at most
+//! [`Rule::scale_ratio`]. What was removed removes nothing. The strongest keypoint of a blob so chooses its slope.
+
+use super::keypoint::Keypoint;
+
+/// When a weaker keypoint is taken for the same blob as a stronger one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rule {
+    /// Largest distance in σ of the stronger one; above 0.
+    pub radius: f32,
+    /// Largest ratio of their scales; above 1.
+    pub scale_ratio: f32,
+}
+
+/// A keypoint as this step sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blob {
+    /// Column, input pixels.
+    pub u: f32,
+    /// Row, input pixels.
+    pub v: f32,
+    /// Scale, input pixels; above 0.
+    pub sigma: f32,
+    /// The larger the stronger.
+    pub rank: f32,
+}
+
+impl From<&Keypoint> for Blob {
+    fn from(keypoint: &Keypoint) -> Self {
+        let (u, v, sigma) = keypoint.in_image();
+        let rank = if keypoint.snr.is_finite() { keypoint.snr } else { keypoint.value.abs() };
+        Self { u, v, sigma, rank }
+    }
+}
+
+impl Blob {
+    /// Whether `weaker` is taken for the same blob as this one.
+    fn covers(&self, weaker: &Self, rule: Rule) -> bool {
+        let ratio = self.sigma.max(weaker.sigma) / self.sigma.min(weaker.sigma);
+        ratio <= rule.scale_ratio && (self.u - weaker.u).hypot(self.v - weaker.v) <= rule.radius * self.sigma
+    }
+}
+
+/// For each blob the index of the stronger one that stayed and covers it; `None` for those that stay. Of equally strong blobs the first one goes first.
+///
+/// Time grows in proportion to the number of blobs: those that stayed are kept in cells by scale and place.
+pub fn covered_by(blobs: &[Blob], rule: Rule) -> Vec<Option<usize>> {
+    let mut order: Vec<usize> = (0..blobs.len()).collect();
+    order.sort_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
+    let mut stayed = Cells::new(blobs, rule);
+    let mut out = vec![None; blobs.len()];
+    for index in order {
+        out[index] = stayed.covering(index);
+        if out[index].is_none() {
+            stayed.insert(index);
+        }
+    }
+    out
+}
+
+/// No blob.
+const NONE: u32 = u32::MAX;
+
+/// The blobs of one range of scales that stayed, in square cells as wide as the farthest that one of them covers.
+struct Grid {
+    /// Side of a cell, input pixels.
+    side: f32,
+    columns: usize,
+    rows: usize,
+    /// The last blob inserted into each cell; empty until one is.
+    last: Vec<u32>,
+}
+
+/// The blobs that stayed.
+struct Cells<'b> {
+    blobs: &'b [Blob],
+    rule: Rule,
+    /// Place of the first cell.
+    start: (f32, f32),
+    /// The smallest scale.
+    sigma_min: f32,
+    /// By scale: grid k holds scales from ratio^k to ratio^(k+1) times the smallest.
+    grids: Vec<Grid>,
+    /// The blob that was inserted before into the same cell.
+    before: Vec<u32>,
+}
+
+impl<'b> Cells<'b> {
+    fn new(blobs: &'b [Blob], rule: Rule) -> Self {
+        let range = |of: fn(&Blob) -> f32| {
+            blobs.iter().map(of).fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)))
+        };
+        let ((u0, u1), (v0, v1), (s0, s1)) = (range(|b| b.u), range(|b| b.v), range(|b| b.sigma));
+        let mut cells =
+            Self { blobs, rule, start: (u0, v0), sigma_min: s0, grids: Vec::new(), before: vec![NONE; blobs.len()] };
+        if blobs.is_empty() {
+            return cells;
+        }
+        for k in 0..=cells.scale_class(s1) {
+            let side = rule.radius * s0 * rule.scale_ratio.powi(k as i32 + 1);
+            let count = |range: f32| (range / side) as usize + 1;
+            cells.grids.push(Grid { side, columns: count(u1 - u0), rows: count(v1 - v0), last: Vec::new() });
+        }
+        cells
+    }
+
+    /// Which grid holds scale `sigma`.
+    fn scale_class(&self, sigma: f32) -> usize {
+        ((sigma / self.sigma_min).ln() / self.rule.scale_ratio.ln()).max(0.0) as usize
+    }
+
+    fn cell(&self, grid: &Grid, blob: &Blob) -> (usize, usize) {
+        let at = |x: f32, start: f32, count: usize| (((x - start) / grid.side) as usize).min(count - 1);
+        (at(blob.u, self.start.0, grid.columns), at(blob.v, self.start.1, grid.rows))
+    }
+
+    fn insert(&mut self, index: usize) {
+        let class = self.scale_class(self.blobs[index].sigma);
+        let (column, row) = self.cell(&self.grids[class], &self.blobs[index]);
+        let grid = &mut self.grids[class];
+        if grid.last.is_empty() {
+            grid.last = vec![NONE; grid.columns * grid.rows];
+        }
+        let last = &mut grid.last[row * grid.columns + column];
+        self.before[index] = std::mem::replace(last, index as u32);
+    }
+
+    /// The strongest blob that stayed and covers blob `index`.
+    fn covering(&self, index: usize) -> Option<usize> {
+        let blob = &self.blobs[index];
+        let class = self.scale_class(blob.sigma);
+        // Scales within the ratio lie at most one class away; one more on each side allows for rounding.
+        let classes = class.saturating_sub(2)..(class + 3).min(self.grids.len());
+        let mut best: Option<usize> = None;
+        for grid in self.grids[classes].iter().filter(|grid| !grid.last.is_empty()) {
+            let (column, row) = self.cell(grid, blob);
+            for y in row.saturating_sub(1)..(row + 2).min(grid.rows) {
+                for x in column.saturating_sub(1)..(column + 2).min(grid.columns) {
+                    let mut other = grid.last[y * grid.columns + x];
+                    while other != NONE {
+                        let stronger = &self.blobs[other as usize];
+                        if stronger.covers(blob, self.rule) && best.is_none_or(|b| self.blobs[b].rank < stronger.rank) {
+                            best = Some(other as usize);
+                        }
+                        other = self.before[other as usize];
+                    }
+                }
+            }
+        }
+        best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const RULE: Rule = Rule { radius: 1.25, scale_ratio: 1.5 };
+
+    fn blob(u: f32, v: f32, sigma: f32, rank: f32) -> Blob {
+        Blob { u, v, sigma, rank }
+    }
+
+    /// The definition: every stronger one that stayed is asked.
+    fn by_definition(blobs: &[Blob], rule: Rule) -> Vec<bool> {
+        let mut order: Vec<usize> = (0..blobs.len()).collect();
+        order.sort_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
+        let mut stays = vec![false; blobs.len()];
+        for (place, &index) in order.iter().enumerate() {
+            stays[index] = !order[..place].iter().any(|&o| stays[o] && blobs[o].covers(&blobs[index], rule));
+        }
+        stays
+    }
+
+    #[test]
+    fn a_weaker_keypoint_goes_within_the_radius_and_the_ratio_and_stays_beyond() {
+        let strong = blob(10.0, 20.0, 4.0, 9.0);
+        for (other, goes) in [
+            (blob(14.9, 20.0, 4.0, 8.0), true),
+            (blob(15.1, 20.0, 4.0, 8.0), false),
+            (blob(10.0, 24.9, 4.0, 8.0), true),
+            (blob(10.0, 20.0, 5.9, 8.0), true),
+            (blob(10.0, 20.0, 6.1, 8.0), false),
+            (blob(10.0, 20.0, 2.7, 8.0), true),
+            (blob(10.0, 20.0, 2.6, 8.0), false),
+        ] {
+            let expected = if goes { Some(0) } else { None };
+            assert_eq!(covered_by(&[strong, other], RULE), [None, expected], "{other:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_removed_removes_nothing() {
+        let row = [blob(0.0, 0.0, 2.0, 9.0), blob(2.0, 0.0, 2.0, 8.0), blob(4.0, 0.0, 2.0, 7.0)];
+        assert_eq!(covered_by(&row, RULE), [None, Some(0), None]);
+        assert_eq!(covered_by(&[], RULE), []);
+    }
+
+    proptest! {
+        #[test]
+        fn cells_are_the_definition(
+            raw in prop::collection::vec((0.0f32..60.0, 0.0f32..40.0, 0.0f32..5.0, 0u8..9), 0..120),
+            radius in 0.3f32..3.0, ratio in 1.05f32..3.0,
+        ) {
+            let rule = Rule { radius, scale_ratio: ratio };
+            let blobs: Vec<Blob> = raw.iter().map(|&(u, v, s, rank)| blob(u, v, 0.9 * s.exp2(), f32::from(rank))).collect();
+            let fast = covered_by(&blobs, rule);
+            let stays = by_definition(&blobs, rule);
+            prop_assert_eq!(fast.iter().map(Option::is_none).collect::<Vec<_>>(), stays.clone());
+            for (index, by) in fast.iter().enumerate() {
+                if let &Some(by) = by {
+                    prop_assert!(stays[by] && blobs[by].covers(&blobs[index], rule));
+                }
+            }
+        }
+    }
+}
