@@ -34,6 +34,7 @@ pub mod slope_grid;
 mod slope_window;
 mod stack_patch;
 mod stack_rows;
+mod two_motions;
 mod vectors;
 pub mod view;
 mod weighted_rows;

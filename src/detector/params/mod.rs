@@ -77,7 +77,7 @@ impl Default for DetectorParams {
             slope_extrema: SlopeExtrema::Each,
             slope_neighbours: SlopeNeighbours::Adjacent,
             distinct: Distinct::default(),
-            distinct_scale: 1.5,
+            distinct_scale: 1.75,
             interpolation: Interpolation::Linear,
             kernel_cut: 4.0,
             localisation: Localisation::Continuous,
