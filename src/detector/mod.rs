@@ -24,6 +24,7 @@ pub mod params;
 pub mod patch;
 pub mod pipeline;
 pub mod refine;
+pub mod revision;
 pub mod scale_peak;
 pub mod scale_space;
 pub mod search;
@@ -40,4 +41,5 @@ pub use params::{
     DetectorParams, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc, ParamError, SlopeNeighbours,
 };
 pub use pipeline::{DetectError, detect};
+pub use revision::REVISION;
 pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};
