@@ -7,6 +7,7 @@
 //! [`noise`] how large D must then be. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
+pub mod advice;
 pub mod blur_patch;
 mod describing;
 pub mod descriptor;
@@ -36,6 +37,7 @@ mod vectors;
 pub mod view;
 mod weighted_rows;
 
+pub use advice::{Advice, explain};
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{
     DetectorParams, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc, ParamError, SlopeNeighbours,

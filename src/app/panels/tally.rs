@@ -1,6 +1,6 @@
 //! The tally: how many candidates each test rejected, as bars that can be read.
 
-use crate::app::state::{Found, Model};
+use crate::app::state::Model;
 use crate::detector::{NoiseGate, Test};
 use egui::{Rect, RichText, ScrollArea, Sense, Ui, vec2};
 
@@ -39,21 +39,9 @@ pub fn tally_ui(ui: &mut Ui, model: &Model) {
             line_ui(ui, test.reason(), tally.rejected_by(test), Some((most, false)));
         }
         line_ui(ui, "Kept: keypoints", tally.kept, Some((most, true)));
-        note_ui(ui, found);
-    });
-}
-
-fn note_ui(ui: &mut Ui, found: &Found) {
-    let features = &found.detection.features;
-    let at_limit = features.iter().filter(|f| f.at_slope_limit).count();
-    if at_limit > 0 && 3 * at_limit >= features.len() {
         ui.add_space(4.0);
-        let text = format!(
-            "{at_limit} of {} features lie at the slope limit: the range of slopes is probably too narrow.",
-            features.len()
-        );
-        ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
-    }
+        super::bottom::advice_ui(ui, model);
+    });
 }
 
 /// One test: its reason, its count, and a bar whose length grows with the logarithm of the count.
