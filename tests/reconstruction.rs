@@ -30,7 +30,7 @@ fn dark_way(motion: Motion) -> Trajectory {
         planes: 4,
         motion,
         max_slope: 3.0,
-        light: Light::Electrons(1.2),
+        light: Light::Electrons(2.0),
         read_noise: 2.0,
         bits: 12,
         seed: 5,
@@ -70,7 +70,7 @@ fn matched(way: &Trajectory, detector: &DetectorParams) -> Matched {
     sum
 }
 
-/// The merge with its best settings, which are not the defaults of old: no peak threshold, two orientations.
+/// The merge with the settings that serve it best: no peak threshold, two orientations.
 fn merge() -> DetectorParams {
     DetectorParams { method: Method::Merge, peak_threshold: 0.0, max_orientations: 2, ..DetectorParams::default() }
 }

@@ -1,6 +1,7 @@
 //! What `detect` tells about each burst: as JSON, and as a summary for people.
 
 use crate::burst::Burst;
+use crate::detector::advice::grouped;
 use crate::detector::{Advice, Detection, DetectorParams, Method, NoiseGate, Test};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -220,27 +221,9 @@ fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result 
     Ok(())
 }
 
-/// A number with thin gaps between its thousands.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_grouped_by_thousands() {
-        assert_eq!([7, 999, 1000, 12_345_678].map(grouped), ["7", "999", "1 000", "12 345 678"]);
-    }
 
     #[test]
     fn a_long_histogram_shows_the_largest_and_counts_the_rest() {

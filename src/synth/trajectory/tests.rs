@@ -1,5 +1,5 @@
 use super::*;
-use crate::synth::paint::Sheet;
+use crate::synth::paint::{Area, Sheet};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 fn small() -> TrajectoryParams {
@@ -26,11 +26,15 @@ fn centroid(picture: &Plane) -> [f64; 2] {
 #[test]
 fn a_known_point_is_where_the_picture_has_it() {
     let lens = Lens { width: 200, height: 150, focal_px: 180.0 };
-    // A plane 4 m ahead, turned about each axis, with one disc, so small that its centre of gravity is the picture of its centre within 0.01 px.
+    // A plane 4 m ahead, turned about each axis, with one spot: so small that its centre of gravity is the picture of its centre within 0.01 px, and without
+    // edges, whose pixels would draw it aside.
     let slant = lens::turn(0.2, -0.2, 0.1);
     let pixel = 4.0 / lens.focal_px;
     let mut sheet = Sheet::new(220, 180, 2, 2);
-    sheet.disc(131.3, 62.6, 2.0, 1.0);
+    sheet.paint(Area::around(131.3, 62.6, 9.0), |x, y| {
+        let square = (x - 131.3).powi(2) + (y - 62.6).powi(2);
+        (1.0, (-square / (2.0 * 1.8 * 1.8)).exp())
+    });
     let (right, down) = (slant * Vector3::new(pixel, 0.0, 0.0), slant * Vector3::new(0.0, pixel, 0.0));
     let plane = ScenePlane::new("disc", Point3::new(-2.5, -2.0, 4.0), right, down, &sheet);
     let point = plane.point(131.3, 62.6);
@@ -55,7 +59,7 @@ fn a_known_point_is_where_the_picture_has_it() {
 #[test]
 fn near_planes_hide_far_ones_in_whatever_order_they_are_given() {
     let lens = Lens { width: 60, height: 40, focal_px: 50.0 };
-    let plane = |depth: f64, value: f32, area: Option<crate::synth::paint::Area>| {
+    let plane = |depth: f64, value: f32, area: Option<Area>| {
         let mut sheet = Sheet::new(100, 80, 2, 2);
         match area {
             Some(area) => sheet.rectangle(area, value),
@@ -66,7 +70,7 @@ fn near_planes_hide_far_ones_in_whatever_order_they_are_given() {
         ScenePlane::new("", origin, Vector3::new(pixel, 0.0, 0.0), Vector3::new(0.0, pixel, 0.0), &sheet)
     };
     // Its right half covers the right half of the image.
-    let near = plane(2.0, 0.9, Some(crate::synth::paint::Area::new(50.0, 0.0, 90.0, 70.0)));
+    let near = plane(2.0, 0.9, Some(Area::new(50.0, 0.0, 90.0, 70.0)));
     let far = plane(5.0, 0.2, None);
     let camera = Isometry3::identity();
     let view =
