@@ -26,14 +26,14 @@ fn centroid(picture: &Plane) -> [f64; 2] {
 #[test]
 fn a_known_point_is_where_the_picture_has_it() {
     let lens = Lens { width: 200, height: 150, focal_px: 180.0 };
-    // A plane 4 m ahead, turned about each axis, with one spot: so small that its centre of gravity is the picture of its centre within 0.01 px, and without
-    // edges, whose pixels would draw it aside.
+    // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the picture of its centre is 0.01 px from the
+    // centre of gravity of its picture, and without edges, whose pixels would draw it aside.
     let slant = lens::turn(0.2, -0.2, 0.1);
     let pixel = 4.0 / lens.focal_px;
     let mut sheet = Sheet::new(220, 180, 2, 2);
     sheet.paint(Area::around(131.3, 62.6, 9.0), |x, y| {
         let square = (x - 131.3).powi(2) + (y - 62.6).powi(2);
-        (1.0, (-square / (2.0 * 1.8 * 1.8)).exp())
+        (1.0, (-0.5 * square).exp())
     });
     let (right, down) = (slant * Vector3::new(pixel, 0.0, 0.0), slant * Vector3::new(0.0, pixel, 0.0));
     let plane = ScenePlane::new("disc", Point3::new(-2.5, -2.0, 4.0), right, down, &sheet);
