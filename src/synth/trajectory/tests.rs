@@ -26,7 +26,7 @@ fn centroid(picture: &Plane) -> [f64; 2] {
 #[test]
 fn a_known_point_is_where_the_picture_has_it() {
     let lens = Lens { width: 200, height: 150, focal_px: 180.0 };
-    // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the picture of its centre is 0.01 px from the
+    // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the picture of its centre is 0.02 px from the
     // centre of gravity of its picture, and without edges, whose pixels would draw it aside.
     let slant = lens::turn(0.2, -0.2, 0.1);
     let pixel = 4.0 / lens.focal_px;
@@ -48,7 +48,7 @@ fn a_known_point_is_where_the_picture_has_it() {
         let [u, v] = centroid(&picture.expect("not cancelled"));
         let [expected_u, expected_v] = camera.pixel_of(&lens, &point, dt).expect("in front");
         assert!(
-            (u - expected_u).abs() < 0.02 && (v - expected_v).abs() < 0.02,
+            (u - expected_u).abs() < 0.025 && (v - expected_v).abs() < 0.025,
             "{dt}: {u} {v}, {expected_u} {expected_v}"
         );
         places.push(u);
