@@ -7,7 +7,7 @@ use super::inputs::{Input, open_options, resolve_bursts};
 use super::report::{BurstReport, DetectReport, FailureReport, summary};
 use crate::baseline::detect;
 use crate::burst::{Burst, OpenOptions};
-use crate::detector::{Detection, DetectorParams};
+use crate::detector::{Detection, DetectorParams, explain};
 use crate::export::{ExportFormat, write_detection};
 use crate::monitor::Stage;
 use std::path::Path;
@@ -89,7 +89,8 @@ pub(super) fn detect_burst(
     let files = write_detection(job.out, &name, &detection, &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files).collect();
-    let report = BurstReport::new(&name, paths, &burst, &detection, files, open_secs, write_secs);
+    let advice = explain(&detection, job.params, burst.size());
+    let report = BurstReport::new(&name, paths, &burst, &detection, files, advice, open_secs, write_secs);
     console.say(&summary(&report, job.params, &detection))?;
     Ok((report, burst, detection))
 }

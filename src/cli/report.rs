@@ -1,7 +1,8 @@
 //! What `detect` tells about each burst: as JSON, and as a summary for people.
 
 use crate::burst::Burst;
-use crate::detector::{Detection, DetectorParams, Method, NoiseGate, Test};
+use crate::detector::advice::grouped;
+use crate::detector::{Advice, Detection, DetectorParams, Method, NoiseGate, Test};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -49,6 +50,22 @@ pub(super) struct BurstReport {
     slopes: Vec<SlopeCount>,
     tally: TallyReport,
     times: TimesReport,
+    /// Why there is nothing or little, or most of it at the slope limit; `None` (null) where all is well.
+    advice: Option<AdviceReport>,
+}
+
+/// What is the matter, and the one option to change.
+#[derive(Debug, Serialize)]
+struct AdviceReport {
+    message: String,
+    parameter: &'static str,
+    value: String,
+}
+
+impl From<Advice> for AdviceReport {
+    fn from(advice: Advice) -> Self {
+        Self { message: advice.for_command(), parameter: advice.parameter.name, value: advice.value }
+    }
 }
 
 /// How many features were found at a slope of the grid.
@@ -82,6 +99,7 @@ impl BurstReport {
         burst: &Burst,
         detection: &Detection,
         files: BTreeMap<String, PathBuf>,
+        advice: Option<Advice>,
         open_secs: f32,
         write_secs: f32,
     ) -> Self {
@@ -112,6 +130,7 @@ impl BurstReport {
                 describe_secs: times.describe_secs,
                 write_secs,
             },
+            advice: advice.map(Into::into),
         }
     }
 }
@@ -159,7 +178,7 @@ fn write_summary(
     if params.method == Method::Buff && report.features > 0 {
         write_histogram(out, &report.slopes)?;
         let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
-        if at_limit > 0 {
+        if at_limit > 0 && report.advice.is_none() {
             writeln!(out, "    {at_limit} of them at the limit of the slope range; if that is many, widen it")?;
         }
     }
@@ -168,6 +187,9 @@ fn write_summary(
         if count > 0 {
             writeln!(out, "    {:>15}  {}", grouped(count), test.reason())?;
         }
+    }
+    if let Some(advice) = &report.advice {
+        writeln!(out, "  note      {}", advice.message)?;
     }
     let t = &report.times;
     writeln!(
@@ -200,27 +222,9 @@ fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result 
     Ok(())
 }
 
-/// A number with thin gaps between its thousands.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_grouped_by_thousands() {
-        assert_eq!([7, 999, 1000, 12_345_678].map(grouped), ["7", "999", "1 000", "12 345 678"]);
-    }
 
     #[test]
     fn a_long_histogram_shows_the_largest_and_counts_the_rest() {

@@ -114,7 +114,8 @@ impl FeatureStore {
         Ok(Self { folder: folder.into(), job: job.clone(), manifest })
     }
 
-    /// The parameters with which the features in `folder` were found; `None` where there are none, or none that this program can read.
+    /// The parameters with which the features in `folder` were found; `None` where there are none, or where another version of the program or another
+    /// revision of the detector found them: the same parameters would not bring those back.
     pub fn params_in(folder: &Path) -> Option<DetectorParams> {
         DetectorParams::from_toml(&Manifest::detector_text(folder)?).ok()
     }

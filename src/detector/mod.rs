@@ -7,6 +7,7 @@
 //! [`noise`] how large D must then be. [`pipeline`] puts them together, and
 //! [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
+pub mod advice;
 pub mod blur_patch;
 mod describing;
 pub mod descriptor;
@@ -27,6 +28,7 @@ pub mod patch;
 pub mod pipeline;
 pub mod refine;
 mod refined_stack;
+pub mod revision;
 pub mod scale_peak;
 pub mod scale_space;
 pub mod search;
@@ -39,10 +41,12 @@ mod vectors;
 pub mod view;
 mod weighted_rows;
 
+pub use advice::{Advice, explain};
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc,
     ParamError, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{DetectError, detect};
+pub use revision::REVISION;
 pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};

@@ -52,6 +52,32 @@ fn the_demos_landmarks_are_found_with_their_motion() {
 }
 
 #[test]
+fn nothing_found_and_most_at_the_limit_are_explained() {
+    let home = tempfile::tempdir().expect("a folder");
+    let nothing = ["detect", "demo", "--peak-threshold", "0.5", "--out", "found"];
+    let text = run_well(home.path(), &nothing);
+    assert!(
+        text.contains("note      no feature was found: of ") && text.contains("; try --peak-threshold 0\n"),
+        "{text}"
+    );
+    let advice = |arguments: &[&str]| {
+        let json: serde_json::Value =
+            serde_json::from_str(&run_well(home.path(), &[arguments, &["--json"]].concat())).expect("JSON");
+        json["bursts"][0]["advice"].clone()
+    };
+    let said = advice(&nothing);
+    assert_eq!((&said["parameter"], &said["value"]), (&"peak-threshold".into(), &"0".into()));
+    // Nothing moves, and slope 0 is not searched.
+    let still = ["synth", "chart", "--out", "still", "--width", "240", "--height", "180", "--discs", "16"];
+    run_well(home.path(), &[&still[..], &["--radius", "4:8", "--max-slope", "0", "--snr", "8"]].concat());
+    let beside = ["detect", "still", "--slopes-u", "0.3:2.7:9", "--out", "found"];
+    let said = advice(&beside);
+    assert_eq!((&said["parameter"], &said["value"]), (&"slopes-u".into(), &"-0.9:2.7:13".into()), "{said}");
+    assert!(said["message"].as_str().is_some_and(|text| text.contains(" at u 0.3 px/frame")), "{said}");
+    assert_eq!(advice(&["detect", "still", "--slopes-u", "-0.9:2.7:13", "--out", "found"]), serde_json::Value::Null);
+}
+
+#[test]
 fn json_is_one_document_that_agrees_with_the_files() {
     let home = tempfile::tempdir().expect("a folder");
     let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--json", "--noise-gate", "6"]);

@@ -14,7 +14,7 @@ pub mod scrub;
 
 use super::canvas::overlay::ColourBy;
 use super::dataset::{Datasets, Trajectories};
-use crate::detector::{Detection, DetectorParams, Feature, ParamError, Slope};
+use crate::detector::{Advice, Detection, DetectorParams, Feature, ParamError, Slope, explain};
 use crate::engine::{BurstId, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Running};
 use compare::Compare;
 use filter::{Column, Filter};
@@ -37,6 +37,16 @@ pub struct Found {
     pub detection: Arc<Detection>,
     /// How long it took, by the wall clock.
     pub elapsed: Duration,
+    /// Why there is nothing or little, or most of it at the slope limit, and what to change.
+    pub advice: Option<Advice>,
+}
+
+impl Found {
+    /// What was found in `burst`.
+    pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
+        let advice = explain(&detected.detection, &detected.params, burst.burst.size());
+        Self { params: detected.params, detection: detected.detection, elapsed, advice }
+    }
 }
 
 /// Which parts of the window are open.
@@ -259,11 +269,10 @@ impl Model {
 
     /// Takes the features, unless they are of another burst. The selection is kept where the same feature was found again.
     pub fn take_detection(&mut self, detected: Detected, elapsed: Duration) {
-        if !self.is_of_open_burst(detected.burst) {
-            return;
-        }
+        let Some(burst) = self.burst.as_ref().filter(|burst| burst.id == detected.burst) else { return };
+        let found = Found::new(detected, burst, elapsed);
         let keep = self.reselect.take().or_else(|| self.saved_selection());
-        self.found = Some(Found { params: detected.params, detection: detected.detection, elapsed });
+        self.found = Some(found);
         self.hovered = None;
         self.selected = keep.and_then(|saved| self.find_again(&saved));
         self.refresh_listed();

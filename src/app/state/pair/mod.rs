@@ -322,10 +322,8 @@ impl Model {
 
     /// Takes B's features, unless they are of another burst.
     pub fn take_second_detection(&mut self, detected: Detected, elapsed: Duration) {
-        if self.pair.b.burst.as_ref().is_none_or(|open| open.id != detected.burst) {
-            return;
-        }
-        self.pair.b.found = Some(Found { params: detected.params, detection: detected.detection, elapsed });
+        let Some(burst) = self.pair.b.burst.as_ref().filter(|open| open.id == detected.burst) else { return };
+        self.pair.b.found = Some(Found::new(detected, burst, elapsed));
         if !self.pair.b.slope_chosen {
             self.on_side(Side::B, Self::go_to_busiest_slope);
         }
