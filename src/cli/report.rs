@@ -1,7 +1,7 @@
 //! What `detect` tells about each burst: as JSON, and as a summary for people.
 
 use crate::burst::Burst;
-use crate::detector::{Detection, DetectorParams, Method, NoiseGate, Test};
+use crate::detector::{Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub(super) struct DetectReport<'a> {
     version: &'static str,
     command: &'static str,
-    params: &'a DetectorParams,
+    params: &'a SearchParams,
     /// Bursts that went well, in the order in which they were named.
     pub bursts: Vec<BurstReport>,
     /// Bursts that failed.
@@ -20,7 +20,7 @@ pub(super) struct DetectReport<'a> {
 }
 
 impl<'a> DetectReport<'a> {
-    pub fn new(params: &'a DetectorParams) -> Self {
+    pub fn new(params: &'a SearchParams) -> Self {
         Self { version: env!("CARGO_PKG_VERSION"), command: "detect", params, bursts: Vec::new(), failures: Vec::new() }
     }
 }
@@ -46,6 +46,10 @@ pub(super) struct BurstReport {
     frame_noise: f32,
     noise_gate_factor: f32,
     octaves: [i32; 2],
+    slope_grid: SlopeGrid,
+    /// What was found of the slopes; absent where they were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slopes_found: Option<SlopeFinding>,
     slopes: Vec<SlopeCount>,
     tally: TallyReport,
     times: TimesReport,
@@ -69,6 +73,7 @@ struct TallyReport {
 #[derive(Debug, Serialize)]
 struct TimesReport {
     open_secs: f32,
+    slopes_secs: f32,
     noise_secs: f32,
     search_secs: f32,
     describe_secs: f32,
@@ -82,8 +87,7 @@ impl BurstReport {
         burst: &Burst,
         detection: &Detection,
         files: BTreeMap<String, PathBuf>,
-        open_secs: f32,
-        write_secs: f32,
+        [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
         let tally = &detection.tally;
         let times = &detection.times;
@@ -99,6 +103,8 @@ impl BurstReport {
             frame_noise: detection.frame_noise,
             noise_gate_factor: detection.noise_gate_factor,
             octaves: [detection.octaves.start, detection.octaves.end],
+            slope_grid: detection.slopes,
+            slopes_found: None,
             slopes: slope_counts(detection),
             tally: TallyReport {
                 samples: tally.samples,
@@ -107,12 +113,18 @@ impl BurstReport {
             },
             times: TimesReport {
                 open_secs,
+                slopes_secs,
                 noise_secs: times.noise_secs,
                 search_secs: times.search_secs,
                 describe_secs: times.describe_secs,
                 write_secs,
             },
         }
+    }
+
+    /// With what was found of the slopes.
+    pub fn with_slopes(self, slopes_found: Option<SlopeFinding>) -> Self {
+        Self { slopes_found, ..self }
     }
 }
 
@@ -154,6 +166,9 @@ fn write_summary(
         NoiseGate::Factor(_) => format!("{:.2} σ", report.noise_gate_factor),
     };
     writeln!(out, "  noise     {:.5} of full scale in a frame; noise gate {gate}", report.frame_noise)?;
+    if let Some(finding) = &report.slopes_found {
+        writeln!(out, "  slopes    {}", finding.summary())?;
+    }
     writeln!(out, "  features  {}", report.features)?;
     if params.method == Method::Buff && report.features > 0 {
         write_histogram(out, &report.slopes)?;
@@ -169,9 +184,10 @@ fn write_summary(
         }
     }
     let t = &report.times;
+    let slopes = report.slopes_found.as_ref().map_or(String::new(), |_| format!("slopes {:.2} s, ", t.slopes_secs));
     writeln!(
         out,
-        "  time      open {:.2} s, noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
+        "  time      open {:.2} s, {slopes}noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
         t.open_secs, t.noise_secs, t.search_secs, t.describe_secs, t.write_secs
     )?;
     for path in report.files.values() {

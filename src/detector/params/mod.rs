@@ -5,10 +5,12 @@
 
 mod choices;
 pub mod doc;
+mod searched;
 mod validate;
 
 pub use choices::{FrameRange, Interpolation, Localisation, Method, NoiseGate, SlopeNeighbours};
 pub use doc::ParamDoc;
+pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use validate::{MAX_SLOPES, ParamError};
 
 use super::slope_grid::SlopeGrid;
