@@ -1,7 +1,7 @@
 //! Arguments that are one word out of a few.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crate::detector::params::AUTO;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 

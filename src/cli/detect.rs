@@ -89,7 +89,8 @@ pub(super) fn detect_burst(
     let files = write_detection(job.out, &name, &detection, &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files).collect();
-    let report = BurstReport::new(&name, paths, &burst, &detection, files, [open_secs, slopes_secs, write_secs]).with_slopes(finding);
+    let report = BurstReport::new(&name, paths, &burst, &detection, files, [open_secs, slopes_secs, write_secs])
+        .with_slopes(finding);
     console.say(&summary(&report, &job.params.detector, &detection))?;
     Ok((report, burst, detection))
 }

@@ -7,8 +7,8 @@ use super::choices::{AUTO_WORDS, AutoWord, INTERPOLATIONS, LOCALISATIONS, METHOD
 use super::failure::Failure;
 use crate::detector::params::doc;
 use crate::detector::{
-    DetectorParams, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc, SearchParams, Slope, SlopeAxis,
-    SlopeChoice, SlopeGrid, SlopeNeighbours,
+    DetectorParams, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc, SearchParams, Slope,
+    SlopeAxis, SlopeChoice, SlopeGrid, SlopeNeighbours,
 };
 use anyhow::Context;
 use clap::Args;
@@ -98,7 +98,9 @@ fn default_of(doc: ParamDoc) -> String {
     let params = DetectorParams::default();
     match doc.name {
         name if name == doc::SLOPES.name => "auto, unless ranges are given".to_owned(),
-        name if name == doc::SLOPES_U.name || name == doc::SLOPES_V.name => "found; 0 if only the other one is given".to_owned(),
+        name if name == doc::SLOPES_U.name || name == doc::SLOPES_V.name => {
+            "found; 0 if only the other one is given".to_owned()
+        }
         name if name == doc::SLOPE_DIRECTION.name => "found; 0 if ranges are given".to_owned(),
         name => match serde_json::to_value(params).ok().as_ref().and_then(|v| v.get(name.replace('-', "_"))) {
             None => "all".to_owned(),
@@ -212,7 +214,8 @@ mod tests {
             // The default that is shown is one that can be typed, or says how it is chosen.
             let default = default_of(doc);
             let option = format!("--{}", doc.name);
-            if doc.name != doc::FRAMES.name && !doc.name.starts_with("slope") || doc.name == doc::SLOPE_NEIGHBOURS.name {
+            if doc.name != doc::FRAMES.name && !doc.name.starts_with("slope") || doc.name == doc::SLOPE_NEIGHBOURS.name
+            {
                 assert_eq!(params(&[option.as_str(), &default]), Ok(SearchParams::default()), "{}", doc.name);
             }
         }

@@ -135,7 +135,16 @@ impl FeatureStore {
         let (keypoints, descriptors) = read_colmap(&self.feature_file(&image_name)).ok()?;
         let name = source.name.clone();
         let whole = keypoints.len() == features;
-        whole.then_some(BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, slopes: None, seconds })
+        whole.then_some(BurstFeatures {
+            name,
+            image_name,
+            size,
+            keypoints,
+            descriptors,
+            resumed: true,
+            slopes: None,
+            seconds,
+        })
     }
 
     /// The features of `source`, from its files if it is finished. Otherwise they are found, and written with its picture.

@@ -1,10 +1,10 @@
 //! Bursts that are finished are not done again, and what is not theirs is left alone.
 
 use crate::support::{SIZE, export, job, walk};
+use burstscope::Monitor;
 use burstscope::burst::BurstSource;
 use burstscope::dataset::{CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, PairSelection, export_colmap};
 use burstscope::matching::{Camera, Geometry, MatchParams};
-use burstscope::{DetectorParams, Monitor};
 use std::fs;
 use std::path::Path;
 
@@ -101,7 +101,7 @@ fn what_makes_no_sense_is_said_before_anything_is_done() {
     let calibrated = MatchParams { geometry: Geometry::Essential, ..MatchParams::default() };
     assert!(error(ColmapJob { matching: calibrated, ..job() }).contains("camera"));
     let mut nonsense = job();
-    nonsense.features.detector = DetectorParams { levels: 0, ..nonsense.features.detector };
+    nonsense.features.detector.detector.levels = 0;
     assert!(error(nonsense).contains("levels"));
     assert!(!out.exists());
     let small = CameraChoice::Known(Camera::centred(SIZE.0 / 2, SIZE.1 / 2, 100.0));

@@ -71,7 +71,7 @@ param_doc!(
 param_doc!(
     SLOPES,
     "slopes",
-    "Auto",
+    "Slopes",
     "",
     "auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a direction, on the line in it.",
     "Give ranges instead to search what you know, or to search the same slopes in every burst."

@@ -13,9 +13,10 @@ pub const AUTO: &str = "auto";
 const FIELD: &str = "slopes";
 
 /// How the slopes that are searched are chosen.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum SlopeChoice {
     /// As [`DetectorParams::slopes`] says.
+    #[default]
     Given,
     /// Found from each burst; with a direction (degrees from +u towards +v) only on the line through slope 0 in it.
     Auto {
@@ -111,7 +112,8 @@ impl SearchParams {
 
     /// The file's content where slopes are found.
     fn table(&self) -> Table {
-        let mut table = Table::try_from(&self.detector).expect("parameters are plain values, which TOML can always hold");
+        let mut table =
+            Table::try_from(&self.detector).expect("parameters are plain values, which TOML can always hold");
         shorten(&mut table);
         let slopes = match self.slopes {
             SlopeChoice::Auto { direction_deg: Some(degrees) } => {
@@ -132,7 +134,9 @@ fn choice_in(table: &Table) -> Result<SlopeChoice, String> {
     match table.get(FIELD) {
         None => Ok(SlopeChoice::AUTO),
         Some(Value::String(word)) if word == AUTO => Ok(SlopeChoice::AUTO),
-        Some(Value::String(word)) => Err(format!("slopes: '{word}' is not known; give \"auto\" or a table with u and v")),
+        Some(Value::String(word)) => {
+            Err(format!("slopes: '{word}' is not known; give \"auto\" or a table with u and v"))
+        }
         Some(Value::Table(slopes)) => match slopes.get(AUTO) {
             None | Some(Value::Boolean(false)) if !slopes.contains_key(AUTO) => Ok(SlopeChoice::Given),
             Some(Value::Boolean(true)) if slopes.keys().all(|key| [AUTO, "direction_deg"].contains(&key.as_str())) => {

@@ -58,7 +58,13 @@ pub(super) struct Looking<'a> {
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
-pub(super) fn look(frames: &[&Plane], levels: Range<u32>, track: Track, fourier: &Fourier, monitor: &Monitor) -> Result<(Seen, SearchTable), Cancelled> {
+pub(super) fn look(
+    frames: &[&Plane],
+    levels: Range<u32>,
+    track: Track,
+    fourier: &Fourier,
+    monitor: &Monitor,
+) -> Result<(Seen, SearchTable), Cancelled> {
     let lag_count = CrossSpectra::zeros(frames.len()).lags.len();
     let table = SearchTable::new(lag_count, track, &fourier.overlap);
     let first_level = levels.start;

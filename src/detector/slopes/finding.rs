@@ -38,7 +38,8 @@ pub struct SlopeFinding {
     pub verdict: SlopeVerdict,
     /// How sure that is: the part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds. 0 where nothing is seen.
     pub confidence: f32,
-    /// Power of the strongest window over the standard deviation that frames with nothing in common would give it. Below 7 counts as nothing.
+    /// Power of the strongest window over the standard deviation that frames with nothing in common would give it. What counts begins
+    /// at 6.5 for a large window and 11.5 for a small one.
     pub significance: f32,
     /// Where most of the picture moves, degrees from +u towards +v, −180 … 180; `None` where nothing moves.
     pub direction_deg: Option<f32>,
@@ -76,14 +77,14 @@ impl SlopeFinding {
         }
     }
 
-    /// The same with the distance from a uniform motion, which changes the verdict above `limit_px`.
-    pub(super) fn with_deviation(self, deviation_px: Option<f64>, limit_px: f64) -> Self {
-        let bent = deviation_px.is_some_and(|d| d > limit_px);
+    /// The same with the distance from a uniform motion, and the one above which it changes the verdict, in pixels.
+    pub(super) fn with_deviation(self, deviation: Option<[f64; 2]>) -> Self {
+        let bent = deviation.is_some_and(|[distance, limit]| distance > limit);
         let verdict = match self.verdict {
             SlopeVerdict::Found | SlopeVerdict::Still if bent => SlopeVerdict::NotStraight,
             verdict => verdict,
         };
-        Self { verdict, deviation_px: deviation_px.map(|d| d as f32), ..self }
+        Self { verdict, deviation_px: deviation.map(|[distance, _]| distance as f32), ..self }
     }
 
     /// One line for people: the verdict, the grid, and how sure it is.

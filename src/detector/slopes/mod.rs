@@ -30,9 +30,9 @@ use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use evidence::{Seen, look};
-use grid::{Steps, confirmed, direction_deg, grid_for, is_clear, turned};
+use grid::{Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, turned};
 use peak::{SearchTable, Track};
-use spectra::{Fourier, SIDE};
+use spectra::{Fourier, MAX_LAG, SIDE};
 
 /// Smear of the outermost frames, in pixels, below which two slopes are the same to the finder: about the σ of the finest features of a first octave 0.
 const SAME_SMEAR_PX: f64 = 1.9;
@@ -70,11 +70,14 @@ pub fn find_slopes(
     let (seen, table) = look(&frames, levels.clone(), track, &fourier, monitor)?;
     let gaps = (frames.len() - 1) as f64;
     let space = ScaleSpace::of(params);
-    let steps = Steps { search: 2.0 * space.sigma_image(space.first_octave, 0.0) / gaps, same: 2.0 * SAME_SMEAR_PX / gaps };
+    let steps = Steps {
+        search: 2.0 * space.sigma_image(space.first_octave, 0.0) / gaps,
+        same: 2.0 * SAME_SMEAR_PX / gaps.min(MAX_LAG as f64),
+    };
     let finding = conclude(&seen, steps, direction_deg, Size { gaps, pixels: burst.size() });
-    let deviation_px = straightness(&seen, &fourier, levels.start);
+    let deviation = straightness(&seen, &fourier, levels.start);
     monitor.report(Stage::Slopes, 1.0);
-    Ok(SlopeFinding { spectrum: spectrum(&seen, &table, levels.start), ..finding.with_deviation(deviation_px, STRAIGHT_PX) })
+    Ok(SlopeFinding { spectrum: spectrum(&seen, &table, levels.start), ..finding.with_deviation(deviation) })
 }
 
 /// The parameters with which `burst` is searched, and what was found of its slopes if they were to be found. The baselines' methods have none to find.
@@ -111,8 +114,7 @@ struct Size {
 
 /// The grid and the verdict, as if the motion were straight.
 fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> SlopeFinding {
-    let significant: Vec<SlopeEvidence> =
-        seen.evidence.iter().filter(|e| e.significance >= grid::LEAST_SIGNIFICANCE).copied().collect();
+    let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
     let most = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
     let clear: Vec<SlopeEvidence> = significant.iter().filter(|e| is_clear(e, steps)).copied().collect();
     let kept = confirmed(&clear, steps);
@@ -156,7 +158,13 @@ fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) ->
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * values.iter().map(|v| v.1).sum::<f64>();
     let mut sum = 0.0;
-    values.iter().find(|v| { sum += v.1; sum >= half }).map_or(0.0, |v| v.0)
+    values
+        .iter()
+        .find(|v| {
+            sum += v.1;
+            sum >= half
+        })
+        .map_or(0.0, |v| v.0)
 }
 
 /// The part of the significant evidence, by significance, whose slope the grid holds.
@@ -164,17 +172,22 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
     let holds = |e: &&SlopeEvidence| {
         let around = (0.5 * steps.search).max(f64::from(e.uncertainty).min(steps.same));
         let [along, across] = turned(e.slope, f64::from(grid.direction_deg));
-        let within = |x: f64, axis: &crate::detector::SlopeAxis| x > f64::from(axis.min) - around && x < f64::from(axis.max) + around;
+        let within = |x: f64, axis: &crate::detector::SlopeAxis| {
+            x > f64::from(axis.min) - around && x < f64::from(axis.max) + around
+        };
         within(along, &grid.u) && within(across, &grid.v)
     };
     let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();
     sum(&mut significant.iter().filter(holds)) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
 }
 
-/// The largest distance from a uniform motion, image pixels, at the finest level that can tell.
-fn straightness(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<f64> {
+/// The largest distance from a uniform motion, and the one from which it is said not to be straight, image pixels, at the finest level that can tell.
+fn straightness(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<[f64; 2]> {
     let mut levels = seen.wholes.iter().zip(first_level..);
-    levels.find_map(|(whole, level)| Some(straight::deviation(whole, fourier)? * f64::from(1u32 << level)))
+    levels.find_map(|(whole, level)| {
+        let [distance, noise] = straight::deviation(whole, fourier)?.map(|x| x * f64::from(1u32 << level));
+        Some([distance, STRAIGHT_PX.max(3.0 * noise)])
+    })
 }
 
 /// The power over slopes of the whole image, at the finest level.
@@ -186,5 +199,8 @@ fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum
     let fourier = Fourier::new();
     let planes = fourier.correlations(&whole.lags, &mut fourier.scratch(0));
     let slopes = table.slopes().iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
-    SlopeSpectrum { slopes, significance: table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect() }
+    SlopeSpectrum {
+        slopes,
+        significance: table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect(),
+    }
 }

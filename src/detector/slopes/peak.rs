@@ -94,7 +94,8 @@ impl SearchTable {
         let apart = 6.0 * self.step;
         let distance = |s: &[f64; 2]| (s[0] - peak.slope[0]).hypot(s[1] - peak.slope[1]);
         let other = best(&scores, |i| distance(&self.slopes[i]) > apart);
-        let other = other.and_then(|i| self.refined(&stack, self.slopes[i], 2)).filter(|o| distance(&o.slope) > 0.5 * apart);
+        let other =
+            other.and_then(|i| self.refined(&stack, self.slopes[i], 2)).filter(|o| distance(&o.slope) > 0.5 * apart);
         match other {
             Some(other) if other.significance > peak.significance => {
                 let ambiguity = peak.significance / other.significance;
@@ -159,7 +160,8 @@ impl SearchTable {
             let significance = middle / deviation;
             // The smallest curvature of P, as a fraction of it.
             let mean = 0.5 * (bend_00 + bend_11);
-            let least = if both { mean - (0.25 * (bend_00 - bend_11).powi(2) + bend_01 * bend_01).sqrt() } else { bend_00 };
+            let least =
+                if both { mean - (0.25 * (bend_00 - bend_11).powi(2) + bend_01 * bend_01).sqrt() } else { bend_00 };
             let part = TEXTURE_PART + 4.5 / (significance * significance);
             let uncertainty = if least > 0.0 { (2.0 * part * middle / least).sqrt() } else { f64::INFINITY };
             answer = Some(Peak { slope: at, significance, uncertainty, ambiguity: 0.0 });
@@ -257,7 +259,8 @@ impl Stack<'_> {
 pub(super) fn cubic(plane: &[f32], shift: [f64; 2]) -> f64 {
     let ([u, v], [fu, fv]) = split(shift);
     let (wu, wv) = (cubic_weights(fu), cubic_weights(fv));
-    let row = |j: usize| (0..4).map(|i| wu[i] * f64::from(plane[index(u + i as i64 - 1, v + j as i64 - 1)])).sum::<f64>();
+    let row =
+        |j: usize| (0..4).map(|i| wu[i] * f64::from(plane[index(u + i as i64 - 1, v + j as i64 - 1)])).sum::<f64>();
     (0..4).map(|j| wv[j] * row(j)).sum()
 }
 

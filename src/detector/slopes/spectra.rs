@@ -157,7 +157,8 @@ impl Fourier {
     }
 
     fn pack(&self, a: &Plane, b: Option<&Plane>, (u, v): (usize, usize), packed: &mut [Complex32]) {
-        let rows = |plane: &Plane| -> f32 { (v..v + SIDE).map(|y| plane.row(y)[u..u + SIDE].iter().sum::<f32>()).sum() };
+        let rows =
+            |plane: &Plane| -> f32 { (v..v + SIDE).map(|y| plane.row(y)[u..u + SIDE].iter().sum::<f32>()).sum() };
         let mean_a = rows(a) / AREA as f32;
         let mean_b = b.map_or(0.0, rows) / AREA as f32;
         for y in 0..SIDE {
@@ -228,7 +229,9 @@ fn merge(a: &Spectrum, b: Option<&Spectrum>, packed: &mut [Complex32]) {
 
 /// Σ a·b over the whole spectrum, of which halves are given: rows 0 and SIDE/2 have no twin in the other half.
 fn whole_sum_of_products(a: &[f32], b: &[f32]) -> f64 {
-    let sum = |range: std::ops::Range<usize>| f64::from(a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum::<f32>());
+    let sum = |range: std::ops::Range<usize>| {
+        f64::from(a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum::<f32>())
+    };
     sum(0..SIDE) + 2.0 * sum(SIDE..HALF - SIDE) + sum(HALF - SIDE..HALF)
 }
 

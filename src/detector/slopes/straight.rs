@@ -8,28 +8,35 @@ use super::spectra::{CrossSpectra, Fourier, SIDE};
 
 /// Significance that every pair of neighbours must have.
 const LEAST_SIGNIFICANCE: f64 = 6.0;
+/// Standard error of a shift times the significance of its peak, level pixels: one over the root of the band's curvature.
+const SHIFT_ERROR: f64 = 1.2;
 
-/// The largest distance of the picture's way from a uniform one, in level pixels; `None` where single pairs of frames are too noisy to tell.
-pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<f64> {
+/// The largest distance of the picture's way from a uniform one and what noise alone would make it, in level pixels; `None` where single pairs of frames are
+/// too noisy to tell.
+pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<[f64; 2]> {
     let frame_count = products.neighbours.len() + 1;
     let variance = products.variance.first()? / products.neighbours.len() as f64;
     if frame_count < 3 || variance <= 0.0 {
         return None;
     }
     let planes = fourier.correlations(&products.neighbours, &mut fourier.scratch(0));
-    let mut way = vec![[0.0, 0.0]];
+    let (mut way, mut least) = (vec![[0.0, 0.0]], f64::INFINITY);
     for plane in &planes {
-        let [u, v] = peak_of(plane, &fourier.overlap, variance)?;
+        let ([u, v], significance) = peak_of(plane, &fourier.overlap, variance)?;
+        least = least.min(significance);
         let [x, y] = *way.last()?;
         way.push([x + u, y + v]);
     }
-    Some(distance_from_a_line(&way))
+    // Each shift errs by about a pixel over its significance; the errors add up along the way.
+    let noise = SHIFT_ERROR / least * (planes.len() as f64).sqrt();
+    Some([distance_from_a_line(&way), noise])
 }
 
-/// The shift at which a correlation is largest, if that is significant.
-fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<[f64; 2]> {
+/// The shift at which a correlation is largest, and its significance, if that is enough.
+fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f64)> {
     let largest = (0..plane.len()).max_by(|a, b| plane[*a].total_cmp(&plane[*b]))?;
-    if f64::from(plane[largest]) < LEAST_SIGNIFICANCE * variance.sqrt() {
+    let significance = f64::from(plane[largest]) / variance.sqrt();
+    if significance < LEAST_SIGNIFICANCE {
         return None;
     }
     let signed = |i: usize| if i > SIDE / 2 { i as f64 - SIDE as f64 } else { i as f64 };
@@ -43,7 +50,7 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<[f64; 2]> {
         let best = around.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
         if *best == [0.0, 0.0] { step *= 0.5 } else { at = [at[0] + best[0], at[1] + best[1]] }
     }
-    Some(at)
+    Some((at, significance))
 }
 
 /// The largest distance of points that follow each other in equal times from those of the uniform motion that fits them best.
