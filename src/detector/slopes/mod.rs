@@ -57,7 +57,8 @@ pub fn find_slopes(
     monitor: &Monitor,
 ) -> Result<SlopeFinding, Cancelled> {
     monitor.report(Stage::Slopes, 0.0);
-    let frames: Vec<&Plane> = burst.frames[params.used_frames(burst.len())].iter().map(|f| &**f).collect();
+    let used = burst.frames.get(params.used_frames(burst.len())).unwrap_or_default();
+    let frames: Vec<&Plane> = used.iter().map(|f| &**f).collect();
     if frames.len() < 2 {
         return Ok(SlopeFinding::still(0.0));
     }

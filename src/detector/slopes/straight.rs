@@ -8,6 +8,9 @@ use super::spectra::{CrossSpectra, Fourier, SIDE};
 
 /// Significance that every pair of neighbours must have.
 const LEAST_SIGNIFICANCE: f64 = 6.0;
+/// Steps up a peak at most, and where they end, level pixels.
+const MOST_STEPS: usize = 60;
+const FINEST_STEP: f64 = 0.02;
 /// Standard error of a shift times the significance of its peak, level pixels: one over the root of the band's curvature.
 const SHIFT_ERROR: f64 = 1.2;
 
@@ -36,19 +39,27 @@ pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<[f
 fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f64)> {
     let largest = (0..plane.len()).max_by(|a, b| plane[*a].total_cmp(&plane[*b]))?;
     let significance = f64::from(plane[largest]) / variance.sqrt();
-    if significance < LEAST_SIGNIFICANCE {
+    // Frames that are not numbers have no significance either.
+    if !significance.is_finite() || significance < LEAST_SIGNIFICANCE {
         return None;
     }
     let signed = |i: usize| if i > SIDE / 2 { i as f64 - SIDE as f64 } else { i as f64 };
     let mut at = [signed(largest % SIDE), signed(largest / SIDE)];
     let unbiased = unbiased(plane, overlap);
-    // Halved steps to a finer and finer maximum.
+    // Up the hill, by steps that are halved at each top.
     let mut step = 0.5;
-    while step > 0.02 {
+    for _ in 0..MOST_STEPS {
         let around = [[0.0, 0.0], [step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
         let value = |d: &[f64; 2]| cubic(&unbiased, [at[0] + d[0], at[1] + d[1]]);
         let best = around.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
-        if *best == [0.0, 0.0] { step *= 0.5 } else { at = [at[0] + best[0], at[1] + best[1]] }
+        if *best == [0.0, 0.0] {
+            step *= 0.5
+        } else {
+            at = [at[0] + best[0], at[1] + best[1]]
+        }
+        if step < FINEST_STEP {
+            break;
+        }
     }
     Some((at, significance))
 }
