@@ -102,9 +102,9 @@ pub fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, nam
 }
 
 /// Slopes that are found, or given in the rows below.
-pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice, label: Id) {
+pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice, _: Id) {
     let mut auto = choice.is_auto();
-    if ui.checkbox(&mut auto, "Auto slopes").labelled_by(label).changed() {
+    if ui.checkbox(&mut auto, "Auto slopes").changed() {
         *choice = if auto { SlopeChoice::AUTO } else { SlopeChoice::Given };
     }
 }

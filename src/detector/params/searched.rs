@@ -1,7 +1,9 @@
-//! The detector's parameters together with how the slopes are chosen: what the commands, parameter files, datasets and the window hold.
+//! The detector's parameters together with how the slopes are chosen: what the commands, parameter files, datasets and
+//! the window hold.
 //!
-//! [`DetectorParams`] says which slopes are searched. [`SearchParams`] may instead say that they are found from each burst;
-//! [`crate::detector::slopes::resolve`] then makes the one from the other, burst by burst, before anything is detected.
+//! [`DetectorParams`] says which slopes are searched. [`SearchParams`] may instead say that they are found from each
+//! burst; [`crate::detector::slopes::resolve`] then makes the one from the other, burst by burst, before anything is
+//! detected.
 
 use super::{DetectorParams, ParamError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -37,7 +39,8 @@ impl SlopeChoice {
 
 /// The detector's parameters, and how the slopes are chosen. By default they are found.
 ///
-/// As a file it is that of [`DetectorParams`], where `slopes = "auto"` (or a missing field) stands for slopes that are found, and
+/// As a file it is that of [`DetectorParams`], where `slopes = "auto"` (or a missing field) stands for slopes that are
+/// found, and
 /// `slopes = { auto = true, direction_deg = 30.0 }` for those on a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchParams {

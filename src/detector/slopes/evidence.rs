@@ -1,7 +1,8 @@
 //! What windows of all places and sizes say about the slopes of a burst.
 //!
-//! Each level is covered by half-overlapping windows. Correlations of windows can be added up: over a sixteenth of the image, a quarter, the whole. Small
-//! windows see several depths and small layers apart; large ones see what is too faint for a small one.
+//! Each level is covered by half-overlapping windows. Correlations of windows can be added up: over a sixteenth of the
+//! image, a quarter, the whole. Small windows see several depths and small layers apart; large ones see what is too
+//! faint for a small one.
 
 use super::peak::{Peak, SearchTable, Track};
 use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};

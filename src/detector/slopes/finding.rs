@@ -25,7 +25,8 @@ pub enum SlopeVerdict {
 pub struct SlopeSpectrum {
     /// Pixels per frame.
     pub slopes: Vec<Slope>,
-    /// For each slope, the power without what each frame has alone, over its standard deviation if the frames had nothing in common.
+    /// For each slope, the power without what each frame has alone, over its standard deviation if the frames had
+    /// nothing in common.
     pub significance: Vec<f32>,
 }
 
@@ -36,16 +37,18 @@ pub struct SlopeFinding {
     pub grid: SlopeGrid,
     /// What the burst shows.
     pub verdict: SlopeVerdict,
-    /// How sure that is: the part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds. 0 where nothing is seen.
+    /// How sure that is: the part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds.
+    /// 0 where nothing is seen.
     pub confidence: f32,
-    /// Power of the strongest window over the standard deviation that frames with nothing in common would give it. What counts begins
-    /// at 6.5 for a large window and 11.5 for a small one.
+    /// Power of the strongest window over the standard deviation that frames with nothing in common would give it. What
+    /// counts begins at 6.5 for a large window and 11.5 for a small one.
     pub significance: f32,
     /// Where most of the picture moves, degrees from +u towards +v, −180 … 180; `None` where nothing moves.
     pub direction_deg: Option<f32>,
     /// How far the picture typically moves from the first to the last frame, pixels.
     pub moved_px: f32,
-    /// The largest distance of the picture's way from a uniform motion, pixels; `None` where single frames are too noisy to tell.
+    /// The largest distance of the picture's way from a uniform motion, pixels; `None` where single frames are too
+    /// noisy to tell.
     pub deviation_px: Option<f32>,
     /// What each window says.
     #[serde(skip)]

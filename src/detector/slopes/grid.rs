@@ -1,8 +1,9 @@
 //! From evidence to the grid of slopes that is to be searched.
 //!
-//! A window counts when it is significant, determines its slope in both directions, and is not ambiguous. One that is not beyond doubt counts only when
-//! another one says the same, so that one that errs does not widen the range. The range ends one step beyond what is left. If that lies on a line through slope 0, the grid is
-//! this line, otherwise a plane, turned if that makes it much smaller.
+//! A window counts when it is significant, determines its slope in both directions, and is not ambiguous. One that is
+//! not beyond doubt counts only when another one says the same, so that one that errs does not widen the range. The
+//! range ends one step beyond what is left. If that lies on a line through slope 0, the grid is this line, otherwise a
+//! plane, turned if that makes it much smaller.
 
 use super::evidence::SlopeEvidence;
 use super::spectra::SIDE;
@@ -10,8 +11,8 @@ use crate::detector::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 
 /// Significance from which a large window counts.
 const LARGE_SIGNIFICANCE: f32 = 6.5;
-/// What a window of the smallest size needs beyond that. The power in few pixels is far from normally distributed: among the windows of 28 bursts of pure noise
-/// the largest had 9.8.
+/// What a window of the smallest size needs beyond that. The power in few pixels is far from normally distributed:
+/// among the windows of 28 bursts of pure noise the largest had 9.8.
 const SMALL_SIGNIFICANCE: f32 = 5.0;
 /// Ambiguity from which a window does not count.
 const MOST_AMBIGUITY: f32 = 0.85;
@@ -30,7 +31,8 @@ const LINE_SLOPES: usize = 25;
 const PLANE_SLOPES: usize = 9;
 /// The coarsest step, in right ones.
 const COARSEST: f64 = 2.0;
-/// A direction within this of an axis is taken as the axis, if the evidence allows it: whole pixels are searched faster.
+/// A direction within this of an axis is taken as the axis, if the evidence allows it: whole pixels are searched
+/// faster.
 const SNAP_DEG: f64 = 5.0;
 /// A plane is turned when that leaves at most this part of its slopes.
 const MUCH_SMALLER: f64 = 0.6;
@@ -115,7 +117,8 @@ fn off_line(evidence: &[SlopeEvidence], degrees: f64, steps: Steps) -> Vec<Slope
     confirmed(&off, steps)
 }
 
-/// Where most of the evidence moves, in degrees from +u towards +v, −180 … 180: the direction of the line through slope 0 that fits it best.
+/// Where most of the evidence moves, in degrees from +u towards +v, −180 … 180: the direction of the line through slope
+/// 0 that fits it best.
 pub(super) fn direction_deg(evidence: &[SlopeEvidence]) -> f64 {
     let degrees = principal_deg(evidence, [0.0, 0.0]);
     let forward: f64 = evidence.iter().map(|e| f64::from(e.significance) * turned(e.slope, degrees)[0]).sum();

@@ -1,10 +1,12 @@
 //! Slopes found by themselves: which slopes a burst needs, from the burst alone.
 //!
-//! A feature shows where the motion stack at its slope has structure. So the power of the band-passed motion stack, over the plane of slopes, says which slopes
-//! there are. It is a sum over pairs of frames of their correlation at the shift that the slope gives them; leaving out each frame's product with itself
-//! leaves out what its noise adds. [`spectra`] makes the correlations of small windows by FFT, [`peak`] finds the slope that a window speaks for, with its
-//! significance, [`evidence`] does this for windows of many places and sizes at several scales, [`straight`] tests whether the motion is uniform, and [`grid`]
-//! chooses what is searched. A histogram of features would not do: in the dark it is flat.
+//! A feature shows where the motion stack at its slope has structure. So the power of the band-passed motion stack,
+//! over the plane of slopes, says which slopes there are. It is a sum over pairs of frames of their correlation at the
+//! shift that the slope gives them; leaving out each frame's product with itself leaves out what its noise adds.
+//! `spectra` makes the correlations of small windows by FFT, `peak` finds the slope that a window speaks for, with
+//! its significance, `evidence` does this for windows of many places and sizes at several scales, `straight` tests
+//! whether the motion is uniform, and `grid` chooses what is searched. A histogram of features would not do: in the
+//! dark it is flat.
 //!
 //! (The paper gives the range of slopes by hand.)
 
@@ -34,19 +36,23 @@ use grid::{Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, 
 use peak::{SearchTable, Track};
 use spectra::{Fourier, MAX_LAG, SIDE};
 
-/// Smear of the outermost frames, in pixels, below which two slopes are the same to the finder: about the σ of the finest features of a first octave 0.
+/// Smear of the outermost frames, in pixels, below which two slopes are the same to the finder: about the σ of the
+/// finest features of a first octave 0.
 const SAME_SMEAR_PX: f64 = 1.9;
-/// Distance from a uniform motion, in pixels, from which the motion is said not to be straight: then the finest features are smeared.
+/// Distance from a uniform motion, in pixels, from which the motion is said not to be straight: then the finest
+/// features are smeared.
 const STRAIGHT_PX: f64 = 1.4;
 /// A burst whose frames move by more than this part of the picture is a film.
 const FILM_PART: f64 = 1.0 / 3.0;
 /// The picture stands still when no slope moves a point by more than this from the first to the last frame, pixels.
 const STILL_PX: f64 = 0.95;
 
-/// Finds the slopes that the frames of `burst` which `params` use show, on the line in direction `direction_deg` (degrees from +u towards +v) or anywhere in the plane.
+/// Finds the slopes that the frames of `burst` which `params` use show, on the line in direction `direction_deg`
+/// (degrees from +u towards +v) or anywhere in the plane.
 ///
-/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ/(N−1) for the finest σ searched, or coarser where the
-/// range is long. The same burst gives the same bits, whatever the number of threads.
+/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ/(N−1) for the
+/// finest σ searched, or coarser where the range is long. The same burst gives the same bits, whatever the number of
+/// threads.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -81,10 +87,12 @@ pub fn find_slopes(
     Ok(SlopeFinding { spectrum: spectrum(&seen, &table, levels.start), ..finding.with_deviation(deviation) })
 }
 
-/// The parameters with which `burst` is searched, and what was found of its slopes if they were to be found. The baselines' methods have none to find.
+/// The parameters with which `burst` is searched, and what was found of its slopes if they were to be found. The
+/// baselines' methods have none to find.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
 pub fn resolve(
     burst: &Burst,
     params: &SearchParams,
@@ -182,7 +190,8 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
     sum(&mut significant.iter().filter(holds)) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
 }
 
-/// The largest distance from a uniform motion, and the one from which it is said not to be straight, image pixels, at the finest level that can tell.
+/// The largest distance from a uniform motion, and the one from which it is said not to be straight, image pixels, at
+/// the finest level that can tell.
 fn straightness(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<[f64; 2]> {
     let mut levels = seen.wholes.iter().zip(first_level..);
     levels.find_map(|(whole, level)| {

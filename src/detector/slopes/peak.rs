@@ -1,12 +1,13 @@
 //! The slope that a window's correlations speak for, and how clearly.
 //!
-//! The power of the motion stack at slope λ, without what each frame has alone, is P(λ) = Σ_k A_k(k·λ), where A_k is the correlation summed over the pairs
-//! of lag k. A point that moves leaves the window, which lowers A_k at a shift d by the window's overlap with itself, W(d). So A_k/W is an unbiased
-//! measure and W² the weight that it deserves. The noise in P follows from the frames' own spectra; P over its deviation is the significance, z.
+//! The power of the motion stack at slope λ, without what each frame has alone, is P(λ) = Σ_k A_k(k·λ), where A_k is
+//! the correlation summed over the pairs of lag k. A point that moves leaves the window, which lowers A_k at a shift d
+//! by the window's overlap with itself, W(d). So A_k/W is an unbiased measure and W² the weight that it deserves. The
+//! noise in P follows from the frames' own spectra; P over its deviation is the significance, z.
 //!
-//! The strongest of a grid of slopes is refined by Newton's method on all lags. How far P falls around it says how well the slope is determined:
-//! along an edge it doesn't fall at all. The strongest other slope, compared with it, says how ambiguous the answer is: periodic
-//! texture has such aliases.
+//! The strongest of a grid of slopes is refined by Newton's method on all lags. How far P falls around it says how well
+//! the slope is determined: along an edge it doesn't fall at all. The strongest other slope, compared with it, says how
+//! ambiguous the answer is: periodic texture has such aliases.
 
 use super::spectra::SIDE;
 
@@ -80,7 +81,8 @@ impl SearchTable {
         Self { track, slopes, taps, step, overlap: overlap.to_vec() }
     }
 
-    /// What the correlations `planes` of lags 1, 2, … speak for, given the variance of their noise; `None` where they are all zero.
+    /// What the correlations `planes` of lags 1, 2, … speak for, given the variance of their noise; `None` where they
+    /// are all zero.
     pub fn strongest(&self, planes: &[Vec<f32>], variance: &[f64]) -> Option<Peak> {
         if variance.iter().all(|v| *v <= 0.0) {
             return None;

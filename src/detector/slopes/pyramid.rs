@@ -1,7 +1,7 @@
 //! Frames made smaller for the slope finder: means over squares of pixels.
 //!
-//! The finder works at σ of about two to eight pixels, and what is coarser needs fewer samples. Level `l` has pixels of 2^l image pixels; a level
-//! pixel's value is the mean of the image pixels that it covers.
+//! The finder works at σ of about two to eight pixels, and what is coarser needs fewer samples. Level `l` has pixels of
+//! 2^l image pixels; a level pixel's value is the mean of the image pixels that it covers.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -11,12 +11,14 @@ use std::ops::Range;
 
 /// Images of at most this many pixels are looked at from level 0 on.
 const SMALL_PIXELS: usize = 25_000;
-/// Images of at most this many pixels are looked at from level 1 on, larger ones from level 2 on: so the finder costs a small part of a detection.
+/// Images of at most this many pixels are looked at from level 1 on, larger ones from level 2 on: so the finder costs a
+/// small part of a detection.
 const MEDIUM_PIXELS: usize = 270_000;
 /// Levels that are looked at, at most.
 const LEVELS: u32 = 3;
 
-/// The levels at which an image of `size` is looked at: those of [`LEVELS`] whose sides are at least `least_side` level pixels.
+/// The levels at which an image of `size` is looked at: those of [`LEVELS`] whose sides are at least `least_side` level
+/// pixels.
 pub(super) fn levels_for((width, height): (usize, usize), least_side: usize) -> Range<u32> {
     let first = match width * height {
         0..=SMALL_PIXELS => 0,

@@ -1,8 +1,9 @@
 //! Spectra of small windows of the frames, and the sums of products of pairs of them.
 //!
-//! A window of [`SIDE`]² level pixels is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The product
-//! conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and t + k; products of the same lag k are added up. A frame is never multiplied by
-//! itself, so that the frames' own noise, which differs from frame to frame, adds nothing on average.
+//! A window of [`SIDE`]² level pixels is cut from every frame at the same place, multiplied by a Hann window,
+//! transformed, and band-passed. The product conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and
+//! t + k; products of the same lag k are added up. A frame is never multiplied by itself, so that the frames' own
+//! noise, which differs from frame to frame, adds nothing on average.
 
 use super::pairs::add_products;
 use crate::plane::Plane;
@@ -15,7 +16,8 @@ pub(super) const SIDE: usize = 32;
 const AREA: usize = SIDE * SIDE;
 /// Values of half a spectrum; the other half follows from it, for the window's values are real.
 const HALF: usize = (SIDE / 2 + 1) * SIDE;
-/// σ of the band's inner Gaussian, level pixels: with the mean over a level pixel about 2 to 2.5 image pixels at level 1.
+/// σ of the band's inner Gaussian, level pixels: with the mean over a level pixel about 2 to 2.5 image pixels at level
+/// 1.
 const BAND_SIGMA: f64 = 1.0;
 /// The outer Gaussian's σ over the inner one's.
 const BAND_RATIO: f64 = 1.6;
@@ -177,7 +179,8 @@ impl Fourier {
         let mut out = Vec::with_capacity(spectra.len());
         for two in spectra.chunks(2) {
             merge(&two[0], two.get(1), &mut scratch.packed);
-            // A spectrum has the frequencies of u first, as `transform` leaves it; so it is turned back by the same way.
+            // A spectrum has the frequencies of u first, as `transform` leaves it; so it is turned back by the same
+            // way.
             transform(&*self.inverse, &mut scratch.packed, &mut scratch.turned, &mut scratch.fft);
             let scale = 1.0 / AREA as f32;
             out.push(scratch.packed.iter().map(|z| z.re * scale).collect());

@@ -1,7 +1,8 @@
 //! Whether the motion is straight: whether each frame is where a constant slope puts it.
 //!
-//! The correlations of frames t and t + 1, summed over the whole image, have their peak where the picture as a whole has moved to. A constant motion
-//! gives the same shift every time. The sum of the shifts is the picture's way; its largest distance from a straight one is what this file measures.
+//! The correlations of frames t and t + 1, summed over the whole image, have their peak where the picture as a whole
+//! has moved to. A constant motion gives the same shift every time. The sum of the shifts is the picture's way; its
+//! largest distance from a straight one is what this file measures.
 
 use super::peak::{cubic, unbiased};
 use super::spectra::{CrossSpectra, Fourier, SIDE};
@@ -11,11 +12,12 @@ const LEAST_SIGNIFICANCE: f64 = 6.0;
 /// Steps up a peak at most, and where they end, level pixels.
 const MOST_STEPS: usize = 60;
 const FINEST_STEP: f64 = 0.02;
-/// Standard error of a shift times the significance of its peak, level pixels: one over the root of the band's curvature.
+/// Standard error of a shift times the significance of its peak, level pixels: one over the root of the band's
+/// curvature.
 const SHIFT_ERROR: f64 = 1.2;
 
-/// The largest distance of the picture's way from a uniform one and what noise alone would make it, in level pixels; `None` where single pairs of frames are
-/// too noisy to tell.
+/// The largest distance of the picture's way from a uniform one and what noise alone would make it, in level pixels;
+/// `None` where single pairs of frames are too noisy to tell.
 pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<[f64; 2]> {
     let frame_count = products.neighbours.len() + 1;
     let variance = products.variance.first()? / products.neighbours.len() as f64;
@@ -64,7 +66,8 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f
     Some((at, significance))
 }
 
-/// The largest distance of points that follow each other in equal times from those of the uniform motion that fits them best.
+/// The largest distance of points that follow each other in equal times from those of the uniform motion that fits them
+/// best.
 fn distance_from_a_line(way: &[[f64; 2]]) -> f64 {
     let middle = 0.5 * (way.len() as f64 - 1.0);
     let times: Vec<f64> = (0..way.len()).map(|t| t as f64 - middle).collect();
