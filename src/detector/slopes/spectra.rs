@@ -247,7 +247,14 @@ mod tests {
     fn moving(step: (f64, f64), count: usize) -> Vec<Plane> {
         let mut noise = Stream::new(3, 0);
         let waves: Vec<[f64; 4]> = (0..40)
-            .map(|_| [noise.within(-0.9, 0.9), noise.within(-0.9, 0.9), noise.within(0.0, 6.28), noise.normal()])
+            .map(|_| {
+                [
+                    noise.within(-0.9, 0.9),
+                    noise.within(-0.9, 0.9),
+                    noise.within(0.0, std::f64::consts::TAU),
+                    noise.normal(),
+                ]
+            })
             .collect();
         let value = |u: f64, v: f64| waves.iter().map(|w| w[3] * (w[0] * u + w[1] * v + w[2]).cos()).sum::<f64>();
         let at = |t: usize, u: usize, v: usize| value(u as f64 - t as f64 * step.0, v as f64 - t as f64 * step.1);

@@ -55,9 +55,9 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f
         let value = |d: &[f64; 2]| cubic(&unbiased, [at[0] + d[0], at[1] + d[1]]);
         let best = around.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
         if *best == [0.0, 0.0] {
-            step *= 0.5
+            step *= 0.5;
         } else {
-            at = [at[0] + best[0], at[1] + best[1]]
+            at = [at[0] + best[0], at[1] + best[1]];
         }
         if step < FINEST_STEP {
             break;
