@@ -2,7 +2,9 @@
 
 use crate::burst::Burst;
 use crate::detector::advice::grouped;
-use crate::detector::{Advice, Detection, DetectorParams, Method, NoiseGate, Test};
+use crate::detector::{
+    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,7 +15,7 @@ use std::path::PathBuf;
 pub(super) struct DetectReport<'a> {
     version: &'static str,
     command: &'static str,
-    params: &'a DetectorParams,
+    params: &'a SearchParams,
     /// Bursts that went well, in the order in which they were named.
     pub bursts: Vec<BurstReport>,
     /// Bursts that failed.
@@ -21,7 +23,7 @@ pub(super) struct DetectReport<'a> {
 }
 
 impl<'a> DetectReport<'a> {
-    pub fn new(params: &'a DetectorParams) -> Self {
+    pub fn new(params: &'a SearchParams) -> Self {
         Self { version: env!("CARGO_PKG_VERSION"), command: "detect", params, bursts: Vec::new(), failures: Vec::new() }
     }
 }
@@ -47,6 +49,10 @@ pub(super) struct BurstReport {
     frame_noise: f32,
     noise_gate_factor: f32,
     octaves: [i32; 2],
+    slope_grid: SlopeGrid,
+    /// What was found of the slopes; absent where they were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slopes_found: Option<SlopeFinding>,
     slopes: Vec<SlopeCount>,
     tally: TallyReport,
     times: TimesReport,
@@ -86,6 +92,7 @@ struct TallyReport {
 #[derive(Debug, Serialize)]
 struct TimesReport {
     open_secs: f32,
+    slopes_secs: f32,
     noise_secs: f32,
     search_secs: f32,
     describe_secs: f32,
@@ -99,9 +106,7 @@ impl BurstReport {
         burst: &Burst,
         detection: &Detection,
         files: BTreeMap<String, PathBuf>,
-        advice: Option<Advice>,
-        open_secs: f32,
-        write_secs: f32,
+        [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
         let tally = &detection.tally;
         let times = &detection.times;
@@ -117,6 +122,8 @@ impl BurstReport {
             frame_noise: detection.frame_noise,
             noise_gate_factor: detection.noise_gate_factor,
             octaves: [detection.octaves.start, detection.octaves.end],
+            slope_grid: detection.slopes,
+            slopes_found: None,
             slopes: slope_counts(detection),
             tally: TallyReport {
                 samples: tally.samples,
@@ -125,13 +132,24 @@ impl BurstReport {
             },
             times: TimesReport {
                 open_secs,
+                slopes_secs,
                 noise_secs: times.noise_secs,
                 search_secs: times.search_secs,
                 describe_secs: times.describe_secs,
                 write_secs,
             },
-            advice: advice.map(Into::into),
+            advice: None,
         }
+    }
+
+    /// With what was found of the slopes.
+    pub fn with_slopes(self, slopes_found: Option<SlopeFinding>) -> Self {
+        Self { slopes_found, ..self }
+    }
+
+    /// The same with why there is nothing or little, and what to change.
+    pub fn with_advice(self, advice: Option<Advice>) -> Self {
+        Self { advice: advice.map(Into::into), ..self }
     }
 }
 
@@ -174,6 +192,9 @@ fn write_summary(
         NoiseGate::Factor(_) => format!("{:.2} σ", report.noise_gate_factor),
     };
     writeln!(out, "  noise     {:.5} of full scale in a frame; noise gate {gate}", report.frame_noise)?;
+    if let Some(finding) = &report.slopes_found {
+        writeln!(out, "  slopes    {}", finding.summary())?;
+    }
     writeln!(out, "  features  {}", report.features)?;
     if params.method == Method::Buff && report.features > 0 {
         write_histogram(out, &report.slopes)?;
@@ -192,9 +213,10 @@ fn write_summary(
         writeln!(out, "  note      {}", advice.message)?;
     }
     let t = &report.times;
+    let slopes = report.slopes_found.as_ref().map_or(String::new(), |_| format!("slopes {:.2} s, ", t.slopes_secs));
     writeln!(
         out,
-        "  time      open {:.2} s, noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
+        "  time      open {:.2} s, {slopes}noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
         t.open_secs, t.noise_secs, t.search_secs, t.describe_secs, t.write_secs
     )?;
     for path in report.files.values() {

@@ -74,7 +74,7 @@ fn nothing_found_says_which_setting_to_change() {
 fn a_detection_is_cancelled_and_the_window_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let mut start = Start::of(&noisy_stack(folder.path(), 12, 700, 900));
-    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
+    start.startup.params.detector.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
     let mut window = start.open();
     window.click("Detect");
     window.wait("the detection runs", |app| app.model.busy.detecting.is_some());

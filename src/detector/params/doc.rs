@@ -69,6 +69,14 @@ param_doc!(
     "Set it to the direction in which the camera moves; 90 searches vertical motion."
 );
 param_doc!(
+    SLOPES,
+    "slopes",
+    "Slopes",
+    "",
+    "auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a direction, on the line in it.",
+    "Give ranges instead to search what you know, or to search the same slopes in every burst."
+);
+param_doc!(
     FRAMES,
     "frames",
     "Frames used",
@@ -206,8 +214,9 @@ param_doc!(
 );
 
 /// All of them, in the order in which surfaces show them.
-pub const ALL: [ParamDoc; 21] = [
+pub const ALL: [ParamDoc; 22] = [
     METHOD,
+    SLOPES,
     SLOPES_U,
     SLOPES_V,
     SLOPE_DIRECTION,

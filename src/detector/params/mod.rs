@@ -5,12 +5,14 @@
 
 mod choices;
 pub mod doc;
+mod searched;
 mod validate;
 
 pub use choices::{
     DescribeSlope, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, SlopeExtrema, SlopeNeighbours,
 };
 pub use doc::ParamDoc;
+pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use validate::{MAX_SLOPES, ParamError};
 
 use super::slope_grid::SlopeGrid;
