@@ -58,7 +58,7 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
 #[test]
 fn nothing_found_says_which_setting_to_change() {
     let mut start = Start::without_auto_detect();
-    start.startup.params.peak_threshold = 0.5;
+    start.startup.params.detector.peak_threshold = 0.5;
     let mut window = start.open();
     window.click("Detect");
     window.settle();
