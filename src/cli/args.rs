@@ -147,6 +147,8 @@ JSON (--json):
   {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},
    \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"features\",
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
+     \"noise\": {\"frame_noise\", \"is_local\", \"transfer\": {\"slope\", \"dark\", \"points\": [{\"brightness\", \"variance\", \"squares\"}]}, \"excess\", \"levels\",
+       \"frames\": [{\"gain\", \"relative_variance\", \"left_out\"}], \"correlation\", \"pattern\", \"warnings\": [{\"kind\", \"number\", \"text\"}]},
      \"slopes\": [{\"u\", \"v\", \"features\"}], \"tally\": {\"samples\", \"kept\", \"rejected\": {test: count}},
      \"times\": {\"open_secs\", \"noise_secs\", \"search_secs\", \"describe_secs\", \"write_secs\"}}],
    \"failures\": [{\"name\", \"error\"}]}

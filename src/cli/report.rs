@@ -1,11 +1,13 @@
 //! What `detect` tells about each burst: as JSON, and as a summary for people.
 
 use crate::burst::Burst;
+use crate::detector::noise_model::NoiseModel;
 use crate::detector::{Detection, DetectorParams, Method, NoiseGate, Test};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The JSON document of `detect`.
 #[derive(Debug, Serialize)]
@@ -44,11 +46,17 @@ pub(super) struct BurstReport {
     pub features: usize,
     files: BTreeMap<String, PathBuf>,
     frame_noise: f32,
+    #[serde(serialize_with = "shared")]
+    noise: Arc<NoiseModel>,
     noise_gate_factor: f32,
     octaves: [i32; 2],
     slopes: Vec<SlopeCount>,
     tally: TallyReport,
     times: TimesReport,
+}
+
+fn shared<S: Serializer>(noise: &Arc<NoiseModel>, serializer: S) -> Result<S::Ok, S::Error> {
+    noise.serialize(serializer)
 }
 
 /// How many features were found at a slope of the grid.
@@ -97,6 +105,7 @@ impl BurstReport {
             features: detection.features.len(),
             files,
             frame_noise: detection.frame_noise,
+            noise: detection.noise.clone(),
             noise_gate_factor: detection.noise_gate_factor,
             octaves: [detection.octaves.start, detection.octaves.end],
             slopes: slope_counts(detection),
@@ -155,6 +164,9 @@ fn write_summary(
         NoiseGate::Factor(_) => format!("{:.2} σ", report.noise_gate_factor),
     };
     writeln!(out, "  noise     {:.5} of full scale in a frame; noise gate {gate}", report.frame_noise)?;
+    for warning in &report.noise.warnings {
+        writeln!(out, "  warning   {}", warning.text)?;
+    }
     writeln!(out, "  features  {}", report.features)?;
     if params.method == Method::Buff && report.features > 0 {
         write_histogram(out, &report.slopes)?;

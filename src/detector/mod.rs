@@ -20,6 +20,7 @@ pub mod locate;
 pub mod motion;
 pub mod noise;
 pub mod noise_estimate;
+pub mod noise_model;
 pub mod octave;
 pub mod orientation;
 pub mod params;
@@ -40,8 +41,8 @@ mod weighted_rows;
 
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{
-    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc,
-    ParamError, SlopeExtrema, SlopeNeighbours,
+    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate,
+    NoiseModelKind, ParamDoc, ParamError, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{DetectError, detect};
 pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};

@@ -41,6 +41,7 @@ pub fn tally_ui(ui: &mut Ui, model: &Model) {
         }
         line_ui(ui, "Kept: keypoints", tally.kept, Some((most, true)));
         note_ui(ui, found);
+        super::noise::warnings_ui(ui, found);
     });
 }
 

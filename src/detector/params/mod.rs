@@ -8,7 +8,8 @@ pub mod doc;
 mod validate;
 
 pub use choices::{
-    DescribeSlope, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, SlopeExtrema, SlopeNeighbours,
+    DescribeSlope, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind, SlopeExtrema,
+    SlopeNeighbours,
 };
 pub use doc::ParamDoc;
 pub use validate::{MAX_SLOPES, ParamError};
@@ -35,6 +36,8 @@ pub struct DetectorParams {
     pub peak_threshold: f32,
     /// See [`doc::NOISE_GATE`].
     pub noise_gate: NoiseGate,
+    /// See [`doc::NOISE_MODEL`].
+    pub noise_model: NoiseModelKind,
     /// See [`doc::EDGE_THRESHOLD`].
     pub edge_threshold: f32,
     /// See [`doc::SLOPE_EXTREMA`].
@@ -73,6 +76,7 @@ impl Default for DetectorParams {
             // An absolute threshold takes everything in the dark; the noise gate does its work.
             peak_threshold: 0.0,
             noise_gate: NoiseGate::Auto,
+            noise_model: NoiseModelKind::Local,
             edge_threshold: 10.0,
             slope_extrema: SlopeExtrema::Each,
             slope_neighbours: SlopeNeighbours::Adjacent,
