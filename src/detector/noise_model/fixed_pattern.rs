@@ -81,8 +81,8 @@ impl FixedPattern {
             inseparable = hot_pixels.len();
             hot_pixels.clear();
         }
-        let columns = Stripes::find(&halves.each_ref().map(|half| band_means(half)));
-        let rows = Stripes::find(&halves.each_ref().map(|half| row_means(half)));
+        let columns = Stripes::find(&halves.each_ref().map(band_means));
+        let rows = Stripes::find(&halves.each_ref().map(row_means));
         Ok(Self { hot_pixels, columns, rows, inseparable })
     }
 
@@ -238,7 +238,7 @@ fn band_means(plane: &Plane) -> Vec<Vec<f32>> {
 /// The means of each row over each of [`BANDS`] bands of columns.
 fn row_means(plane: &Plane) -> Vec<Vec<f32>> {
     let width = plane.width();
-    let mut bands = vec![Vec::with_capacity(plane.height()); BANDS];
+    let mut bands = [(); BANDS].map(|()| Vec::with_capacity(plane.height()));
     for v in 0..plane.height() {
         let row = plane.row(v);
         for (i, band) in bands.iter_mut().enumerate() {
@@ -249,7 +249,7 @@ fn row_means(plane: &Plane) -> Vec<Vec<f32>> {
             band.push((sums.iter().sum::<f32>() + rest.iter().sum::<f32>()) / part.len().max(1) as f32);
         }
     }
-    bands
+    bands.to_vec()
 }
 
 impl Stripes {

@@ -99,15 +99,15 @@ impl FrameSurvey {
     }
 
     fn leave_out_copies(&mut self, squares: &HighPass, noise: &[f32]) {
-        for t in 1..squares.frames() {
+        for (t, &own) in noise.iter().enumerate().skip(1) {
             for before in t.saturating_sub(LOOK_BACK)..t {
-                if self.frames[before].left_out.is_some() || self.frames[t].left_out.is_some() || noise[t] == 0.0 {
+                if self.frames[before].left_out.is_some() || self.frames[t].left_out.is_some() || own == 0.0 {
                     continue;
                 }
                 // Copies that went through a file once more follow their original.
                 let nearly = || {
                     let differ = squares.variances(&[(t, 1.0), (before, -1.0)]);
-                    before + 1 == t && quiet_variance(differ, FREE_VALUES) < COPY * noise[t]
+                    before + 1 == t && quiet_variance(differ, FREE_VALUES) < COPY * own
                 };
                 if squares.same(t, before) || nearly() {
                     self.leave_out(t, LeftOut::Duplicate(before));

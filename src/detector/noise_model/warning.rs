@@ -65,7 +65,8 @@ pub(super) fn of_frames(survey: &FrameSurvey) -> Vec<NoiseWarning> {
         );
         warnings.push(NoiseWarning::new(WarningKind::DuplicateFrames, copies.len() as f32, text));
     }
-    let kinds: [(&str, fn(&LeftOut) -> bool); 4] = [
+    type Wanted = fn(&LeftOut) -> bool;
+    let kinds: [(&str, Wanted); 4] = [
         ("less than half as bright as the others", |why| matches!(why, LeftOut::Black)),
         ("more than twice as bright as the others", |why| matches!(why, LeftOut::Flash)),
         ("without any noise, as if filled in", |why| matches!(why, LeftOut::Empty)),
