@@ -11,7 +11,7 @@ use burstscope::app::offscreen::{Offscreen, OffscreenError};
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::burst::{Burst, OpenOptions};
 use burstscope::detector::view::{dog_view, stack_view};
-use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
+use burstscope::detector::{DetectorParams, Slope, SlopeGrid, find_slopes};
 use burstscope::synth::{demo_burst, demo_truth, write_burst};
 use burstscope::{Monitor, Plane, detect};
 use rayon::prelude::*;
@@ -86,6 +86,17 @@ fn pictures(burst: &Burst, params: &DetectorParams) {
             "3",
         );
     }
+}
+
+fn finding_slopes(burst: &Burst) {
+    let (quiet, params) =
+        (Monitor::default(), DetectorParams { levels: 3, max_features: 3000, ..DetectorParams::default() });
+    let find = || drop(black_box(find_slopes(burst, &params, None, &quiet).expect("not cancelled")));
+    let search = || drop(black_box(detect(burst, &params, &quiet).expect("valid parameters")));
+    let (of_search, secs) = ratio(find, search);
+    row("finding the slopes, of a detection over 7 slopes", format!("{of_search:.2} ({:.0} ms)", secs * 1e3), "0.25");
+    let wait = longest_wait(secs, |monitor| drop(find_slopes(burst, &params, None, monitor)));
+    row("cancelling it: longest wait", format!("{:.1} ms", wait * 1e3), "50 ms");
 }
 
 fn opening(burst: &Burst) {
@@ -169,6 +180,7 @@ fn main() {
     row("what", "measured".into(), "at most");
     println!("| --- | --- | --- |");
     pictures(&burst, &DetectorParams { levels: 3, ..DetectorParams::default() });
+    finding_slopes(&burst);
     opening(&burst);
     cancelling(&burst);
     first_picture();

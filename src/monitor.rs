@@ -28,6 +28,8 @@ pub enum Stage {
     Open,
     /// Aligning frames and averaging them.
     Merge,
+    /// Finding the slopes of a burst.
+    Slopes,
     /// Estimating the noise of a frame.
     Noise,
     /// Smoothing and stacking frames, filtering over scales and searching one octave.
@@ -52,6 +54,7 @@ impl std::fmt::Display for Stage {
         match self {
             Self::Open => f.write_str("Opening frames"),
             Self::Merge => f.write_str("Merging frames"),
+            Self::Slopes => f.write_str("Finding slopes"),
             Self::Noise => f.write_str("Estimating noise"),
             Self::Search { octave } => write!(f, "Searching octave {octave}"),
             Self::Describe => f.write_str("Describing features"),

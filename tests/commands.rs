@@ -18,3 +18,5 @@ mod real;
 mod reconstructing;
 #[path = "commands/support.rs"]
 mod support;
+#[path = "commands/trajectories.rs"]
+mod trajectories;

@@ -26,5 +26,7 @@ mod opening;
 mod pairs;
 #[path = "window/scrubbing.rs"]
 mod scrubbing;
+#[path = "window/slopes.rs"]
+mod slopes;
 #[path = "window/trajectories.rs"]
 mod trajectories;

@@ -121,14 +121,15 @@ impl BurstscopeApp {
 
     /// Whether features of the present parameters are missing, and were not looked for in vain.
     pub(super) fn wants_detection(&self) -> bool {
-        self.model.needs_detection() && self.failed_params.as_ref() != Some(&self.model.params)
+        self.model.needs_detection() && self.failed_params.as_ref() != Some(&self.model.asked())
     }
 
     /// Starts a detection with the present parameters.
     pub(super) fn start_detection(&mut self) {
         if let Some(burst) = self.model.burst.clone() {
-            self.detecting_params = Some(self.model.params.clone());
-            self.engine.detect(DetectRequest { burst, params: self.model.params.clone() });
+            let params = self.model.asked();
+            self.detecting_params = Some(params.clone());
+            self.engine.detect(DetectRequest { burst, params });
             self.model.busy.detecting = self.engine.running(LaneKind::Detect);
         }
     }
@@ -176,7 +177,7 @@ impl BurstscopeApp {
         }
         // While the hand still drags a parameter, every value on the way would start a detection for nothing.
         let dragging = ctx.input(|i| i.pointer.any_down());
-        let asked = self.detecting_params.as_ref() == Some(&self.model.params);
+        let asked = self.detecting_params.as_ref() == Some(&self.model.asked());
         if self.model.auto_detect && !dragging && !asked && self.wants_detection() {
             self.start_detection();
         }

@@ -7,7 +7,7 @@ use super::state::room::Room;
 use super::state::scrub::ViewKind;
 use super::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
-use crate::detector::DetectorParams;
+use crate::detector::SearchParams;
 use crate::engine::BurstSource;
 use std::path::PathBuf;
 
@@ -125,9 +125,9 @@ impl BurstscopeApp {
 
     fn load_params(&mut self, path: &std::path::Path) {
         let read = std::fs::read_to_string(path).map_err(|e| e.to_string());
-        match read.and_then(|text| DetectorParams::from_toml(&text)) {
+        match read.and_then(|text| SearchParams::from_toml(&text)) {
             Ok(params) => {
-                self.model.params = params;
+                self.model.set_search(params);
                 self.model.messages.resolved("Load parameters");
                 self.model.messages.note(format!("Loaded parameters from {}", path.display()));
             }

@@ -6,7 +6,7 @@ use super::state::pair::{Matches, PairBusy, Side};
 use super::state::room::Room;
 use super::state::scrub::ViewKind;
 use super::window::BurstscopeApp;
-use crate::detector::DetectorParams;
+use crate::detector::SearchParams;
 use crate::engine::{
     Answer, BurstSource, DetectRequest, JobError, JobId, MatchRequest, OpenBurst, PairLane, PairUpdate, PatchesRequest,
     PictureRequest,
@@ -18,8 +18,8 @@ use egui::pos2;
 pub(super) struct PairAsked {
     picture: Option<PictureRequest>,
     patches: Option<PatchesRequest>,
-    detecting: Option<DetectorParams>,
-    failed_detection: Option<DetectorParams>,
+    detecting: Option<SearchParams>,
+    failed_detection: Option<SearchParams>,
     matching: Option<MatchRequest>,
     failed_matching: Option<MatchRequest>,
     restoring: Option<(JobId, Box<PairSession>)>,
@@ -167,7 +167,7 @@ impl BurstscopeApp {
     /// Starts a detection in B with the present parameters.
     pub(super) fn start_second_detection(&mut self) {
         if let Some(burst) = self.model.pair.b.burst.clone() {
-            let params = self.model.params_of(Side::B);
+            let params = self.model.asked_of(Side::B);
             self.pair_asked.detecting = Some(params.clone());
             self.engine.pair().detect(DetectRequest { burst, params });
             self.model.pair.busy.detecting = self.engine.pair().running(PairLane::Detect);
@@ -206,7 +206,7 @@ impl BurstscopeApp {
 
     fn wants_second_detection(&self) -> bool {
         self.model.needs_second_detection()
-            && self.pair_asked.failed_detection.as_ref() != Some(&self.model.params_of(Side::B))
+            && self.pair_asked.failed_detection.as_ref() != Some(&self.model.asked_of(Side::B))
     }
 
     fn wants_matching(&self) -> bool {
@@ -259,7 +259,7 @@ impl BurstscopeApp {
             self.engine.pair().request_patches(wanted.clone());
             self.pair_asked.patches = Some(wanted);
         }
-        let asked = self.pair_asked.detecting.as_ref() == Some(&self.model.params_of(Side::B));
+        let asked = self.pair_asked.detecting.as_ref() == Some(&self.model.asked_of(Side::B));
         if self.model.auto_detect && !dragging && !asked && self.wants_second_detection() {
             self.start_second_detection();
         }

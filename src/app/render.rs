@@ -5,7 +5,7 @@ use super::settings::Settings;
 use super::state::scrub::ViewKind;
 use super::window::{BurstscopeApp, Startup};
 use crate::dataset::DatasetSource;
-use crate::detector::{DetectorParams, Slope};
+use crate::detector::{SearchParams, Slope};
 use crate::engine::BurstSource;
 use crate::export::{ExportError, Picture, write_png};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub struct RenderOptions {
     /// A dataset that is drawn instead, on its first burst.
     pub dataset: Option<DatasetSource>,
     /// The detector's parameters.
-    pub params: DetectorParams,
+    pub params: SearchParams,
     /// Columns and rows of the window, in points.
     pub size_points: (f32, f32),
     /// Pixels for each point: 2 for a HiDPI screen.
@@ -52,7 +52,7 @@ impl Default for RenderOptions {
             source: BurstSource::Demo,
             second: None,
             dataset: None,
-            params: DetectorParams::default(),
+            params: SearchParams::default(),
             size_points: (1280.0, 800.0),
             scale: 1.0,
             light: false,
@@ -159,7 +159,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
         model.slope_chosen = true;
     }
     model.scrub.frame = options.frame.unwrap_or(model.scrub.frame);
-    model.scrub.octave = options.octave.unwrap_or(options.params.first_octave);
+    model.scrub.octave = options.octave.unwrap_or(options.params.detector.first_octave);
     model.scrub.level = options.level;
     model.check_params();
     if model.pair.b.burst.is_some() {

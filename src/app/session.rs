@@ -14,7 +14,7 @@ use super::state::room::Room;
 use super::state::scrub::Scrub;
 use super::state::{BottomTab, Model, SavedSelection};
 use crate::dataset::DatasetSource;
-use crate::detector::DetectorParams;
+use crate::detector::SearchParams;
 use crate::engine::BurstSource;
 use crate::evaluate::poses::Projection;
 use crate::matching::MatchParams;
@@ -73,9 +73,9 @@ pub struct Session {
     /// Whether features were there, so that they are to be found again.
     #[serde(default)]
     pub detected: bool,
-    /// The detector's parameters.
+    /// The detector's parameters, and how the slopes are chosen; older files give them.
     #[serde(default)]
-    pub params: DetectorParams,
+    pub params: SearchParams,
     /// Where the hand was.
     #[serde(default)]
     pub scrub: Scrub,
@@ -186,7 +186,7 @@ impl Session {
             colour_by: model.colour_by,
             bottom_tab: model.bottom_tab,
             detected: model.found.is_some(),
-            params: model.params.clone(),
+            params: model.asked(),
             scrub: model.scrub,
             view,
             look: model.look.clone(),
@@ -230,7 +230,7 @@ impl Session {
 
     /// Puts what the session holds into the model, whose burst was just opened. Answers the view to show.
     pub fn apply(&self, model: &mut Model) -> View {
-        model.params = self.params.clone();
+        model.set_search(self.params.clone());
         model.scrub = self.scrub;
         model.slope_chosen = true;
         model.look = self.look.clone();

@@ -20,7 +20,7 @@ use super::state::pair::Side;
 use super::state::room::Room;
 use super::state::scrub::ViewKind;
 use crate::dataset::DatasetSource;
-use crate::detector::DetectorParams;
+use crate::detector::SearchParams;
 use crate::engine::{BurstSource, Engine, JobId, OnUpdate, OpenBurst, PictureRequest};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -34,8 +34,8 @@ pub struct Startup {
     pub second: Option<BurstSource>,
     /// A dataset that is opened instead.
     pub dataset: Option<DatasetSource>,
-    /// The detector's parameters.
-    pub params: DetectorParams,
+    /// The detector's parameters, and how the slopes are chosen.
+    pub params: SearchParams,
     /// A session file that is restored instead.
     pub session: Option<PathBuf>,
     /// What was remembered from the last time.
@@ -52,7 +52,7 @@ impl Default for Startup {
             source: Some(BurstSource::Demo),
             second: None,
             dataset: None,
-            params: DetectorParams::default(),
+            params: SearchParams::default(),
             session: None,
             settings: Settings::default(),
             dialogs: Arc::new(SystemDialogs),
@@ -99,8 +99,8 @@ pub struct BurstscopeApp {
     pub(super) restoring: Option<(JobId, Box<Session>)>,
     pub(super) asked_picture: Option<PictureRequest>,
     pub(super) asked_patch: Option<PictureRequest>,
-    pub(super) detecting_params: Option<DetectorParams>,
-    pub(super) failed_params: Option<DetectorParams>,
+    pub(super) detecting_params: Option<SearchParams>,
+    pub(super) failed_params: Option<SearchParams>,
 }
 
 impl BurstscopeApp {
@@ -113,7 +113,8 @@ impl BurstscopeApp {
         let waker = ctx.clone();
         let on_update: OnUpdate = Arc::new(move || waker.request_repaint());
         let mut model = Model::default();
-        (model.params, model.usable_params) = (startup.params.clone(), startup.params);
+        model.set_search(startup.params);
+        model.usable_params = model.params.clone();
         (model.theme, model.panels) = (startup.settings.theme, startup.settings.panels);
         model.auto_detect = startup.settings.auto_detect;
         (model.pair.links, model.pair.look) = (startup.settings.links, startup.settings.match_look.sanitised());

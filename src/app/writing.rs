@@ -27,7 +27,7 @@ pub type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 /// What is missing: a detection, a picture, a burst.
 pub fn prepare(purpose: Purpose, model: &Model, view: View, view_b: View) -> Result<Work, String> {
     match purpose {
-        Purpose::SaveParams => Ok(text_work(model.params.to_toml())),
+        Purpose::SaveParams => Ok(text_work(model.asked().to_toml())),
         Purpose::SaveSession => {
             let session = Session::of(model, view, view_b).ok_or("no burst is open; open one first")?;
             Ok(text_work(session.to_toml()))

@@ -4,7 +4,7 @@
 //! it, so that a comparison shows what the burst search adds and nothing else. (SIFT on a single frame needs no baseline: that is the same detector on the burst
 //! itself, of which it takes the middle frame. Nor does the gold standard: it is SIFT on an image that was taken with enough light.)
 //!
-//! [`detect`] is the detector with every [`Method`]; [`prepare`] is what a method does before the search.
+//! [`detect`] is the detector with every [`Method`], and [`search`] finds the slopes first where they are to be found; [`prepare`] is what a method does before the search.
 
 mod mean;
 mod merge;
@@ -13,8 +13,10 @@ pub use mean::plain_mean;
 pub use merge::merge_burst;
 
 use crate::burst::Burst;
-use crate::detector::{self, DetectError, Detection, DetectorParams, Method};
+use crate::detector::slopes::resolve;
+use crate::detector::{self, DetectError, Detection, DetectorParams, Method, SearchParams, SlopeFinding};
 use crate::monitor::Monitor;
+use std::time::Instant;
 
 /// Finds the features of a burst by the method that `params` ask for.
 ///
@@ -24,6 +26,35 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     let frames_used = params.used_frames(burst.len());
     let (burst, params) = prepare(burst, params, monitor)?;
     Ok(Detection { frames_used, ..detector::detect(&burst, &params, monitor)? })
+}
+
+/// What was found in a burst, and which slopes were searched for it.
+#[derive(Debug, Clone)]
+pub struct Searched {
+    /// The features.
+    pub detection: Detection,
+    /// The parameters with which they were found: those that were asked for, with the slopes that were searched.
+    pub params: DetectorParams,
+    /// What was found of the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+    /// How long it took to find the slopes, seconds; 0 where they were given.
+    pub slopes_secs: f32,
+}
+
+/// Part of the progress of a search that finding the slopes takes.
+const SLOPES_SHARE: f32 = 0.2;
+
+/// Finds the slopes of a burst if they are to be found, and then its features.
+///
+/// # Errors
+/// As [`detect`].
+pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, DetectError> {
+    let started = Instant::now();
+    let (params, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
+    let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };
+    let slopes_secs = if finding.is_some() { started.elapsed().as_secs_f32() } else { 0.0 };
+    let detection = detect(burst, &params, &monitor.part(share, 1.0 - share))?;
+    Ok(Searched { detection, params, finding, slopes_secs })
 }
 
 /// The burst that is searched, and with which parameters: for [`Method::Merge`] one merged frame, otherwise just what is given.

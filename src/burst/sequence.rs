@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(ranges(cut(3, None), 10), [0..3, 3..6, 6..9]);
         assert_eq!(ranges(cut(3, Some(2)), 7), [0..3, 2..5, 4..7]);
         assert_eq!(ranges(cut(2, Some(5)), 10), [0..2, 5..7]);
-        assert_eq!(ranges(cut(4, None), 3), []);
+        assert!(ranges(cut(4, None), 3).is_empty());
         assert!(matches!(SequenceCut::new(0, None), Err(OpenError::Cut { .. })));
         assert!(matches!(SequenceCut::new(3, Some(0)), Err(OpenError::Cut { .. })));
     }

@@ -149,10 +149,14 @@ JSON (--json):
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
      \"noise\": {\"frame_noise\", \"is_local\", \"transfer\": {\"slope\", \"dark\", \"points\": [{\"brightness\", \"variance\", \"squares\"}]}, \"excess\", \"levels\",
        \"frames\": [{\"gain\", \"relative_variance\", \"left_out\"}], \"correlation\", \"pattern\", \"warnings\": [{\"kind\", \"number\", \"text\"}]},
+     \"slope_grid\": {\"u\": {\"min\", \"max\", \"count\"}, \"v\", \"direction_deg\"}, \"slopes_found\": {\"grid\", \"verdict\": found, still,
+       nothing-seen, not-straight or film, \"confidence\", \"significance\", \"direction_deg\", \"moved_px\", \"deviation_px\"} where slopes were found,
      \"slopes\": [{\"u\", \"v\", \"features\"}], \"tally\": {\"samples\", \"kept\", \"rejected\": {test: count}},
-     \"times\": {\"open_secs\", \"noise_secs\", \"search_secs\", \"describe_secs\", \"write_secs\"}}],
+     \"times\": {\"open_secs\", \"slopes_secs\", \"noise_secs\", \"search_secs\", \"describe_secs\", \"write_secs\"}}],
    \"failures\": [{\"name\", \"error\"}]}
-  Slopes are pixels per frame; frame_noise is the standard deviation of a frame's noise as a fraction of full scale.";
+  Slopes are pixels per frame; frame_noise is the standard deviation of a frame's noise as a fraction of full scale. confidence is the part (0 … 1) of
+  what is significant whose slope the grid holds; significance is the power of the strongest window over the standard deviation that frames with nothing in
+  common would give it.";
 
 /// Write the motion-stack image at a slope, or its DoG response.
 ///

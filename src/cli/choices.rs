@@ -1,6 +1,8 @@
 //! Arguments that are one word out of a few.
 
+use crate::detector::params::AUTO;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 /// A parser of words that `T` can be read from in a parameter file, so that file and command line share their words.
@@ -17,6 +19,16 @@ fn read_word<T: DeserializeOwned>(word: &str) -> Result<T, serde_json::Error> {
     serde_json::from_value(serde_json::Value::String(word.to_owned()))
 }
 
+/// The one word of `--slopes`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AutoWord {
+    /// Slopes are found from each burst.
+    Auto,
+}
+
+/// The words of [`AutoWord`].
+pub(super) const AUTO_WORDS: &[&str] = &[AUTO];
 /// The words of [`crate::detector::Method`].
 pub(super) const METHODS: &[&str] = &["buff", "sift", "merge"];
 /// The words of [`crate::detector::SlopeNeighbours`].
@@ -54,6 +66,7 @@ mod tests {
 
     #[test]
     fn every_word_is_known_to_its_type() {
+        assert!(AUTO_WORDS.iter().all(|w| read_word::<AutoWord>(w).is_ok()));
         let methods: Vec<Method> = METHODS.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(methods, Method::ALL);
         assert_eq!(Method::ALL.map(Method::name).as_slice(), METHODS);

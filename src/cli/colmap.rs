@@ -7,7 +7,7 @@ use super::inputs::{Place, open_options, resolve_bursts};
 use super::report::FailureReport;
 use crate::burst::BurstSource;
 use crate::dataset::{CameraChoice, ColmapJob, ColmapReport, Event, FeatureJob, export_colmap};
-use crate::detector::DetectorParams;
+use crate::detector::SearchParams;
 use crate::matching::MatchParams;
 use serde::Serialize;
 use std::fmt::Write;
@@ -18,7 +18,7 @@ use std::path::Path;
 struct Answer<'a> {
     version: &'static str,
     command: &'static str,
-    params: &'a DetectorParams,
+    params: &'a SearchParams,
     matching: &'a MatchParams,
     #[serde(flatten)]
     report: &'a ColmapReport,
@@ -58,7 +58,8 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         Event::Begin { index, count, name } => console.begin(format!("[{}/{count}] {name}: ", index + 1)),
         Event::Done(burst) => {
             let from = if burst.resumed { ", from an earlier run" } else { "" };
-            let line = format!("{}: {} features{from}\n", burst.name, burst.keypoints.len());
+            let slopes = burst.slopes.as_ref().map_or(String::new(), |found| format!("; slopes {}", found.summary()));
+            let line = format!("{}: {} features{from}{slopes}\n", burst.name, burst.keypoints.len());
             said = std::mem::replace(&mut said, Ok(())).and_then(|()| console.say(&line));
         }
         Event::Failed { name, error } => fail(name, error.to_string()),

@@ -5,9 +5,9 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::report::{BurstReport, DetectReport, FailureReport, summary};
-use crate::baseline::detect;
+use crate::baseline::{Searched, search};
 use crate::burst::{Burst, OpenOptions};
-use crate::detector::{Detection, DetectorParams};
+use crate::detector::{Detection, SearchParams, explain};
 use crate::export::{ExportFormat, write_detection};
 use crate::monitor::Stage;
 use std::path::Path;
@@ -17,7 +17,7 @@ use std::time::Instant;
 pub(super) struct Job<'a> {
     out: &'a Path,
     formats: Vec<ExportFormat>,
-    params: &'a DetectorParams,
+    params: &'a SearchParams,
 }
 
 impl<'a> Job<'a> {
@@ -25,7 +25,7 @@ impl<'a> Job<'a> {
     ///
     /// # Errors
     /// When `out` is not a folder.
-    pub fn new(out: &'a Path, formats: &[ExportFormat], params: &'a DetectorParams) -> Result<Self, Failure> {
+    pub fn new(out: &'a Path, formats: &[ExportFormat], params: &'a SearchParams) -> Result<Self, Failure> {
         if out.exists() && !out.is_dir() {
             let problem = "--out: this is not a folder; name a folder for the features";
             return Err(Failure::usage(format!("{problem}: {}", out.display())));
@@ -81,7 +81,7 @@ pub(super) fn detect_burst(
     let start = Instant::now();
     let burst = input.open(options, &console.monitor)?;
     let open_secs = start.elapsed().as_secs_f32();
-    let detection = detect(&burst, job.params, &console.monitor)?;
+    let Searched { detection, params, finding, slopes_secs } = search(&burst, job.params, &console.monitor)?;
     // From here on the features are written for good; a Ctrl-C stops before the next burst.
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
@@ -89,7 +89,10 @@ pub(super) fn detect_burst(
     let files = write_detection(job.out, &name, &detection, &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files).collect();
-    let report = BurstReport::new(&name, paths, &burst, &detection, files, open_secs, write_secs);
-    console.say(&summary(&report, job.params, &detection))?;
+    let advice = explain(&detection, &params, burst.size());
+    let report = BurstReport::new(&name, paths, &burst, &detection, files, [open_secs, slopes_secs, write_secs])
+        .with_slopes(finding)
+        .with_advice(advice);
+    console.say(&summary(&report, &job.params.detector, &detection))?;
     Ok((report, burst, detection))
 }

@@ -7,7 +7,8 @@ use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
 use super::search_options::SearchArgs;
-use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
+use crate::detector::params::doc;
+use crate::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeGrid};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
 use crate::evaluate::figure::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
@@ -45,13 +46,14 @@ impl<'a, R> Document<'a, R> {
 
 /// The detector's parameters, and the slopes if any were given.
 pub(super) fn searched(search: &SearchArgs) -> Result<(DetectorParams, Option<SlopeGrid>), Failure> {
-    let detector = search.params()?;
-    let given = search.file.params.is_some()
-        || search.slopes_u.is_some()
-        || search.slopes_v.is_some()
-        || search.slope_direction.is_some();
-    let slopes = given.then_some(detector.slopes);
-    Ok((detector, slopes))
+    let SearchParams { detector, slopes } = search.params()?;
+    let asked = [(search.slopes.is_some(), doc::SLOPES), (search.slope_direction.is_some(), doc::SLOPE_DIRECTION)];
+    if let Some((_, doc)) = asked.iter().find(|(given, _)| *given && slopes.is_auto()) {
+        let remedy = "this command compares searches of known ranges; give them with --slopes-u and --slopes-v";
+        return Err(Failure::usage(format!("--{}: {remedy}", doc.name)));
+    }
+    let given = (!slopes.is_auto()).then_some(detector.slopes);
+    Ok((detector, given))
 }
 
 /// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF 2D has it on both axes.

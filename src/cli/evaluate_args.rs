@@ -4,10 +4,11 @@ use super::args::OutputArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
 use super::search_options::SearchArgs;
-use super::synth_args::motions;
+use super::synth_args::{motions, parse_range, radius_laws};
 use crate::evaluate::{BurstMethod, Ranking};
-use crate::synth::{ChartParams, Motion, NoiseCase};
+use crate::synth::{ChartParams, Motion, NoiseCase, RadiusLaw};
 use clap::{Args, Subcommand};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -60,13 +61,19 @@ pub struct ChartsArgs {
     /// Number of discs.
     #[arg(long, value_name = "N", default_value_t = chart().discs)]
     pub discs: usize,
+    /// Range of the discs' radii, pixels.
+    #[arg(long, value_name = "MIN:MAX", default_value = "3.6:19", value_parser = parse_range)]
+    pub radius: RangeInclusive<f64>,
+    /// Law of the radii: uniform, or log, by which every octave of radii is equally likely.
+    #[arg(long, value_name = "LAW", default_value = "uniform", value_parser = radius_laws())]
+    pub radius_law: RadiusLaw,
 }
 
 impl ChartsArgs {
     /// The charts, of which a study sets ratio and seed.
     pub fn params(&self, max_slope: f64) -> ChartParams {
-        let Self { seeds: _, seed: _, motion, width, height, discs } = *self;
-        ChartParams { width, height, discs, motion, max_slope, ..ChartParams::default() }
+        let Self { seeds: _, seed: _, motion, width, height, discs, radius, radius_law } = self.clone();
+        ChartParams { width, height, discs, radius, radius_law, motion, max_slope, ..ChartParams::default() }
     }
 }
 

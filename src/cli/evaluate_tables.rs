@@ -4,6 +4,7 @@ use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
 use crate::evaluate::chart::{ChartReport, ChartSummary, MethodReport};
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseReport};
 use crate::evaluate::statistics::Errors;
+use crate::synth::RadiusLaw;
 use std::fmt::{Result, Write};
 
 pub(super) fn chart_table(report: &ChartReport) -> String {
@@ -29,10 +30,11 @@ pub(super) fn noise_table(report: &NoiseReport) -> String {
 fn write_charts(out: &mut String, chart: &ChartSummary, first_seed: u64, seeds: u64) -> Result {
     writeln!(
         out,
-        "{} discs of radius {} to {} px, contrast {}, in {} frames of {}×{}, {} bits, slopes up to ±{} px/frame in {}",
+        "{} discs of radius {} to {} px{}, contrast {}, in {} frames of {}×{}, {} bits, slopes up to ±{} px/frame in {}",
         chart.discs,
         chart.radius[0],
         chart.radius[1],
+        if chart.radius_law == RadiusLaw::Log { " (log-uniform)" } else { "" },
         chart.contrast,
         chart.frames,
         chart.width,

@@ -8,7 +8,7 @@ use super::match_args::MatchArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
 use crate::dataset::burst_picture;
-use crate::detector::{Detection, DetectorParams};
+use crate::detector::{Detection, SearchParams};
 use crate::export::{MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
 use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel, match_detections};
 use crate::monitor::Stage;
@@ -22,7 +22,7 @@ use std::path::PathBuf;
 struct Answer<'a> {
     version: &'static str,
     command: &'static str,
-    params: &'a DetectorParams,
+    params: &'a SearchParams,
     matching: &'a MatchParams,
     a: &'a BurstReport,
     b: &'a BurstReport,
@@ -75,7 +75,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };
     let result = match_detections(a, b, &matching, &console.monitor)?;
     let pictures =
-        [burst_a, burst_b].map(|burst| burst_picture(burst, args.images, &params, &console.monitor.silent()));
+        [burst_a, burst_b].map(|burst| burst_picture(burst, args.images, &params.detector, &console.monitor.silent()));
     let [picture_a, picture_b] = pictures;
     let (picture_a, picture_b) = (picture_a?, picture_b?);
     console.monitor.check()?;

@@ -29,6 +29,7 @@ mod stack;
 mod synth;
 pub mod synth_args;
 mod table;
+pub mod trajectory_args;
 mod window;
 
 pub use failure::Failure;

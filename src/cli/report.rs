@@ -1,8 +1,11 @@
 //! What `detect` tells about each burst: as JSON, and as a summary for people.
 
 use crate::burst::Burst;
+use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
-use crate::detector::{Detection, DetectorParams, Method, NoiseGate, Test};
+use crate::detector::{
+    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test,
+};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -14,7 +17,7 @@ use std::sync::Arc;
 pub(super) struct DetectReport<'a> {
     version: &'static str,
     command: &'static str,
-    params: &'a DetectorParams,
+    params: &'a SearchParams,
     /// Bursts that went well, in the order in which they were named.
     pub bursts: Vec<BurstReport>,
     /// Bursts that failed.
@@ -22,7 +25,7 @@ pub(super) struct DetectReport<'a> {
 }
 
 impl<'a> DetectReport<'a> {
-    pub fn new(params: &'a DetectorParams) -> Self {
+    pub fn new(params: &'a SearchParams) -> Self {
         Self { version: env!("CARGO_PKG_VERSION"), command: "detect", params, bursts: Vec::new(), failures: Vec::new() }
     }
 }
@@ -50,9 +53,29 @@ pub(super) struct BurstReport {
     noise: Arc<NoiseModel>,
     noise_gate_factor: f32,
     octaves: [i32; 2],
+    slope_grid: SlopeGrid,
+    /// What was found of the slopes; absent where they were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slopes_found: Option<SlopeFinding>,
     slopes: Vec<SlopeCount>,
     tally: TallyReport,
     times: TimesReport,
+    /// Why there is nothing or little, or most of it at the slope limit; `None` (null) where all is well.
+    advice: Option<AdviceReport>,
+}
+
+/// What is the matter, and the one option to change.
+#[derive(Debug, Serialize)]
+struct AdviceReport {
+    message: String,
+    parameter: &'static str,
+    value: String,
+}
+
+impl From<Advice> for AdviceReport {
+    fn from(advice: Advice) -> Self {
+        Self { message: advice.for_command(), parameter: advice.parameter.name, value: advice.value }
+    }
 }
 
 fn shared<S: Serializer>(noise: &Arc<NoiseModel>, serializer: S) -> Result<S::Ok, S::Error> {
@@ -77,6 +100,7 @@ struct TallyReport {
 #[derive(Debug, Serialize)]
 struct TimesReport {
     open_secs: f32,
+    slopes_secs: f32,
     noise_secs: f32,
     search_secs: f32,
     describe_secs: f32,
@@ -90,8 +114,7 @@ impl BurstReport {
         burst: &Burst,
         detection: &Detection,
         files: BTreeMap<String, PathBuf>,
-        open_secs: f32,
-        write_secs: f32,
+        [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
         let tally = &detection.tally;
         let times = &detection.times;
@@ -108,6 +131,8 @@ impl BurstReport {
             noise: detection.noise.clone(),
             noise_gate_factor: detection.noise_gate_factor,
             octaves: [detection.octaves.start, detection.octaves.end],
+            slope_grid: detection.slopes,
+            slopes_found: None,
             slopes: slope_counts(detection),
             tally: TallyReport {
                 samples: tally.samples,
@@ -116,12 +141,24 @@ impl BurstReport {
             },
             times: TimesReport {
                 open_secs,
+                slopes_secs,
                 noise_secs: times.noise_secs,
                 search_secs: times.search_secs,
                 describe_secs: times.describe_secs,
                 write_secs,
             },
+            advice: None,
         }
+    }
+
+    /// With what was found of the slopes.
+    pub fn with_slopes(self, slopes_found: Option<SlopeFinding>) -> Self {
+        Self { slopes_found, ..self }
+    }
+
+    /// The same with why there is nothing or little, and what to change.
+    pub fn with_advice(self, advice: Option<Advice>) -> Self {
+        Self { advice: advice.map(Into::into), ..self }
     }
 }
 
@@ -167,11 +204,14 @@ fn write_summary(
     for warning in &report.noise.warnings {
         writeln!(out, "  warning   {}", warning.text)?;
     }
+    if let Some(finding) = &report.slopes_found {
+        writeln!(out, "  slopes    {}", finding.summary())?;
+    }
     writeln!(out, "  features  {}", report.features)?;
     if params.method == Method::Buff && report.features > 0 {
         write_histogram(out, &report.slopes)?;
         let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
-        if at_limit > 0 {
+        if at_limit > 0 && report.advice.is_none() {
             writeln!(out, "    {at_limit} of them at the limit of the slope range; if that is many, widen it")?;
         }
     }
@@ -181,10 +221,14 @@ fn write_summary(
             writeln!(out, "    {:>15}  {}", grouped(count), test.reason())?;
         }
     }
+    if let Some(advice) = &report.advice {
+        writeln!(out, "  note      {}", advice.message)?;
+    }
     let t = &report.times;
+    let slopes = report.slopes_found.as_ref().map_or(String::new(), |_| format!("slopes {:.2} s, ", t.slopes_secs));
     writeln!(
         out,
-        "  time      open {:.2} s, noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
+        "  time      open {:.2} s, {slopes}noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
         t.open_secs, t.noise_secs, t.search_secs, t.describe_secs, t.write_secs
     )?;
     for path in report.files.values() {
@@ -212,27 +256,9 @@ fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result 
     Ok(())
 }
 
-/// A number with thin gaps between its thousands.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_grouped_by_thousands() {
-        assert_eq!([7, 999, 1000, 12_345_678].map(grouped), ["7", "999", "1 000", "12 345 678"]);
-    }
 
     #[test]
     fn a_long_histogram_shows_the_largest_and_counts_the_rest() {

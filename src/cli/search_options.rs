@@ -4,18 +4,23 @@
 //! override it, one by one; the result is checked once.
 
 use super::choices::{
-    DESCRIBE_SLOPES, INTERPOLATIONS, LOCALISATIONS, METHODS, NOISE_MODELS, SLOPE_EXTREMA, SLOPE_NEIGHBOURS, words,
+    AUTO_WORDS, AutoWord, DESCRIBE_SLOPES, INTERPOLATIONS, LOCALISATIONS, METHODS, NOISE_MODELS, SLOPE_EXTREMA,
+    SLOPE_NEIGHBOURS, words,
 };
 use super::failure::Failure;
 use crate::detector::params::doc;
 use crate::detector::{
     DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, ParamDoc, SlopeAxis, SlopeExtrema, SlopeNeighbours,
+    NoiseModelKind, ParamDoc, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeExtrema, SlopeGrid, SlopeNeighbours,
 };
 use anyhow::Context;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+
+/// The ids of the options that give ranges of slopes.
+const AXIS_U: &str = "slopes_u";
+const AXIS_V: &str = "slopes_v";
 
 /// The parameter file.
 #[derive(Debug, Clone, Default, Args)]
@@ -35,6 +40,9 @@ pub struct SearchArgs {
     #[arg(long = doc::METHOD.name, value_name = "METHOD", help = short_help(doc::METHOD), long_help = long_help(doc::METHOD),
         value_parser = words::<Method>(METHODS))]
     pub method: Option<Method>,
+    #[arg(long = doc::SLOPES.name, value_name = "auto", help = short_help(doc::SLOPES), long_help = long_help(doc::SLOPES),
+        value_parser = words::<AutoWord>(AUTO_WORDS), conflicts_with_all = [AXIS_U, AXIS_V])]
+    pub slopes: Option<AutoWord>,
     #[arg(long = doc::SLOPES_U.name, value_name = "MIN:MAX:COUNT", help = short_help(doc::SLOPES_U), long_help = long_help(doc::SLOPES_U),
         allow_hyphen_values = true, value_parser = SlopeAxis::from_str)]
     pub slopes_u: Option<SlopeAxis>,
@@ -106,9 +114,11 @@ fn long_help(doc: ParamDoc) -> String {
 fn default_of(doc: ParamDoc) -> String {
     let params = DetectorParams::default();
     match doc.name {
-        name if name == doc::SLOPES_U.name => params.slopes.u.to_string(),
-        name if name == doc::SLOPES_V.name => params.slopes.v.to_string(),
-        name if name == doc::SLOPE_DIRECTION.name => params.slopes.direction_deg.to_string(),
+        name if name == doc::SLOPES.name => "auto, unless ranges are given".to_owned(),
+        name if name == doc::SLOPES_U.name || name == doc::SLOPES_V.name => {
+            "found; 0 if only the other one is given".to_owned()
+        }
+        name if name == doc::SLOPE_DIRECTION.name => "found; 0 if ranges are given".to_owned(),
         name => match serde_json::to_value(params).ok().as_ref().and_then(|v| v.get(name.replace('-', "_"))) {
             None => "all".to_owned(),
             Some(serde_json::Value::String(word)) => word.clone(),
@@ -124,41 +134,59 @@ impl ParamsFileArg {
     ///
     /// # Errors
     /// An unreadable file fails; a file that makes no sense is wrong use. Both name the file.
-    pub fn read(&self) -> Result<DetectorParams, Failure> {
-        self.params.as_deref().map_or_else(|| Ok(DetectorParams::default()), read_params)
+    pub fn read(&self) -> Result<SearchParams, Failure> {
+        self.params.as_deref().map_or_else(|| Ok(SearchParams::default()), read_params)
     }
 }
 
-fn read_params(path: &Path) -> Result<DetectorParams, Failure> {
+fn read_params(path: &Path) -> Result<SearchParams, Failure> {
     let text = std::fs::read_to_string(path)
         .with_context(|| format!("cannot read the parameter file {}", path.display()))
         .map_err(Failure::Failed)?;
-    DetectorParams::from_toml(&text)
+    SearchParams::from_toml(&text)
         .map_err(|e| Failure::usage(format!("the parameter file {} makes no sense: {}", path.display(), e.trim_end())))
 }
 
 impl SearchArgs {
-    /// The checked parameters.
+    /// The checked parameters, and how the slopes are chosen.
     ///
-    /// Without a parameter file, an axis of slopes that is missing means 0 as soon as the other one is given; with a file, each axis that is
-    /// missing is the file's.
+    /// Slopes are found from each burst unless ranges are given here or in the file; a direction alone says on which line. An axis of slopes that is
+    /// missing is the file's, or means 0 where the file has no ranges.
     ///
     /// # Errors
     /// A parameter file that cannot be read or makes no sense, or a combination that makes no sense.
-    pub fn params(&self) -> Result<DetectorParams, Failure> {
+    pub fn params(&self) -> Result<SearchParams, Failure> {
         let mut params = self.file.read()?;
-        if self.file.params.is_none() && (self.slopes_u.is_some() || self.slopes_v.is_some()) {
-            (params.slopes.u, params.slopes.v) = (SlopeAxis::ZERO, SlopeAxis::ZERO);
+        self.choose_slopes(&mut params);
+        self.set_detector(&mut params.detector);
+        params.validate()?;
+        Ok(params)
+    }
+
+    fn choose_slopes(&self, params: &mut SearchParams) {
+        let ranges = self.slopes_u.is_some() || self.slopes_v.is_some();
+        if self.slopes.is_some() {
+            params.slopes = SlopeChoice::AUTO;
+        } else if ranges && params.slopes.is_auto() {
+            params.detector.slopes = SlopeGrid::single(Slope::default());
+            params.slopes = SlopeChoice::Given;
         }
+        let grid = &mut params.detector.slopes;
+        grid.u = self.slopes_u.unwrap_or(grid.u);
+        grid.v = self.slopes_v.unwrap_or(grid.v);
+        match &mut params.slopes {
+            SlopeChoice::Given => grid.direction_deg = self.slope_direction.unwrap_or(grid.direction_deg),
+            SlopeChoice::Auto { direction_deg } => *direction_deg = self.slope_direction.or(*direction_deg),
+        }
+    }
+
+    fn set_detector(&self, params: &mut DetectorParams) {
         fn set<T: Copy>(field: &mut T, given: Option<T>) {
             if let Some(value) = given {
                 *field = value;
             }
         }
         set(&mut params.method, self.method);
-        set(&mut params.slopes.u, self.slopes_u);
-        set(&mut params.slopes.v, self.slopes_v);
-        set(&mut params.slopes.direction_deg, self.slope_direction);
         params.frames = self.frames.or(params.frames);
         set(&mut params.octaves, self.octaves);
         set(&mut params.levels, self.levels);
@@ -177,8 +205,6 @@ impl SearchArgs {
         set(&mut params.max_features, self.max_features);
         set(&mut params.max_orientations, self.max_orientations);
         set(&mut params.describe_slope, self.describe_slope);
-        params.validate()?;
-        Ok(params)
     }
 }
 
@@ -193,7 +219,7 @@ mod tests {
         search: SearchArgs,
     }
 
-    fn params(arguments: &[&str]) -> Result<DetectorParams, String> {
+    fn params(arguments: &[&str]) -> Result<SearchParams, String> {
         let only = Only::try_parse_from([&["x"], arguments].concat()).map_err(|e| e.to_string())?;
         only.search.params().map_err(|f| format!("{f:?}"))
     }
@@ -207,23 +233,20 @@ mod tests {
             let text = |help: Option<&clap::builder::StyledStr>| help.expect("it has help").to_string();
             assert!(text(arg.get_help()).starts_with(doc.meaning.trim_end_matches('.')));
             assert!(text(arg.get_long_help()).starts_with(&doc.help()));
-            // The default that is shown is one that can be typed.
+            // The default that is shown is one that can be typed, or says how it is chosen.
             let default = default_of(doc);
             let option = format!("--{}", doc.name);
-            let mut arguments = vec![option.as_str(), &default];
-            let slopes_u = default_of(doc::SLOPES_U);
-            if doc.name == doc::SLOPES_V.name {
-                arguments.extend(["--slopes-u", &slopes_u]);
-            }
-            if doc.name != doc::FRAMES.name {
-                assert_eq!(params(&arguments), Ok(DetectorParams::default()), "{}", doc.name);
+            if doc.name != doc::FRAMES.name && !doc.name.starts_with("slope") || doc.name == doc::SLOPE_NEIGHBOURS.name
+            {
+                assert_eq!(params(&[option.as_str(), &default]), Ok(SearchParams::default()), "{}", doc.name);
             }
         }
     }
 
     #[test]
     fn nothing_given_is_the_default() {
-        assert_eq!(params(&[]), Ok(DetectorParams::default()));
+        assert_eq!(params(&[]), Ok(SearchParams::default()));
+        assert_eq!(params(&["--slopes", "auto"]), Ok(SearchParams::default()));
     }
 
     #[test]
@@ -299,12 +322,12 @@ mod tests {
             max_orientations: 3,
             slopes,
         };
-        assert_eq!(got, expected);
+        assert_eq!(got, expected.into());
     }
 
     #[test]
     fn one_axis_alone_makes_the_other_zero() {
-        let got = params(&["--slopes-v", "-2:2:5"]).expect("valid");
+        let got = params(&["--slopes-v", "-2:2:5"]).expect("valid").detector;
         assert_eq!((got.slopes.u, got.slopes.v.count), (SlopeAxis::ZERO, 5));
     }
 
@@ -315,7 +338,20 @@ mod tests {
         std::fs::write(path, "octaves = 3\nlevels = 5\n[slopes]\nv = { min = -1.0, max = 1.0, count = 3 }\n")
             .expect("written");
         let got = params(&["--params", path, "--levels", "4", "--slopes-u", "0:2:3"]).expect("valid");
+        assert_eq!(got.slopes, SlopeChoice::Given);
+        let got = got.detector;
         assert_eq!((got.octaves, got.levels, got.slopes.u.count, got.slopes.v.count), (3, 4, 3, 3));
+        let found = params(&["--params", path, "--slopes", "auto"]).expect("valid");
+        assert_eq!((found.slopes, found.detector.octaves), (SlopeChoice::AUTO, 3));
+    }
+
+    #[test]
+    fn a_direction_alone_says_on_which_line_slopes_are_found() {
+        let line = SlopeChoice::Auto { direction_deg: Some(30.0) };
+        assert_eq!(params(&["--slope-direction", "30"]).expect("valid").slopes, line);
+        assert_eq!(params(&["--slopes", "auto", "--slope-direction", "30"]).expect("valid").slopes, line);
+        let given = params(&["--slopes-u", "0:2:3", "--slope-direction", "30"]).expect("valid");
+        assert_eq!((given.slopes, given.detector.slopes.direction_deg), (SlopeChoice::Given, 30.0));
     }
 
     #[test]
@@ -323,6 +359,9 @@ mod tests {
         for (arguments, words) in [
             (vec!["--slopes-u", "3:-3:7"], "give the smaller slope first"),
             (vec!["--slopes-u", "1:2"], "is not MIN:MAX:COUNT"),
+            (vec!["--slopes", "auto", "--slopes-u", "0:2:3"], "cannot be used with"),
+            (vec!["--slopes", "auto", "--slopes-v", "0:2:3"], "cannot be used with"),
+            (vec!["--slopes", "all"], "possible values: auto"),
             (vec!["--method", "surf"], "possible values: buff, sift"),
             (vec!["--frames", "5"], "is not A..B"),
             (vec!["--noise-gate", "lots"], "neither 'auto' nor 'strict' nor a number"),

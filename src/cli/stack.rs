@@ -13,7 +13,7 @@ use serde_json::json;
 use std::path::Path;
 
 pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
-    let mut params = args.search.params()?;
+    let mut params = args.search.params()?.detector;
     // Only this slope is looked at, so only this slope has to make sense.
     params.slopes = SlopeGrid::single(args.slope);
     check_tiff(&args.out)?;

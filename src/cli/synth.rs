@@ -5,10 +5,12 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve};
 use super::synth_args::{ChartArgs, NoisyArgs, SceneArgs, SynthArgs, SynthKind};
+use super::trajectory_args::TrajectoryArgs;
 use crate::burst::Burst;
 use crate::export::safe_file_name;
 use crate::synth::{
-    ChartParams, FrameLevels, NoisyParams, SceneParams, Truth, synth_chart, synth_scene, write_burst, write_noisy,
+    ChartParams, FrameLevels, NoisyParams, SceneParams, Trajectory, Truth, synth_chart, synth_scene, write_burst,
+    write_noisy, write_trajectory,
 };
 use serde_json::json;
 use std::path::Path;
@@ -26,6 +28,7 @@ pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
             finish(&args.out, &burst, &truth, &console)
         }
         SynthKind::Noisy(args) => noisy(args),
+        SynthKind::Trajectory(args) => trajectory(args),
     }
 }
 
@@ -65,6 +68,36 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     }))
 }
 
+/// Bursts along a camera's way, with its poses.
+fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
+    let console = Console::new(&args.output)?;
+    let trajectory = Trajectory::new(&args.params(), &console.monitor)?;
+    write_trajectory(&args.out, &trajectory, &console.monitor)?;
+    let truth = trajectory.truth();
+    let light = match truth.noise {
+        Some(noise) => format!(
+            "SNR {:.2} ({:.2} electrons at scene white), noise {:.5} of full scale in a frame",
+            trajectory.snr, trajectory.electrons, noise.sigma_background
+        ),
+        None => "no noise".to_owned(),
+    };
+    console.say(&format!(
+        "{} bursts of {} frames of {}×{}, {} planes, {light}\nwrote {}\n",
+        truth.bursts.len(),
+        truth.frames,
+        truth.width,
+        truth.height,
+        truth.planes.len(),
+        args.out.display()
+    ))?;
+    console.say_json(&json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "command": "synth",
+        "folder": args.out,
+        "truth": truth,
+    }))
+}
+
 fn chart_params(args: &ChartArgs) -> ChartParams {
     let ChartArgs {
         out: _,
@@ -72,6 +105,7 @@ fn chart_params(args: &ChartArgs) -> ChartParams {
         height,
         discs,
         radius,
+        radius_law,
         gap,
         contrast,
         frames,
@@ -83,7 +117,22 @@ fn chart_params(args: &ChartArgs) -> ChartParams {
         seed,
         output: OutputArgs { .. },
     } = args.clone();
-    ChartParams { width, height, discs, radius, gap, contrast, frames, motion, max_slope, snr, read_noise, bits, seed }
+    ChartParams {
+        width,
+        height,
+        discs,
+        radius,
+        radius_law,
+        gap,
+        contrast,
+        frames,
+        motion,
+        max_slope,
+        snr,
+        read_noise,
+        bits,
+        seed,
+    }
 }
 
 fn scene_params(args: &SceneArgs) -> SceneParams {

@@ -1,7 +1,8 @@
 //! The arguments of `synth` as they are written.
 
 use super::args::{BiasArg, INPUT_HELP, OutputArgs};
-use crate::synth::{ChartParams, Motion, NoisyParams, SceneParams};
+use super::trajectory_args::TrajectoryArgs;
+use crate::synth::{ChartParams, Motion, NoisyParams, RadiusLaw, SceneParams};
 use clap::{Args, Subcommand};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -23,6 +24,8 @@ pub enum SynthKind {
     Scene(SceneArgs),
     /// Noisy copies of real frames, as our camera would have taken them in the dark.
     Noisy(NoisyArgs),
+    /// Bursts along a camera's way past textured planes, with its poses.
+    Trajectory(TrajectoryArgs),
 }
 
 fn chart() -> ChartParams {
@@ -61,6 +64,9 @@ pub struct ChartArgs {
     /// Range of the discs' radii, pixels.
     #[arg(long, value_name = "MIN:MAX", default_value = "3.6:19", value_parser = parse_range)]
     pub radius: RangeInclusive<f64>,
+    /// Law of the radii: uniform, or log, by which every octave of radii is equally likely.
+    #[arg(long, value_name = "LAW", default_value = "uniform", value_parser = radius_laws())]
+    pub radius_law: RadiusLaw,
     /// Least distance between two discs at mid-burst, pixels.
     #[arg(long, value_name = "PIXELS", default_value_t = chart().gap)]
     pub gap: f64,
@@ -173,7 +179,12 @@ pub(super) fn motions() -> impl clap::builder::TypedValueParser<Value = Motion> 
     PossibleValuesParser::new(["1d", "2d"]).map(|word| if word == "2d" { Motion::TwoD } else { Motion::OneD })
 }
 
-fn parse_range(text: &str) -> Result<RangeInclusive<f64>, String> {
+pub(super) fn radius_laws() -> impl clap::builder::TypedValueParser<Value = RadiusLaw> {
+    use clap::builder::{PossibleValuesParser, TypedValueParser};
+    PossibleValuesParser::new(RadiusLaw::ALL.map(RadiusLaw::name)).try_map(|word| word.parse::<RadiusLaw>())
+}
+
+pub(super) fn parse_range(text: &str) -> Result<RangeInclusive<f64>, String> {
     let bad = || format!("'{text}' is not MIN:MAX, such as 3.6:19");
     let (low, high) = text.split_once(':').unwrap_or((text, text));
     let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);

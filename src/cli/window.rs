@@ -7,10 +7,10 @@ use super::inputs::{DEMO, Input, Opening, what_to_open};
 use super::render::{Sources, source_of, sources_of};
 use super::table::feature_table;
 use crate::app::{RenderOptions, Startup, render_to_png};
-use crate::baseline::detect;
+use crate::baseline::search;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
-use crate::detector::DetectorParams;
+use crate::detector::SearchParams;
 use crate::export::safe_file_name;
 use std::path::{Path, PathBuf};
 
@@ -56,7 +56,7 @@ fn draw(options: &RenderOptions, file: &Path, console: &Console) -> Result<(), F
     console.say(&format!("wrote {}\n", file.display()))
 }
 
-fn dataset_without_display(source: DatasetSource, params: DetectorParams) -> Result<(), Failure> {
+fn dataset_without_display(source: DatasetSource, params: SearchParams) -> Result<(), Failure> {
     let (file, console) = begin_without_display(&source.label(), "the bursts are listed")?;
     for burst in source.bursts()? {
         let frames = burst.files()?.len();
@@ -66,12 +66,12 @@ fn dataset_without_display(source: DatasetSource, params: DetectorParams) -> Res
 }
 
 /// The features listed are those of `input`; the picture shows `second` beside it, if there is one.
-fn without_display(input: Input, second: Option<Input>, params: DetectorParams) -> Result<(), Failure> {
+fn without_display(input: Input, second: Option<Input>, params: SearchParams) -> Result<(), Failure> {
     let (file, console) = begin_without_display(&input.name, "the strongest features are listed")?;
     let name = input.name.clone();
     console.begin(format!("{name}: "));
     let burst = input.open(&OpenOptions::default(), &console.monitor)?;
-    let detection = detect(&burst, &params, &console.monitor)?;
+    let detection = search(&burst, &params, &console.monitor)?.detection;
     console.say(&format!(
         "{name}: {} frames of {}×{}, {} features\n\n{}\n",
         burst.len(),

@@ -3,9 +3,9 @@
 use super::manifest::{DETECTOR_KEY, FileStamp, Finished, Manifest};
 use super::picture::{ImageKind, write_picture};
 use super::{CameraChoice, DatasetError};
-use crate::baseline::detect;
+use crate::baseline::{Searched, search};
 use crate::burst::{Burst, BurstSource, OpenOptions};
-use crate::detector::{Descriptor, DetectorParams};
+use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{ColmapKeypoint, read_colmap, safe_file_name, write_colmap_keypoints};
 use crate::monitor::Monitor;
 use serde_json::{Map, Value, json};
@@ -27,6 +27,8 @@ pub struct BurstFeatures {
     pub descriptors: Vec<Descriptor>,
     /// Whether they were taken from files that an earlier run wrote.
     pub resumed: bool,
+    /// What was found of the burst's slopes, if they were to be found and were not found by an earlier run.
+    pub slopes: Option<SlopeFinding>,
     /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not say.
     pub seconds: Option<f64>,
 }
@@ -50,8 +52,8 @@ pub struct FinishedBurst {
 /// How features are found, and what is kept of each burst.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeatureJob {
-    /// The detector's parameters.
-    pub detector: DetectorParams,
+    /// The detector's parameters, and how the slopes are chosen.
+    pub detector: SearchParams,
     /// How bursts are opened.
     pub open: OpenOptions,
     /// The picture that stands for a burst.
@@ -114,9 +116,10 @@ impl FeatureStore {
         Ok(Self { folder: folder.into(), job: job.clone(), manifest })
     }
 
-    /// The parameters with which the features in `folder` were found; `None` where there are none, or none that this program can read.
-    pub fn params_in(folder: &Path) -> Option<DetectorParams> {
-        DetectorParams::from_toml(&Manifest::detector_text(folder)?).ok()
+    /// The parameters with which the features in `folder` were found; `None` where there are none, or where another version of the program or another
+    /// revision of the detector found them: the same parameters would not bring those back.
+    pub fn params_in(folder: &Path) -> Option<SearchParams> {
+        SearchParams::from_toml(&Manifest::detector_text(folder)?).ok()
     }
 
     /// Whether `source` is finished, as far as can be told without reading its features.
@@ -133,7 +136,16 @@ impl FeatureStore {
         let (keypoints, descriptors) = read_colmap(&self.feature_file(&image_name)).ok()?;
         let name = source.name.clone();
         let whole = keypoints.len() == features;
-        whole.then_some(BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, seconds })
+        whole.then_some(BurstFeatures {
+            name,
+            image_name,
+            size,
+            keypoints,
+            descriptors,
+            resumed: true,
+            slopes: None,
+            seconds,
+        })
     }
 
     /// The features of `source`, from its files if it is finished. Otherwise they are found, and written with its picture.
@@ -163,7 +175,7 @@ impl FeatureStore {
                 Some(burst) => burst,
                 None => self.burst(source, monitor)?,
             };
-            write_picture(&picture_file, &burst, self.job.images, &self.job.detector, monitor)?;
+            write_picture(&picture_file, &burst, self.job.images, &self.job.detector.detector, monitor)?;
             let BurstFeatures { size, seconds, .. } = found;
             let features = found.keypoints.len();
             let finished = Finished { files: stamps, size, features, picture: self.job.images, seconds };
@@ -183,7 +195,7 @@ impl FeatureStore {
         let started = Instant::now();
         let burst = self.burst(source, monitor)?;
         camera.for_images(burst.size())?;
-        let detection = detect(&burst, &self.job.detector, monitor)?;
+        let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
         let image_name = image_name(source);
         let keypoints: Vec<ColmapKeypoint> = detection.features.iter().map(ColmapKeypoint::from).collect();
         write_colmap_keypoints(&self.feature_file(&image_name), &keypoints, &detection.descriptors)?;
@@ -194,6 +206,7 @@ impl FeatureStore {
             keypoints,
             descriptors: detection.descriptors,
             resumed: false,
+            slopes: finding,
             seconds: Some(started.elapsed().as_secs_f64()),
         };
         Ok((found, burst))

@@ -4,9 +4,10 @@
 //! (Gaussian levels and their differences D, tile by tile) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
 //! samples) → [`locate`] (place on a [`hat`], [`scale_peak`], slope) → [`orientation`] and [`descriptor`] (on a [`patch`] of the Gaussian level). [`noise_estimate`] says how
 //! noisy a frame is, and
-//! [`noise`] how large D must then be. [`pipeline`] puts them together, and
-//! [`view`] shows single steps as pictures. Everything here is a function from values to values.
+//! [`noise`] how large D must then be. [`pipeline`] puts them together. [`slopes`] finds which slopes a burst
+//! needs, before all that, and [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
+pub mod advice;
 pub mod blur_patch;
 mod describing;
 pub mod descriptor;
@@ -28,21 +29,27 @@ pub mod patch;
 pub mod pipeline;
 pub mod refine;
 mod refined_stack;
+pub mod revision;
 pub mod scale_peak;
 pub mod scale_space;
 pub mod search;
 pub mod slope_grid;
 mod slope_window;
+pub mod slopes;
 mod stack_patch;
 mod stack_rows;
+mod two_motions;
 mod vectors;
 pub mod view;
 mod weighted_rows;
 
+pub use advice::{Advice, explain};
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, ParamDoc, ParamError, SlopeExtrema, SlopeNeighbours,
+    NoiseModelKind, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{DetectError, detect};
+pub use revision::REVISION;
 pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};
+pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

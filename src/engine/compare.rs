@@ -8,6 +8,7 @@ use super::pair::{MatchRequest, Matched, match_now};
 use super::source::{BurstSource, OpenBurst};
 use super::{DetectRequest, Detected, OnUpdate, Running};
 use crate::baseline;
+use crate::detector::slopes::resolve;
 use crate::detector::{Method, detect};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
@@ -80,13 +81,15 @@ fn work(request: CompareRequest, monitor: &Monitor) -> Result<Compared, JobError
         CompareRequest::Open(source) => source.open(monitor).map(Compared::Opened),
         CompareRequest::Match(request) => match_now(request, monitor).map(Compared::Matched),
         CompareRequest::Detect(DetectRequest { burst, params }) => {
-            // As `baseline::detect` does it, but the image that it makes on the way is kept.
+            // As `baseline::search` does it, but the image that it makes on the way is kept.
+            let asked = params;
+            let (params, finding) = resolve(&burst.burst, &asked, monitor).map_err(super::picture::job_error)?;
             let (searched, with) =
                 baseline::prepare(&burst.burst, &params, monitor).map_err(super::picture::job_error)?;
             let mut found = detect(&searched, &with, monitor).map_err(super::picture::job_error)?;
             found.frames_used = params.used_frames(burst.burst.len());
             let image = (params.method == Method::Merge).then(|| searched.frames[0].clone());
-            let detected = Detected { burst: burst.id, params, detection: Arc::new(found) };
+            let detected = Detected { burst: burst.id, asked, params, finding, detection: Arc::new(found) };
             Ok(Compared::Detected { detected, image })
         }
     }

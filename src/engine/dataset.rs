@@ -11,7 +11,7 @@ use crate::dataset::{
     BurstEvent, BurstFeatures, CameraChoice, DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst,
     ImageKind, Thumbnail, detect_all, match_pairs, thumbnail,
 };
-use crate::detector::DetectorParams;
+use crate::detector::SearchParams;
 use crate::matching::{MatchCounts, MatchParams};
 use crate::monitor::{Monitor, Stage};
 use std::path::{Path, PathBuf};
@@ -27,8 +27,8 @@ pub type Bursts = Arc<Vec<BurstSource>>;
 pub struct Keeping {
     /// The folder.
     pub folder: PathBuf,
-    /// The detector's parameters.
-    pub params: DetectorParams,
+    /// The detector's parameters, and how the slopes are chosen.
+    pub params: SearchParams,
 }
 
 impl Keeping {
@@ -49,7 +49,7 @@ pub enum DatasetRequest {
         /// Where features are kept.
         folder: Option<PathBuf>,
         /// With which parameters.
-        params: DetectorParams,
+        params: SearchParams,
     },
     /// Find the features of all bursts that are not finished.
     Detect {
@@ -85,11 +85,11 @@ pub struct OpenDataset {
     /// Why features cannot be kept there.
     pub folder_error: Option<String>,
     /// The parameters with which it was looked at.
-    pub params: DetectorParams,
+    pub params: SearchParams,
     /// For each burst what is finished with these parameters.
     pub finished: Vec<Option<FinishedBurst>>,
     /// Other parameters, with which the features in the folder were found.
-    pub other_params: Option<DetectorParams>,
+    pub other_params: Option<SearchParams>,
 }
 
 /// How a request ended.
@@ -256,7 +256,7 @@ fn run(request: DatasetRequest, tell: &dyn Fn(DatasetEvent), monitor: &Monitor) 
 fn look(
     source: DatasetSource,
     folder: Option<PathBuf>,
-    params: DetectorParams,
+    params: SearchParams,
     monitor: &Monitor,
 ) -> Result<OpenDataset, JobError> {
     monitor.report(Stage::Open, 0.0);
@@ -285,7 +285,7 @@ fn look(
     Ok(OpenDataset { source, bursts, frames_of_one, folder, folder_error, params, finished, other_params })
 }
 
-fn other_params_in(folder: &Path, params: &DetectorParams) -> Option<DetectorParams> {
+fn other_params_in(folder: &Path, params: &SearchParams) -> Option<SearchParams> {
     FeatureStore::params_in(folder).filter(|stored| stored != params)
 }
 

@@ -34,8 +34,8 @@ pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
-use crate::baseline::detect;
-use crate::detector::{Detection, DetectorParams};
+use crate::baseline::{Searched, search};
+use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::monitor::Progress;
 use picture_lane::{PictureLane, SharedCache};
 use std::sync::Arc;
@@ -56,8 +56,8 @@ const PICTURE_GRACE: Duration = Duration::from_millis(250);
 pub struct DetectRequest {
     /// The burst.
     pub burst: OpenBurst,
-    /// The parameters.
-    pub params: DetectorParams,
+    /// The parameters, and how the slopes are chosen.
+    pub params: SearchParams,
 }
 
 /// A finished detection with what it was made from.
@@ -65,8 +65,12 @@ pub struct DetectRequest {
 pub struct Detected {
     /// The burst it belongs to.
     pub burst: BurstId,
-    /// The parameters it was made with.
+    /// What was asked for.
+    pub asked: SearchParams,
+    /// The parameters it was made with: where slopes were to be found, with those that were.
     pub params: DetectorParams,
+    /// What was found of the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
     /// The features.
     pub detection: Arc<Detection>,
 }
@@ -268,8 +272,9 @@ fn open_lane(name: &str, on_update: &OnUpdate) -> Lane<BurstSource, OpenBurst> {
 /// A lane that finds features.
 fn detect_lane(name: &str, on_update: &OnUpdate) -> Lane<DetectRequest, Detected> {
     Lane::new(name, Duration::ZERO, on_update.clone(), |request: DetectRequest, monitor| {
-        let found = detect(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
-        Ok(Detected { burst: request.burst.id, params: request.params, detection: Arc::new(found) })
+        let found = search(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
+        let Searched { detection, params, finding, .. } = found;
+        Ok(Detected { burst: request.burst.id, asked: request.params, params, finding, detection: Arc::new(detection) })
     })
 }
 

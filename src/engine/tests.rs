@@ -243,7 +243,7 @@ fn a_detection_can_be_cancelled_while_pictures_go_on() {
     let burst = OpenBurst::new(Burst::from_planes("large", (0..9).map(frame).collect()), BurstSource::Demo);
     let slopes = crate::detector::SlopeGrid::plane(-3.0..=3.0, 9, -3.0..=3.0, 9);
     let params = DetectorParams { slopes, ..DetectorParams::default() };
-    engine.detect(DetectRequest { burst: burst.clone(), params });
+    engine.detect(DetectRequest { burst: burst.clone(), params: params.into() });
     wait_for(|| engine.running(LaneKind::Detect));
     engine.request_picture(stack_request(&burst, 0.25));
     wait_for(|| engine.poll().into_iter().find(|u| matches!(u, Update::Picture(a) if a.result.is_ok())));
@@ -377,11 +377,12 @@ fn the_second_burst_is_opened_and_searched_beside_the_first() {
         _ => None,
     });
     assert_eq!(burst.burst.name, "demo-later");
-    engine.pair().detect(DetectRequest { burst: burst.clone(), params: DetectorParams::default() });
+    engine.pair().detect(DetectRequest { burst: burst.clone(), params: DetectorParams::default().into() });
     let detected = pair_update(&engine, |u| match u {
         PairUpdate::Detected(answer) => Some(answer.result.expect("valid")),
         _ => None,
     });
-    let expected = detect(&burst.burst, &DetectorParams::default(), &Monitor::default()).expect("valid");
+    let expected =
+        crate::detector::detect(&burst.burst, &DetectorParams::default(), &Monitor::default()).expect("valid");
     assert_eq!(detected.detection.features, expected.features);
 }

@@ -11,8 +11,7 @@ use super::statistics::Mean;
 use super::{EvaluateError, check_lists, motion_name};
 use crate::detector::{Detection, DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
-use crate::synth::Truth;
-use crate::synth::{ChartParams, synth_chart};
+use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
 use serde::Serialize;
 
 /// What is to be compared, and on which charts.
@@ -92,6 +91,8 @@ pub struct ChartSummary {
     pub discs: usize,
     /// Smallest and largest radius, pixels.
     pub radius: [f64; 2],
+    /// How radii are spread between these.
+    pub radius_law: RadiusLaw,
     /// Intensity of a disc over that of the background.
     pub contrast: f64,
     /// Number of frames.
@@ -113,6 +114,7 @@ impl From<&ChartParams> for ChartSummary {
             height: chart.height,
             discs: chart.discs,
             radius: [*chart.radius.start(), *chart.radius.end()],
+            radius_law: chart.radius_law,
             contrast: chart.contrast,
             frames: chart.frames,
             motion: motion_name(chart.motion),

@@ -1,7 +1,8 @@
 //! What counts as found: features of a chart against its truth, and the curve over the threshold.
 //!
 //! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre and its scale σ is within a
-//! factor of 2 of r/√2. A disc is found once; what finds it again is false, and so is everything that finds no disc. Features are
+//! factor of 2 of r/√2. A disc is found once; what finds it again is false, and so is everything that finds no disc. The orientations of one keypoint
+//! count as one feature. Features are
 //! taken in order of a [`Ranking`]; a threshold on it keeps the strongest, and each threshold gives one point (false, true) of the curve.
 
 use crate::detector::Feature;
@@ -84,6 +85,13 @@ pub struct Judged {
 pub fn judge(features: &[Feature], truth: &Truth, ranking: Ranking) -> Vec<Judged> {
     let mut order: Vec<(usize, f32)> = features.iter().map(|f| ranking.worth(f)).enumerate().collect();
     order.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // Features of one keypoint differ in nothing but their orientation.
+    let keypoint = |index: usize| {
+        let f = &features[index];
+        [f.u, f.v, f.sigma, f.slope.u, f.slope.v, f.response].map(f32::to_bits)
+    };
+    let mut seen = std::collections::HashSet::with_capacity(features.len());
+    order.retain(|&(index, _)| seen.insert(keypoint(index)));
     let mut free = vec![true; truth.features.len()];
     let distance = |f: &Feature, d: &FeatureTruth| (f64::from(f.u) - d.u).hypot(f64::from(f.v) - d.v);
     order

@@ -6,6 +6,7 @@
 
 use super::capture::capture_burst;
 use super::noise::Camera;
+use super::radius::RadiusLaw;
 use super::random::Stream;
 use super::truth::{FeatureTruth, NoiseTruth, Truth, TruthKind, disc_sigma};
 use super::{Motion, SynthError, check_common};
@@ -23,8 +24,10 @@ pub struct ChartParams {
     pub height: usize,
     /// Number of discs.
     pub discs: usize,
-    /// Radii, pixels; drawn evenly from this range.
+    /// Range of the radii, pixels.
     pub radius: RangeInclusive<f64>,
+    /// How radii are spread over that range.
+    pub radius_law: RadiusLaw,
     /// Least distance between the rims of two discs at mid-burst, pixels.
     pub gap: f64,
     /// Intensity of a disc over that of the background; above 1 is brighter.
@@ -53,6 +56,7 @@ impl Default for ChartParams {
             height: 600,
             discs: 90,
             radius: 3.6..=19.0,
+            radius_law: RadiusLaw::Uniform,
             gap: 6.0,
             contrast: 1.2,
             frames: 10,
@@ -165,8 +169,7 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
 /// Draws places, radii and slopes; large discs first, because they are hardest to place.
 fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTruth>, SynthError> {
     let mut stream = Stream::new(params.seed, 0);
-    let mut radii: Vec<f64> =
-        (0..params.discs).map(|_| stream.within(*params.radius.start(), *params.radius.end())).collect();
+    let mut radii: Vec<f64> = (0..params.discs).map(|_| params.radius_law.draw(&params.radius, &mut stream)).collect();
     radii.sort_by(|a, b| b.total_cmp(a));
     let half_span = 0.5 * (params.frames - 1) as f64;
     let mut placed: Vec<FeatureTruth> = Vec::with_capacity(params.discs);
@@ -351,6 +354,23 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_law_of_the_radii_changes_radii_alone_and_the_default_is_uniform() {
+        let discs = |radius_law: RadiusLaw| {
+            let params = ChartParams { radius_law, ..ChartParams::default() };
+            place_discs(&params, &Monitor::default()).expect("they fit")
+        };
+        let (uniform, log) = (discs(ChartParams::default().radius_law), discs(RadiusLaw::Log));
+        // Published tables are of these charts, so their numbers are fixed for ever.
+        let first = uniform[0];
+        assert_eq!([first.radius, first.u, first.v, first.slope_u], FIRST_DISC_OF_SEED_1);
+        let fine = |discs: &[FeatureTruth]| discs.iter().filter(|d| d.radius < 7.2).count();
+        assert!(fine(&log) > fine(&uniform) + 10, "{} and {}", fine(&log), fine(&uniform));
+        assert!(log.iter().all(|d| (3.6..=19.0).contains(&d.radius)));
+    }
+    const FIRST_DISC_OF_SEED_1: [f64; 4] =
+        [18.941_430_711_460_43, 124.522_301_286_314_56, 42.249_995_958_163_68, 2.564_286_188_923_249_6];
 
     #[test]
     fn nonsense_is_named_with_its_remedy() {

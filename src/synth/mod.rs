@@ -4,6 +4,8 @@
 //! layers, each moved by its own slope. Then a [`Camera`] captures it: electrons are counted (shot noise), read out (read
 //! noise) and rounded to the levels of the converter. What was drawn, where and how fast it moves is kept as [`Truth`].
 //!
+//! A [`trajectory`] is a whole dataset: bursts that a camera takes on its way past a scene of textured planes, drawn in perspective, with its poses.
+//!
 //! Real frames can be captured once more by such a camera: [`noisy`] makes dark copies of them.
 //!
 //! Everything follows from a seed. The same seed gives the same bits on every machine and for any number of threads:
@@ -23,12 +25,15 @@ pub mod chart;
 pub mod demo;
 mod folder;
 pub mod layer;
+mod leaves;
 pub mod noise;
 pub mod noise_case;
 pub mod noisy;
 pub mod paint;
+mod radius;
 pub mod random;
 pub mod scene;
+pub mod trajectory;
 pub mod truth;
 pub mod write;
 
@@ -37,7 +42,9 @@ pub use demo::{demo_burst, demo_truth, later_demo_burst};
 pub use noise::Camera;
 pub use noise_case::NoiseCase;
 pub use noisy::{FrameLevels, NoisyExposure, NoisyParams, NoisyTruth, write_noisy};
+pub use radius::RadiusLaw;
 pub use scene::{SceneParams, synth_scene};
+pub use trajectory::{Light, Trajectory, TrajectoryParams, write_trajectory};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
 pub use write::{WriteBurstError, write_burst};
 

@@ -70,6 +70,11 @@ impl FrameLevels {
         self.sum / self.pixels
     }
 
+    /// The brightest pixel.
+    pub fn max(&self) -> f64 {
+        self.max
+    }
+
     /// The standard deviation of all pixels.
     pub fn standard_deviation(&self) -> f64 {
         (self.sum_of_squares / self.pixels - self.mean().powi(2)).max(0.0).sqrt()

@@ -152,6 +152,15 @@ impl Sheet {
         Some([c0, c1, r0, r1])
     }
 
+    /// Keeps only what `mask` covers, a sheet of the same size: value and alpha are multiplied by its alpha.
+    pub fn keep_where(&mut self, mask: &Self) {
+        for ((value, alpha), share) in self.value.iter_mut().zip(&mut self.alpha).zip(&mask.alpha) {
+            *value *= share;
+            *alpha *= share;
+        }
+        self.used = mask.used;
+    }
+
     /// Covers the whole sheet with `value(u, v)`.
     pub fn fill(&mut self, mut value: impl FnMut(f32, f32) -> f32) {
         self.paint(self.area(), |u, v| (value(u, v), 1.0));

@@ -1,10 +1,10 @@
 //! Bursts that are finished are not done again, and what is not theirs is left alone.
 
 use crate::support::{SIZE, export, job, walk};
+use burstscope::Monitor;
 use burstscope::burst::BurstSource;
 use burstscope::dataset::{CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, PairSelection, export_colmap};
 use burstscope::matching::{Camera, Geometry, MatchParams};
-use burstscope::{DetectorParams, Monitor};
 use std::fs;
 use std::path::Path;
 
@@ -48,7 +48,7 @@ fn other_parameters_or_other_frames_are_other_features() {
     let (bursts, out) = (walk(home.path()), home.path().join("out"));
     done(&bursts, &out, &job());
     let mut weaker = job();
-    weaker.features.detector.peak_threshold *= 1.5;
+    weaker.features.detector.detector.peak_threshold *= 1.5;
     assert_eq!(resumed(&done(&bursts, &out, &weaker)), [false; 3]);
     // A frame that is written anew has another time, whatever is in it.
     let frame = home.path().join("film/frame_006.png");
@@ -101,7 +101,7 @@ fn what_makes_no_sense_is_said_before_anything_is_done() {
     let calibrated = MatchParams { geometry: Geometry::Essential, ..MatchParams::default() };
     assert!(error(ColmapJob { matching: calibrated, ..job() }).contains("camera"));
     let mut nonsense = job();
-    nonsense.features.detector = DetectorParams { levels: 0, ..nonsense.features.detector };
+    nonsense.features.detector.detector.levels = 0;
     assert!(error(nonsense).contains("levels"));
     assert!(!out.exists());
     let small = CameraChoice::Known(Camera::centred(SIZE.0 / 2, SIZE.1 / 2, 100.0));

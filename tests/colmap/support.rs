@@ -35,7 +35,7 @@ pub fn walk(home: &Path) -> Vec<BurstSource> {
 pub fn job() -> ColmapJob {
     ColmapJob {
         features: FeatureJob {
-            detector: DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() },
+            detector: DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into(),
             open: OpenOptions::default(),
             images: ImageKind::default(),
         },

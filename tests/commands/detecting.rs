@@ -52,9 +52,38 @@ fn the_demos_landmarks_are_found_with_their_motion() {
 }
 
 #[test]
+fn nothing_found_and_most_at_the_limit_are_explained() {
+    let home = tempfile::tempdir().expect("a folder");
+    let nothing = ["detect", "demo", "--peak-threshold", "0.5", "--out", "found"];
+    let text = run_well(home.path(), &nothing);
+    assert!(
+        text.contains("note      no feature was found: of ") && text.contains("; try --peak-threshold 0\n"),
+        "{text}"
+    );
+    let advice = |arguments: &[&str]| {
+        let json: serde_json::Value =
+            serde_json::from_str(&run_well(home.path(), &[arguments, &["--json"]].concat())).expect("JSON");
+        json["bursts"][0]["advice"].clone()
+    };
+    let said = advice(&nothing);
+    assert_eq!((&said["parameter"], &said["value"]), (&"peak-threshold".into(), &"0".into()));
+    // Nothing moves, and slope 0 is not searched.
+    let still = ["synth", "chart", "--out", "still", "--width", "240", "--height", "180", "--discs", "16"];
+    run_well(home.path(), &[&still[..], &["--radius", "4:8", "--max-slope", "0", "--snr", "8"]].concat());
+    let beside = ["detect", "still", "--slopes-u", "0.3:2.7:9", "--out", "found"];
+    let said = advice(&beside);
+    assert_eq!((&said["parameter"], &said["value"]), (&"slopes-u".into(), &"-0.9:2.7:13".into()), "{said}");
+    assert!(said["message"].as_str().is_some_and(|text| text.contains(" at u 0.3 px/frame")), "{said}");
+    assert_eq!(advice(&["detect", "still", "--slopes-u", "-0.9:2.7:13", "--out", "found"]), serde_json::Value::Null);
+}
+
+#[test]
 fn json_is_one_document_that_agrees_with_the_files() {
     let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--json", "--noise-gate", "6"]);
+    let text = run_well(
+        home.path(),
+        &["detect", "demo", "--out", "found", "--json", "--noise-gate", "6", "--slopes-u", "-3:3:7"],
+    );
     let json: serde_json::Value = serde_json::from_str(&text).expect("one JSON document");
     let burst = &json["bursts"][0];
     let rows = features(&home.path().join("found").join("demo.csv"));
@@ -84,12 +113,15 @@ fn the_number_of_threads_changes_nothing() {
 #[test]
 fn wrong_use_is_2_and_says_what_would_be_right() {
     let home = tempfile::tempdir().expect("a folder");
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 17] = [
         (&["detect", "demo"], "--out"),
         (&["detect", "--out", "x"], "<INPUT>"),
         (&["detect", "demo", "--out", "x", "--method", "surf"], "buff, sift"),
         (&["detect", "demo", "--out", "x", "--slopes-u", "3:-3:7"], "give the smaller slope first"),
         (&["detect", "demo", "--out", "x", "--slopes-u", "fast"], "'fast' is not a number"),
+        (&["detect", "demo", "--out", "x", "--slopes", "auto", "--slopes-u", "0:2:3"], "cannot be used with"),
+        (&["match", "demo", "demo-later", "--out", "x", "--slopes", "all"], "auto"),
+        (&["evaluate", "chart", "--slopes", "auto"], "--slopes-u"),
         (&["detect", "demo", "--out", "x", "--frames", "4"], "A..B"),
         (&["detect", "demo", "--out", "x", "--format", "xlsx"], "csv, colmap and npz"),
         (&["detect", "demo", "--out", "x", "--threads", "0"], "1..=1024"),
@@ -125,6 +157,40 @@ fn failures_are_1_and_name_the_file() {
         assert!(error.contains(words), "{arguments:?}: {error}");
     }
     assert_eq!(names(home.path()), ["a file"]);
+}
+
+#[test]
+fn slopes_are_found_unless_they_are_given() {
+    let home = tempfile::tempdir().expect("a folder");
+    let few = ["--octaves", "3", "--max-features", "200"];
+    let json = |more: &[&str]| -> serde_json::Value {
+        let text = run_well(home.path(), &[&["detect", "demo", "--out", "found", "--json"], &few[..], more].concat());
+        serde_json::from_str(&text).expect("one JSON document")
+    };
+    let found = json(&[]);
+    assert_eq!(found["params"]["slopes"], "auto");
+    let burst = &found["bursts"][0];
+    let finding = &burst["slopes_found"];
+    assert_eq!((&finding["verdict"], &finding["grid"]), (&"found".into(), &burst["slope_grid"]));
+    assert!(finding["confidence"].as_f64().is_some_and(|c| c > 0.8), "{finding}");
+    let axis = |name: &str| ["min", "max"].map(|end| burst["slope_grid"][name][end].as_f64().expect("a number"));
+    let ([u_min, u_max], [v_min, v_max]) = (axis("u"), axis("v"));
+    // The sign's slope is -2.1, the lanterns' (1.6, -1.2).
+    assert!(u_min < -2.1 && u_max > 1.6 && v_min < -1.2 && v_max > 0.0, "{}", burst["slope_grid"]);
+    assert!(burst["times"]["slopes_secs"].as_f64().is_some_and(|secs| secs > 0.0));
+    assert_eq!(json(&["--slopes", "auto"])["bursts"][0]["slope_grid"], burst["slope_grid"]);
+
+    let line = json(&["--slope-direction", "0"]);
+    assert_eq!(line["params"]["slopes"]["direction_deg"], 0.0);
+    assert_eq!(line["bursts"][0]["slope_grid"]["v"]["count"], 1);
+    let given = json(&["--slopes-u", "-1:1:3"]);
+    assert!(given["bursts"][0]["slopes_found"].is_null() && given["params"]["slopes"]["u"]["count"] == 3);
+    let sift = json(&["--method", "sift"]);
+    assert!(sift["bursts"][0]["slopes_found"].is_null(), "nothing is searched");
+
+    std::fs::write(home.path().join("auto.toml"), "slopes = \"auto\"\noctaves = 2\n").expect("written");
+    let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--params", "auto.toml"]);
+    assert!(text.contains("slopes    found: u ") && text.contains("of what is seen agrees"), "{text}");
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn json_has_everything_and_does_not_depend_on_the_threads() {
     let home = tempfile::tempdir().expect("a folder");
     let with = |threads: &str| {
         let few = ["--snr", "2", "--slopes-u", "-1:1:5", "--seed", "7", "--json", "--threads", threads];
-        let methods = ["--methods", "sift-mean,buff-1d,buff-1d"];
+        let methods = ["--methods", "sift-mean,buff-1d,buff-1d", "--radius", "4:12", "--radius-law", "log"];
         run_well(home.path(), &[&["evaluate", "chart"], &SMALL[..], &few, &methods].concat())
     };
     let text = with("1");
@@ -40,6 +40,8 @@ fn json_has_everything_and_does_not_depend_on_the_threads() {
     let report = json(&text);
     assert_eq!((report["command"].as_str(), report["first_seed"].as_u64()), (Some("evaluate chart"), Some(7)));
     assert_eq!(report["slopes_1d"]["u"]["count"], 5);
+    assert_eq!(report["chart"]["radius"], serde_json::json!([4.0, 12.0]));
+    assert_eq!(report["chart"]["radius_law"], "log");
     let methods = report["rows"][0]["methods"].as_array().expect("methods");
     assert_eq!(methods.len(), 2, "a method named twice runs once");
     assert_eq!(methods[1]["method"], "buff-1d");
@@ -83,6 +85,8 @@ fn wrong_use_says_what_would_be_right() {
         (vec!["evaluate", "chart", "--discs", "9000", "--snr", "1"], "--discs: only"),
         (vec!["evaluate", "chart", "--false-fraction", "2"], "--false-fraction: 2; give a share"),
         (vec!["evaluate", "chart", "--seeds", "0"], "--seeds"),
+        (vec!["evaluate", "chart", "--radius", "9:4", "--snr", "1"], "--radius: 9:4; give MIN:MAX in pixels"),
+        (vec!["evaluate", "chart", "--radius-law", "even"], "uniform, log"),
         (vec!["evaluate", "accuracy", "--levels", "0"], "--levels: "),
         (vec!["evaluate", "noise", "--sigma", "0.5"], "--sigma: 0.5; give standard deviations"),
         (vec!["evaluate", "noise", "--bits", "many"], "neither 'none' nor a number of bits"),

@@ -122,6 +122,15 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     assert_eq!((&json["known_camera"], &json["cameras"][0]["model"]), (&true.into(), &"PINHOLE".into()));
     assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
     assert!(json["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == true)));
+    // What another revision of the detector kept is not mixed with what this one finds.
+    let manifest = home.path().join("my rec/manifest.json");
+    let mut kept: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(&manifest).expect("a file")).expect("JSON");
+    kept["detector_revision"] = 0.into();
+    fs::write(&manifest, kept.to_string()).expect("written");
+    let again = run_well(home.path(), &[&arguments[..], &["--json"]].concat());
+    let again: serde_json::Value = serde_json::from_str(&again).expect("JSON");
+    assert!(again["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == false)));
     // A burst that cannot be opened is told, and the rest is written.
     fs::write(home.path().join("film/frame_001.png"), "broken").expect("written");
     let output = run(home.path(), &arguments);

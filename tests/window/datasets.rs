@@ -40,7 +40,7 @@ pub fn few_slopes() -> DetectorParams {
 
 /// A window on a dataset, with few slopes.
 pub fn start(dataset: DatasetSource) -> Start {
-    let startup = Startup { source: None, dataset: Some(dataset), params: few_slopes(), ..Startup::default() };
+    let startup = Startup { source: None, dataset: Some(dataset), params: few_slopes().into(), ..Startup::default() };
     let settings = Start::without_auto_detect().startup.settings;
     Start { size: [1280.0, 800.0], startup: Startup { settings, ..startup }, ..Start::default() }
 }
@@ -120,7 +120,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
 
     // With other parameters nothing is done, and the folder's own can be had.
     let mut other = start(source);
-    other.startup.params.peak_threshold *= 1.5;
+    other.startup.params.detector.peak_threshold *= 1.5;
     let mut other = other.open();
     assert_eq!(features(&other), [None; 3]);
     assert!(other.shows("The folder has features of other parameters"));
@@ -151,7 +151,7 @@ fn a_burst_that_fails_says_why_and_the_others_go_on() {
 fn what_is_done_stays_when_it_is_cancelled() {
     let home = tempfile::tempdir().unwrap();
     let mut start = start(walk(home.path()));
-    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
+    start.startup.params.detector.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
     let mut window = start.open();
     window.click("Detect all");
     window.wait("the first burst is done", |app| {

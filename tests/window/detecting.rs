@@ -56,10 +56,25 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
 }
 
 #[test]
+fn nothing_found_says_which_setting_to_change() {
+    let mut start = Start::without_auto_detect();
+    start.startup.params.detector.peak_threshold = 0.5;
+    let mut window = start.open();
+    window.click("Detect");
+    window.settle();
+    assert!(window.app().model.features().is_empty());
+    assert!(window.shows("No feature was found") && window.shows("; try Peak threshold 0"));
+    // It is said as long as it is so.
+    window.app_mut().model.params.peak_threshold = 0.0;
+    window.harness.run_steps(2);
+    assert!(!window.shows("; try Peak threshold 0"));
+}
+
+#[test]
 fn a_detection_is_cancelled_and_the_window_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let mut start = Start::of(&noisy_stack(folder.path(), 12, 700, 900));
-    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
+    start.startup.params.detector.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
     let mut window = start.open();
     window.click("Detect");
     window.wait("the detection runs", |app| app.model.busy.detecting.is_some());

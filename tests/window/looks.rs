@@ -1,6 +1,6 @@
 //! How the window looks. Each picture was looked at; a change of one has to be looked at again.
 
-use crate::support::{Start, Window};
+use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
 use burstscope::app::settings::Settings;
 use burstscope::app::state::BottomTab;
@@ -72,7 +72,7 @@ fn shortcuts() {
 #[test]
 fn light_theme() {
     let settings = Settings { theme: egui::ThemePreference::Light, ..Settings::default() };
-    let startup = Startup { settings, ..Startup::default() };
+    let startup = Startup { settings, ..given() };
     let mut window = Start { size: PLAIN, startup, ..Start::default() }.open();
     window.key(Key::Home);
     window.snapshot("light_theme");
@@ -87,7 +87,7 @@ fn small_hidpi() {
 #[test]
 fn plane_of_slopes() {
     let mut start = Start { size: [1280.0, 720.0], ..Start::default() };
-    start.startup.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
+    start.startup.params.detector.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
     let mut window = start.open();
     window.app_mut().model.scrub.slope = Slope::new(1.6, -1.2);
     window.snapshot("plane_of_slopes");

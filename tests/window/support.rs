@@ -5,6 +5,7 @@ use burstscope::app::dialogs::{FileDialogs, Question};
 use burstscope::app::settings::Settings;
 use burstscope::app::state::room::Room;
 use burstscope::app::{BurstscopeApp, Startup};
+use burstscope::detector::DetectorParams;
 use burstscope::engine::BurstSource;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
@@ -50,18 +51,28 @@ pub struct Start {
 
 impl Default for Start {
     fn default() -> Self {
-        Self { size: [1280.0, 720.0], pixels_per_point: 1.0, startup: Startup::default() }
+        Self { size: [1280.0, 720.0], pixels_per_point: 1.0, startup: given() }
     }
 }
 
+/// The demo, searched at the usual slopes: tests of the slopes that are found ask for these.
+pub fn given() -> Startup {
+    Startup { params: DetectorParams::default().into(), ..Startup::default() }
+}
+
 impl Start {
+    /// As the program starts: slopes are found.
+    pub fn automatic() -> Self {
+        Self { startup: Startup::default(), ..Self::default() }
+    }
+
     pub fn nothing_open() -> Self {
-        Self { startup: Startup { source: None, ..Startup::default() }, ..Self::default() }
+        Self { startup: Startup { source: None, ..given() }, ..Self::default() }
     }
 
     pub fn without_auto_detect() -> Self {
         let settings = Settings { auto_detect: false, ..Settings::default() };
-        Self { startup: Startup { settings, ..Startup::default() }, ..Self::default() }
+        Self { startup: Startup { settings, ..given() }, ..Self::default() }
     }
 
     pub fn of(path: &Path) -> Self {

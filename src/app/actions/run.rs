@@ -9,7 +9,7 @@ use crate::app::state::pair::Side;
 use crate::app::state::room::Room;
 use crate::app::state::scrub::{ViewKind, play_step_of, snapped, stepped};
 use crate::app::window::BurstscopeApp;
-use crate::detector::{DetectorParams, Method, Slope, SlopeGrid};
+use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::BurstSource;
 
 impl BurstscopeApp {
@@ -131,13 +131,13 @@ fn change_model(model: &mut Model, id: ActionId) {
         A::ThemeLight => model.theme = egui::ThemePreference::Light,
         A::ThemeDark => model.theme = egui::ThemePreference::Dark,
         A::AutoDetect => model.auto_detect ^= true,
-        A::ResetParams => model.params = DetectorParams::default(),
+        A::ResetParams => model.set_search(SearchParams::default()),
         A::Preset1d => {
-            model.params.method = Method::Buff;
+            (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
             model.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
         }
         A::Preset2d => {
-            model.params.method = Method::Buff;
+            (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
             model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
         }
         A::PresetSift => model.params.method = Method::Sift,

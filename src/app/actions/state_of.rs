@@ -5,7 +5,7 @@ use crate::app::state::Model;
 use crate::app::state::compare::Layout;
 use crate::app::state::room::Room;
 use crate::app::state::scrub::ViewKind;
-use crate::detector::{DetectorParams, Method};
+use crate::detector::{Method, SearchParams};
 use crate::engine::BurstSource;
 use crate::matching::MatchParams;
 
@@ -53,11 +53,11 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
             let comparing = model.compare.busy.map(|busy| busy.running);
             [a.detecting, a.opening, b.detecting, b.opening, b.matching, comparing].iter().any(Option::is_some)
         }
-        A::ResetParams => model.params != DetectorParams::default(),
+        A::ResetParams => model.asked() != SearchParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
         A::GoToFeature | A::ClearSelection => model.selected_feature().is_some(),
         A::ClearFilter => !model.filter.is_open(),
-        A::DetectAll => model.datasets.can_detect(model.params.validate().is_ok()),
+        A::DetectAll => model.datasets.can_detect(model.asked().validate().is_ok()),
         A::CancelDataset => model.datasets.work.is_some(),
         A::ToggleFilmstrip | A::PreviousBurst | A::NextBurst | A::FeatureFolder | A::CloseDataset => {
             model.datasets.open.is_some()
@@ -118,9 +118,14 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::Play => Some(model.playing),
         A::AutoDetect => Some(model.auto_detect),
         A::Preset1d => Some(
-            model.params.method == Method::Buff && !model.params.slopes.is_plane() && model.params.slopes.len() > 1,
+            !model.slopes.is_auto()
+                && model.params.method == Method::Buff
+                && !model.params.slopes.is_plane()
+                && model.params.slopes.len() > 1,
         ),
-        A::Preset2d => Some(model.params.method == Method::Buff && model.params.slopes.is_plane()),
+        A::Preset2d => {
+            Some(!model.slopes.is_auto() && model.params.method == Method::Buff && model.params.slopes.is_plane())
+        }
         A::PresetSift => Some(model.params.method == Method::Sift),
         _ => None,
     }

@@ -110,7 +110,7 @@ fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
         ui.label(text).on_hover_text(error);
     } else if dataset.folder.is_none() {
         ui.label(warning("Choose a folder for the features"));
-    } else if dataset.params != model.params {
+    } else if dataset.params != model.asked() {
         ui.label(warning("The parameters changed")).on_hover_text(
             "What is shown here was found with the parameters as they were. Detect all finds all features again.",
         );

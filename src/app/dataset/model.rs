@@ -3,7 +3,7 @@
 use super::matches::{Pair, PairTable, pair_of};
 use crate::burst::BurstSource;
 use crate::dataset::{DatasetSource, FinishedBurst, PairSelection, image_name};
-use crate::detector::DetectorParams;
+use crate::detector::SearchParams;
 use crate::engine::{Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset, Running};
 use crate::matching::ImageCounts;
 use std::path::PathBuf;
@@ -93,9 +93,9 @@ pub struct Dataset {
     /// Why they cannot be kept there.
     pub folder_error: Option<String>,
     /// The parameters that the states are about.
-    pub params: DetectorParams,
+    pub params: SearchParams,
     /// Other parameters, with which the features in the folder were found.
-    pub other_params: Option<DetectorParams>,
+    pub other_params: Option<SearchParams>,
     /// How far each burst is.
     pub states: Vec<BurstState>,
     /// The bursts chosen as A and B, by their places.
@@ -199,7 +199,7 @@ impl Dataset {
     }
 
     /// Prepares for finding features with `params`: with other ones nothing is finished any more.
-    pub fn begin_detection(&mut self, params: &DetectorParams) {
+    pub fn begin_detection(&mut self, params: &SearchParams) {
         let others = self.params != *params;
         if others {
             self.matches.forget();
@@ -338,7 +338,7 @@ mod tests {
             frames_of_one: None,
             folder: Some(Path::new("/n-burstscope").into()),
             folder_error: None,
-            params: DetectorParams::default(),
+            params: SearchParams::default(),
             finished: (0..count).map(|k| (k == 0).then_some(FinishedBurst { features: 7, seconds: None })).collect(),
             other_params: None,
         })
@@ -349,7 +349,7 @@ mod tests {
         let mut open = dataset(3);
         assert_eq!(open.counts(), StateCounts { done: 1, failed: 0, features: 7 });
         let finished = FinishedBurst { features: 5, seconds: Some(1.25) };
-        open.begin_detection(&DetectorParams::default());
+        open.begin_detection(&SearchParams::default());
         for event in [
             DatasetEvent::Begun { index: 0 },
             DatasetEvent::Begun { index: 1 },
@@ -366,10 +366,12 @@ mod tests {
         assert_eq!(open.states[2].sentence(), "failed: x.png: empty");
         open.take_event(&DatasetEvent::Begun { index: 99 });
         // What failed is tried again; with other parameters everything is.
-        open.begin_detection(&DetectorParams::default());
+        open.begin_detection(&SearchParams::default());
         assert_eq!((open.counts().done, open.counts().failed), (2, 0));
-        open.begin_detection(&DetectorParams { levels: 5, ..DetectorParams::default() });
-        assert_eq!((open.counts().done, open.params.levels), (0, 5));
+        let mut other = SearchParams::default();
+        other.detector.levels = 5;
+        open.begin_detection(&other);
+        assert_eq!((open.counts().done, open.params.detector.levels), (0, 5));
     }
 
     #[test]

@@ -23,7 +23,7 @@ impl BurstscopeApp {
     /// Opens the bursts at `paths` as a dataset; a long sequence that lies there alone is first asked about.
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>) {
         self.model.datasets.work = Some(Work::Opening);
-        self.engine.datasets.submit(DatasetRequest::Open { source, folder, params: self.model.params.clone() });
+        self.engine.datasets.submit(DatasetRequest::Open { source, folder, params: self.model.asked() });
     }
 
     /// Opens the dataset of a session, or none.
@@ -47,9 +47,10 @@ impl BurstscopeApp {
     /// Takes over the parameters with which the features in the dataset's folder were found.
     pub(in crate::app) fn use_folder_params(&mut self) {
         let Some(dataset) = &self.model.datasets.open else { return };
+        let (source, folder) = (dataset.source.clone(), dataset.folder.clone());
         if let Some(params) = dataset.other_params.clone() {
-            self.model.params = params;
-            self.look_at_dataset(dataset.source.clone(), dataset.folder.clone());
+            self.model.set_search(params);
+            self.look_at_dataset(source, folder);
         }
     }
 
@@ -69,7 +70,7 @@ impl BurstscopeApp {
     }
 
     pub(in crate::app) fn detect_all(&mut self) {
-        let params = self.model.params.clone();
+        let params = self.model.asked();
         let Some(dataset) = &mut self.model.datasets.open else { return };
         dataset.begin_detection(&params);
         if let Some(keeping) = dataset.keeping() {

@@ -2,7 +2,7 @@
 
 use crate::app::actions::Queue;
 use crate::app::state::{BottomTab, Model};
-use egui::{Align, Layout, Ui};
+use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Draws the tabs and the one that is open.
 pub fn bottom_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
@@ -23,8 +23,20 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
     ui.separator();
     match model.bottom_tab {
-        BottomTab::Table => super::table::table_ui(ui, model),
+        BottomTab::Table => {
+            advice_ui(ui, model);
+            super::table::table_ui(ui, model);
+        }
         BottomTab::Tally => super::tally::tally_ui(ui, model),
         BottomTab::Noise => super::noise::noise_ui(ui, model),
+    }
+}
+
+/// Why there is nothing or little, or most of it at the slope limit, as long as that is so with the present parameters.
+pub(super) fn advice_ui(ui: &mut Ui, model: &Model) {
+    let advice = model.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
+    if let Some(advice) = advice {
+        let text = RichText::new(advice.for_window()).color(crate::app::style::warning(ui));
+        ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
     }
 }

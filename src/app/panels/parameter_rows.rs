@@ -1,7 +1,7 @@
 //! The pieces of a parameter's row: its name, the editors for each type of value, and the button that gives it its default.
 
 use crate::detector::params::{ParamDoc, ParamError};
-use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis};
+use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeChoice};
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 
 /// Width of the names in front, in points.
@@ -99,6 +99,14 @@ pub fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, nam
         })
         .response;
     response.labelled_by(label);
+}
+
+/// Slopes that are found, or given in the rows below.
+pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice, _: Id) {
+    let mut auto = choice.is_auto();
+    if ui.checkbox(&mut auto, "Auto slopes").changed() {
+        *choice = if auto { SlopeChoice::AUTO } else { SlopeChoice::Given };
+    }
 }
 
 /// Least, greatest and number of slopes.

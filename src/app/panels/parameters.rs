@@ -6,10 +6,10 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::state::Model;
 use crate::detector::params::doc;
 use crate::detector::{
-    DescribeSlope, DetectorParams, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind, SlopeExtrema,
-    SlopeNeighbours,
+    DescribeSlope, DetectorParams, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind, SlopeChoice,
+    SlopeExtrema, SlopeFinding, SlopeNeighbours,
 };
-use egui::{Align, Layout, Ui};
+use egui::{Align, Layout, RichText, Ui};
 
 /// Draws the section.
 pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
@@ -26,10 +26,27 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ui.add_space(4.0);
         let frame_count = model.frame_count();
         let error = model.param_error.clone();
-        let p = &mut model.params;
-        let table = rows::ParamTable { error: error.as_ref(), defaults: DetectorParams::default() };
-        all_rows_ui(ui, &table, p, frame_count);
+        let finding = model.found.as_ref().and_then(|found| found.finding.as_ref()).map(slopes_found_text);
+        let (p, choice) = (&mut model.params, &mut model.slopes);
+        let given = p.slopes;
+        let mut defaults = DetectorParams::default();
+        if choice.is_auto() {
+            // What was found has no other default.
+            defaults.slopes = given;
+        }
+        let table = rows::ParamTable { error: error.as_ref(), defaults };
+        all_rows_ui(ui, &table, p, choice, finding.as_deref(), frame_count);
+        if p.slopes != given {
+            *choice = SlopeChoice::Given;
+        }
     });
+}
+
+/// What was found of the slopes, as it is said below their switch.
+fn slopes_found_text(finding: &SlopeFinding) -> String {
+    let summary = finding.summary();
+    let (first, rest) = summary.split_at(summary.chars().next().map_or(0, char::len_utf8));
+    first.to_uppercase() + rest
 }
 
 fn method_label(method: Method) -> &'static str {
@@ -40,7 +57,14 @@ fn method_label(method: Method) -> &'static str {
     }
 }
 
-fn all_rows_ui(ui: &mut Ui, table: &rows::ParamTable<'_, DetectorParams>, p: &mut DetectorParams, frame_count: usize) {
+fn all_rows_ui(
+    ui: &mut Ui,
+    table: &rows::ParamTable<'_, DetectorParams>,
+    p: &mut DetectorParams,
+    choice: &mut SlopeChoice,
+    finding: Option<&str>,
+    frame_count: usize,
+) {
     let sift = p.method != Method::Buff;
     let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
     let interpolation = [
@@ -59,6 +83,11 @@ fn all_rows_ui(ui: &mut Ui, table: &rows::ParamTable<'_, DetectorParams>, p: &mu
         },
     );
     ui.add_enabled_ui(!sift, |ui| {
+        let choices = rows::ParamTable { error: None, defaults: SlopeChoice::AUTO };
+        choices.row(ui, &doc::SLOPES, choice, |choice| choice, rows::slope_choice_ui);
+        if let Some(text) = finding.filter(|_| choice.is_auto()) {
+            ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
+        }
         table.row(ui, &doc::SLOPES_U, p, |p| &mut p.slopes.u, rows::axis_ui);
         table.row(ui, &doc::SLOPES_V, p, |p| &mut p.slopes.v, rows::axis_ui);
         table.row(

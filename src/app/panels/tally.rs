@@ -1,6 +1,7 @@
 //! The tally: how many candidates each test rejected, as bars that can be read.
 
-use crate::app::state::{Found, Model};
+use crate::app::state::Model;
+use crate::detector::advice::grouped;
 use crate::detector::{NoiseGate, Test};
 use egui::{Rect, RichText, ScrollArea, Sense, Ui, vec2};
 
@@ -40,22 +41,10 @@ pub fn tally_ui(ui: &mut Ui, model: &Model) {
             line_ui(ui, test.reason(), tally.rejected_by(test), Some((most, false)));
         }
         line_ui(ui, "Kept: keypoints", tally.kept, Some((most, true)));
-        note_ui(ui, found);
         super::noise::warnings_ui(ui, found);
-    });
-}
-
-fn note_ui(ui: &mut Ui, found: &Found) {
-    let features = &found.detection.features;
-    let at_limit = features.iter().filter(|f| f.at_slope_limit).count();
-    if at_limit > 0 && 3 * at_limit >= features.len() {
         ui.add_space(4.0);
-        let text = format!(
-            "{at_limit} of {} features lie at the slope limit: the range of slopes is probably too narrow.",
-            features.len()
-        );
-        ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
-    }
+        super::bottom::advice_ui(ui, model);
+    });
 }
 
 /// One test: its reason, its count, and a bar whose length grows with the logarithm of the count.
@@ -77,29 +66,4 @@ fn line_ui(ui: &mut Ui, name: &str, count: u64, bar: Option<(u64, bool)>) {
             response.on_hover_text("The bar's length grows with the logarithm of the count");
         }
     });
-}
-
-/// 1234567 as 1 234 567.
-fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(' ');
-        }
-        out.push(digit);
-    }
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_numbers_are_grouped() {
-        assert_eq!(grouped(0), "0");
-        assert_eq!(grouped(123), "123");
-        assert_eq!(grouped(1_234_567), "1 234 567");
-    }
 }

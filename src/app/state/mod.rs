@@ -14,7 +14,10 @@ pub mod scrub;
 
 use super::canvas::overlay::ColourBy;
 use super::dataset::{Datasets, Trajectories};
-use crate::detector::{Detection, DetectorParams, Feature, ParamError, Slope};
+use crate::detector::{
+    Advice, Detection, DetectorParams, Feature, ParamError, SearchParams, Slope, SlopeChoice, SlopeFinding, SlopeGrid,
+    explain,
+};
 use crate::engine::{BurstId, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Running};
 use compare::Compare;
 use filter::{Column, Filter};
@@ -31,12 +34,27 @@ use std::time::Duration;
 /// Features of the open burst, with what they were made from.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The parameters they were made with.
+    /// What was asked for.
+    pub asked: SearchParams,
+    /// The parameters they were made with: where slopes were to be found, with those that were.
     pub params: DetectorParams,
+    /// What was found of the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
     /// The features, descriptors and the tally.
     pub detection: Arc<Detection>,
     /// How long it took, by the wall clock.
     pub elapsed: Duration,
+    /// Why there is nothing or little, or most of it at the slope limit, and what to change.
+    pub advice: Option<Advice>,
+}
+
+impl Found {
+    /// What the engine answered after `elapsed` for `burst`.
+    pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
+        let Detected { asked, params, finding, detection, .. } = detected;
+        let advice = explain(&detection, &params, burst.burst.size());
+        Self { asked, params, finding, detection, elapsed, advice }
+    }
 }
 
 /// Which parts of the window are open.
@@ -105,8 +123,10 @@ pub struct Model {
     pub room: Room,
     /// The open burst, if any.
     pub burst: Option<OpenBurst>,
-    /// The parameters as they are being edited; they may make no sense for the moment.
+    /// The parameters as they are being edited; they may make no sense for the moment. Where slopes are found, theirs are those found last.
     pub params: DetectorParams,
+    /// How the slopes are chosen.
+    pub slopes: SlopeChoice,
     /// Why they make no sense.
     pub param_error: Option<ParamError>,
     /// The last parameters that made sense for the burst: pictures are made with these.
@@ -205,13 +225,18 @@ impl Model {
 
     /// Checks the edited parameters against the burst and brings the scrub position into range.
     pub fn check_params(&mut self) {
-        let checked = match &self.burst {
-            Some(b) => self.params.validate_for(b.burst.len(), b.burst.size()),
-            None => self.params.validate(),
+        let check = |params: &DetectorParams| match &self.burst {
+            Some(b) => params.validate_for(b.burst.len(), b.burst.size()),
+            None => params.validate(),
         };
-        self.param_error = checked.err();
+        let mut params = self.params.clone();
+        if self.slopes.is_auto() && check(&params).is_err() {
+            // Slopes that are still to be found cannot be wrong.
+            params.slopes = SlopeGrid::single(Slope::default());
+        }
+        self.param_error = check(&params).err();
         if self.param_error.is_none() {
-            self.usable_params = self.params.clone();
+            self.usable_params = params;
         } else if let Some(b) = &self.burst
             && self.usable_params.validate_for(b.burst.len(), b.burst.size()).is_err()
         {
@@ -261,11 +286,14 @@ impl Model {
 
     /// Takes the features, unless they are of another burst. The selection is kept where the same feature was found again.
     pub fn take_detection(&mut self, detected: Detected, elapsed: Duration) {
-        if !self.is_of_open_burst(detected.burst) {
-            return;
-        }
+        let Some(burst) = self.burst.as_ref().filter(|burst| burst.id == detected.burst) else { return };
+        let found = Found::new(detected, burst, elapsed);
         let keep = self.reselect.take().or_else(|| self.saved_selection());
-        self.found = Some(Found { params: detected.params, detection: detected.detection, elapsed });
+        if self.slopes.is_auto() && found.asked.slopes == self.slopes {
+            self.params.slopes = found.params.slopes;
+            self.check_params();
+        }
+        self.found = Some(found);
         self.hovered = None;
         self.selected = keep.and_then(|saved| self.find_again(&saved));
         self.refresh_listed();
@@ -291,7 +319,7 @@ impl Model {
     /// Why the features on show are not those of what is set now; `None` when they are.
     pub fn stale(&self) -> Option<Stale> {
         let found = self.found.as_ref()?;
-        if found.params == self.params {
+        if found.asked == self.asked() {
             None
         } else if self.param_error.is_some() {
             Some(Stale::InvalidParameters)
@@ -300,11 +328,21 @@ impl Model {
         }
     }
 
+    /// What a detection is asked for now. Slopes that are to be found are not part of it.
+    pub fn asked(&self) -> SearchParams {
+        self.asked_of(pair::Side::A)
+    }
+
+    /// Chooses how the slopes are chosen, and for the detector all that `params` say.
+    pub fn set_search(&mut self, params: SearchParams) {
+        (self.params, self.slopes) = (params.detector, params.slopes);
+    }
+
     /// Whether a detection with the present parameters is missing and could be made.
     pub fn needs_detection(&self) -> bool {
         self.burst.is_some()
             && self.param_error.is_none()
-            && self.found.as_ref().is_none_or(|f| f.params != self.params)
+            && self.found.as_ref().is_none_or(|f| f.asked != self.asked())
     }
 
     /// The selection as it is kept in a session.

@@ -42,7 +42,8 @@ pub(super) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
         octaves: 0..1,
         times: StageTimes::default(),
     };
-    Detected { burst: burst.id, params: params.clone(), detection: Arc::new(detection) }
+    let asked = params.clone().into();
+    Detected { burst: burst.id, asked, params: params.clone(), finding: None, detection: Arc::new(detection) }
 }
 
 fn with_features() -> Model {

@@ -216,9 +216,9 @@ impl<'de> Deserialize<'de> for NoiseGate {
 pub enum NoiseModelKind {
     /// The noise as the burst shows it: by brightness, place, octave and level; frames and pixels that are not what they should be are left out (see
     /// [`super::super::noise_model`]).
-    #[default]
     Local,
     /// White noise of one standard deviation.
+    #[default]
     White,
 }
 

@@ -69,6 +69,14 @@ param_doc!(
     "Set it to the direction in which the camera moves; 90 searches vertical motion."
 );
 param_doc!(
+    SLOPES,
+    "slopes",
+    "Slopes",
+    "",
+    "auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a direction, on the line in it.",
+    "Give ranges instead to search what you know, or to search the same slopes in every burst."
+);
+param_doc!(
     FRAMES,
     "frames",
     "Frames used",
@@ -122,7 +130,7 @@ param_doc!(
     "Noise model",
     "",
     "What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and leaves out repeated, black and noisy frames, hot pixels, stripes and flicker; white is one standard deviation for all.",
-    "Local keeps the gate's promise for noise as cameras and files make it; white searches the frames as they are, for comparison."
+    "Local keeps the gate's promise for noise as cameras and files make it, but may take fast, fine texture for noise; white searches the frames as they are."
 );
 param_doc!(
     EDGE_THRESHOLD,
@@ -214,8 +222,9 @@ param_doc!(
 );
 
 /// All of them, in the order in which surfaces show them.
-pub const ALL: [ParamDoc; 22] = [
+pub const ALL: [ParamDoc; 23] = [
     METHOD,
+    SLOPES,
     SLOPES_U,
     SLOPES_V,
     SLOPE_DIRECTION,

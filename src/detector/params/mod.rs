@@ -5,6 +5,7 @@
 
 mod choices;
 pub mod doc;
+mod searched;
 mod validate;
 
 pub use choices::{
@@ -12,6 +13,7 @@ pub use choices::{
     SlopeNeighbours,
 };
 pub use doc::ParamDoc;
+pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use validate::{MAX_SLOPES, ParamError};
 
 use super::slope_grid::SlopeGrid;
@@ -76,12 +78,13 @@ impl Default for DetectorParams {
             // An absolute threshold takes everything in the dark; the noise gate does its work.
             peak_threshold: 0.0,
             noise_gate: NoiseGate::Auto,
-            noise_model: NoiseModelKind::Local,
+            // On small textured pictures in fast motion the local model takes texture for noise, which costs a tenth of the inliers.
+            noise_model: NoiseModelKind::White,
             edge_threshold: 10.0,
             slope_extrema: SlopeExtrema::Each,
             slope_neighbours: SlopeNeighbours::Adjacent,
             distinct: Distinct::default(),
-            distinct_scale: 1.5,
+            distinct_scale: 1.75,
             interpolation: Interpolation::Linear,
             kernel_cut: 4.0,
             localisation: Localisation::Continuous,

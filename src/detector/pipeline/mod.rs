@@ -20,10 +20,10 @@ use super::noise_model::{Examined, NoiseModel, examine};
 use super::octave::{Base, OctaveFilters};
 use super::params::{DescribeSlope, DetectorParams, Distinct, NoiseModelKind, ParamError};
 use super::refine::MAX_MOVES;
-use super::refined_stack::OctaveFrames;
 use super::scale_space::{ScaleSpace, octave_size};
 use super::slope_grid::{Slope, SlopeGrid};
 use super::slope_window::{OtherSlopes, SlopeWindow, capacity};
+use super::two_motions::{FramesOfOctaves, Motions};
 use super::view::searched_octaves;
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -117,11 +117,12 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     let mut tally = Tally::default();
     let started = Instant::now();
     let found = search.octaves(&octaves, &mut tally)?;
-    let keypoints = search.distinct(found.keypoints, &mut tally);
+    let octave_frames = FramesOfOctaves::new(&frames, &frame_times, octaves.clone());
+    let keypoints = search.distinct(found.keypoints, &octave_frames, &mut tally);
     tally.kept = keypoints.len() as u64;
     times.search_secs = started.elapsed().as_secs_f32();
     let started = Instant::now();
-    let mut found = search.describe(&octaves, &keypoints, &found.bases)?;
+    let mut found = search.describe(&octaves, &keypoints, &found.bases, &octave_frames)?;
     monitor.check()?;
     found.sort_by(|(a, _), (b, _)| {
         let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));
@@ -209,13 +210,21 @@ impl Search<'_> {
     }
 
     /// The keypoints that stay when each blob keeps one.
-    fn distinct(&self, keypoints: Vec<Keypoint>, tally: &mut Tally) -> Vec<Keypoint> {
+    fn distinct(&self, keypoints: Vec<Keypoint>, frames: &FramesOfOctaves<'_>, tally: &mut Tally) -> Vec<Keypoint> {
         let Distinct::Radius(radius) = self.params.distinct else {
             return keypoints;
         };
         let blobs: Vec<Blob> = keypoints.iter().map(Blob::from).collect();
         let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
-        let covered = distinct::covered_by(&blobs, rule);
+        let motions = Motions {
+            frames,
+            times: self.times,
+            size_image: self.size_image,
+            space: &self.space,
+            interpolation: self.params.interpolation,
+        };
+        let are_two = |a: usize, b: usize| motions.are_two(&keypoints[a], &keypoints[b]);
+        let covered = distinct::covered_by(&blobs, rule, are_two);
         let before = keypoints.len();
         let stay = keypoints.into_iter().zip(covered).filter(|(_, by)| by.is_none());
         let keypoints: Vec<Keypoint> = stay.map(|(keypoint, _)| keypoint).collect();
@@ -229,6 +238,7 @@ impl Search<'_> {
         octaves: &Range<i32>,
         keypoints: &[Keypoint],
         bases: &[Vec<Plane>],
+        frames: &FramesOfOctaves<'_>,
     ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
         let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
         let of_octave = |octave: i32| &bases[(octave - octaves.start) as usize];
@@ -238,8 +248,7 @@ impl Search<'_> {
             self.monitor.report(Stage::Describe, (SEARCH_PART + (1.0 - SEARCH_PART) * done).min(1.0));
             let base = |slope_index: usize| self.base(octave, of_octave(octave), slope_index);
             let finer = |slope_index: usize| self.base(octave - 1, of_octave(octave - 1), slope_index);
-            let own_slopes =
-                self.describes_own_slopes(octave).then(|| OctaveFrames::new(self.frames, self.times, octave));
+            let own_slopes = self.describes_own_slopes(octave).then(|| frames.of(octave));
             let describing = Describing {
                 base: &base,
                 finer: (octave > octaves.start).then_some(&finer as _),
@@ -250,7 +259,7 @@ impl Search<'_> {
                 grid: self.grid,
                 space: &self.space,
                 params: self.params,
-                own_slopes: own_slopes.as_ref(),
+                own_slopes,
                 monitor: self.monitor,
             };
             found.extend(describing.describe(in_octave)?);

@@ -132,7 +132,7 @@ fn features_ui(model: &Model, side: Side, output: &CanvasOutput) {
     let style = OverlayStyle {
         orientations: false,
         motion: false,
-        stale: found.params != model.params_of(side),
+        stale: found.asked != model.asked_of(side),
         ..OverlayStyle::new(&scale, found.detection.frames_used.len())
     };
     match frames_from_middle(model.picture_of(side), &found.detection) {

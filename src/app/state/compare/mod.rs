@@ -179,7 +179,7 @@ impl Model {
         (usable && self.method_found(method, side).is_none()).then_some(Job {
             method,
             side,
-            request: CompareRequest::Detect(DetectRequest { burst, params }),
+            request: CompareRequest::Detect(DetectRequest { burst, params: params.into() }),
         })
     }
 

@@ -15,7 +15,7 @@ fn do_job(model: &mut Model, job: &Job) {
     match &job.request {
         CompareRequest::Detect(request) => {
             let detection = model.found_of(job.side).expect("found").detection.clone();
-            let (burst, params) = (request.burst.id, request.params.clone());
+            let (burst, params) = (request.burst.id, request.params.detector.clone());
             let found = MethodFound { burst, params, detection, image: None, elapsed: Duration::ZERO };
             model.compare.take_found(job.method, job.side, found);
         }

@@ -15,7 +15,7 @@ use super::look::Look;
 use super::order::Order;
 use super::scrub::Scrub;
 use super::{Found, Model};
-use crate::detector::{DetectorParams, Method, ParamError};
+use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
 use crate::engine::{Detected, MatchRequest, OpenBurst, PatchesRequest, Picture, PictureKind, PictureRequest, Running};
 use crate::matching::MatchParams;
 use serde::{Deserialize, Serialize};
@@ -236,8 +236,21 @@ impl Model {
             if frames == 1 {
                 params.method = Method::Sift;
             }
+            if self.slopes.is_auto() {
+                // B's slopes are its own.
+                params.slopes = self.pair.b.found.as_ref().map_or(SlopeGrid::default(), |found| found.params.slopes);
+            }
         }
         params
+    }
+
+    /// What a detection on `side` is asked for now. Slopes that are to be found are not part of it.
+    pub fn asked_of(&self, side: Side) -> SearchParams {
+        let mut detector = self.params_of(side);
+        if self.slopes.is_auto() {
+            detector.slopes = SlopeGrid::default();
+        }
+        SearchParams { detector, slopes: self.slopes }
     }
 
     /// Whose slope and scale the hand moves now.
@@ -317,15 +330,14 @@ impl Model {
         let b = &self.pair.b;
         b.burst.is_some()
             && b.param_error.is_none()
-            && b.found.as_ref().is_none_or(|found| found.params != self.params_of(Side::B))
+            && b.found.as_ref().is_none_or(|found| found.asked != self.asked_of(Side::B))
     }
 
     /// Takes B's features, unless they are of another burst.
     pub fn take_second_detection(&mut self, detected: Detected, elapsed: Duration) {
-        if self.pair.b.burst.as_ref().is_none_or(|open| open.id != detected.burst) {
-            return;
-        }
-        self.pair.b.found = Some(Found { params: detected.params, detection: detected.detection, elapsed });
+        let Some(burst) = self.pair.b.burst.as_ref().filter(|open| open.id == detected.burst) else { return };
+        self.pair.b.found = Some(Found::new(detected, burst, elapsed));
+        self.on_side(Side::B, Self::check_params);
         if !self.pair.b.slope_chosen {
             self.on_side(Side::B, Self::go_to_busiest_slope);
         }
@@ -401,7 +413,7 @@ impl Model {
     pub fn stale_matches(&self) -> Option<&'static str> {
         let matches = self.pair.matches.as_ref()?;
         let features = [Side::A, Side::B].into_iter().any(|side| {
-            let same = |found: &Found| found.params == self.params_of(side) && matches.is_of(side, &found.detection);
+            let same = |found: &Found| found.asked == self.asked_of(side) && matches.is_of(side, &found.detection);
             !self.found_of(side).is_some_and(same)
         });
         if features {

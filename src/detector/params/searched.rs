@@ -1,0 +1,236 @@
+//! The detector's parameters together with how the slopes are chosen: what the commands, parameter files, datasets and
+//! the window hold.
+//!
+//! [`DetectorParams`] says which slopes are searched. [`SearchParams`] may instead say that they are found from each
+//! burst; [`crate::detector::slopes::resolve`] then makes the one from the other, burst by burst, before anything is
+//! detected.
+
+use super::{DetectorParams, ParamError};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use toml::{Table, Value};
+
+/// The word for slopes that are found.
+pub const AUTO: &str = "auto";
+/// The field of a parameter file that holds the slopes.
+const FIELD: &str = "slopes";
+
+/// How the slopes that are searched are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum SlopeChoice {
+    /// As [`DetectorParams::slopes`] says.
+    #[default]
+    Given,
+    /// Found from each burst; with a direction (degrees from +u towards +v) only on the line through slope 0 in it.
+    Auto {
+        /// The line's direction.
+        direction_deg: Option<f32>,
+    },
+}
+
+impl SlopeChoice {
+    /// Found from each burst, anywhere in the plane.
+    pub const AUTO: Self = Self::Auto { direction_deg: None };
+
+    /// Whether slopes are found from each burst.
+    pub fn is_auto(self) -> bool {
+        matches!(self, Self::Auto { .. })
+    }
+}
+
+/// The detector's parameters, and how the slopes are chosen. By default they are found.
+///
+/// As a file it is that of [`DetectorParams`], where `slopes = "auto"` (or a missing field) stands for slopes that are
+/// found, and
+/// `slopes = { auto = true, direction_deg = 30.0 }` for those on a line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchParams {
+    /// The parameters. Their slopes count only where they are [given](SlopeChoice::Given).
+    pub detector: DetectorParams,
+    /// How the slopes are chosen.
+    pub slopes: SlopeChoice,
+}
+
+impl Default for SearchParams {
+    fn default() -> Self {
+        Self { detector: DetectorParams::default(), slopes: SlopeChoice::AUTO }
+    }
+}
+
+impl From<DetectorParams> for SearchParams {
+    /// With the slopes that the parameters say.
+    fn from(detector: DetectorParams) -> Self {
+        Self { detector, slopes: SlopeChoice::Given }
+    }
+}
+
+impl SearchParams {
+    /// Checks the parameters alone, without a burst.
+    ///
+    /// # Errors
+    /// The first parameter that makes no sense.
+    pub fn validate(&self) -> Result<(), ParamError> {
+        if let SlopeChoice::Auto { direction_deg: Some(degrees) } = self.slopes
+            && !degrees.is_finite()
+        {
+            return Err(ParamError {
+                parameter: super::doc::SLOPE_DIRECTION.name,
+                problem: "it is not finite".into(),
+                remedy: "give degrees".into(),
+            });
+        }
+        self.detector.validate()
+    }
+
+    /// Reads a parameter file.
+    ///
+    /// # Errors
+    /// What is wrong and where, as TOML's reader says it, or the first parameter that makes no sense.
+    pub fn from_toml(text: &str) -> Result<Self, String> {
+        let params: Self = match text.parse::<Table>() {
+            Ok(table) if choice_in(&table)?.is_auto() => Self::of_table(table)?,
+            // TOML's reader names the place of a mistake.
+            _ => DetectorParams::from_toml(text)?.into(),
+        };
+        params.validate().map_err(|e| e.to_string())?;
+        Ok(params)
+    }
+
+    /// The parameter file's text, which [`Self::from_toml`] reads back.
+    pub fn to_toml(&self) -> String {
+        if !self.slopes.is_auto() {
+            return self.detector.to_toml();
+        }
+        let body = toml::to_string(&self.table()).expect("parameters are plain values, which TOML can always hold");
+        format!("# Burstscope detector parameters. Slopes are found from each burst.\n{body}")
+    }
+
+    fn of_table(mut table: Table) -> Result<Self, String> {
+        let slopes = choice_in(&table)?;
+        if slopes.is_auto() {
+            table.remove(FIELD);
+        }
+        let detector = table.try_into::<DetectorParams>().map_err(|e| e.to_string())?;
+        Ok(Self { detector, slopes })
+    }
+
+    /// The file's content where slopes are found.
+    fn table(&self) -> Table {
+        let mut table =
+            Table::try_from(&self.detector).expect("parameters are plain values, which TOML can always hold");
+        shorten(&mut table);
+        let slopes = match self.slopes {
+            SlopeChoice::Auto { direction_deg: Some(degrees) } => {
+                let mut line = Table::new();
+                line.insert(AUTO.into(), Value::Boolean(true));
+                line.insert("direction_deg".into(), Value::Float(short(f64::from(degrees))));
+                Value::Table(line)
+            }
+            _ => Value::String(AUTO.into()),
+        };
+        table.insert(FIELD.into(), slopes);
+        table
+    }
+}
+
+/// How a file chooses its slopes.
+fn choice_in(table: &Table) -> Result<SlopeChoice, String> {
+    match table.get(FIELD) {
+        None => Ok(SlopeChoice::AUTO),
+        Some(Value::String(word)) if word == AUTO => Ok(SlopeChoice::AUTO),
+        Some(Value::String(word)) => {
+            Err(format!("slopes: '{word}' is not known; give \"auto\" or a table with u and v"))
+        }
+        Some(Value::Table(slopes)) => match slopes.get(AUTO) {
+            None | Some(Value::Boolean(false)) if !slopes.contains_key(AUTO) => Ok(SlopeChoice::Given),
+            Some(Value::Boolean(true)) if slopes.keys().all(|key| [AUTO, "direction_deg"].contains(&key.as_str())) => {
+                let degrees = match slopes.get("direction_deg") {
+                    None => None,
+                    Some(Value::Float(degrees)) => Some(*degrees as f32),
+                    Some(Value::Integer(degrees)) => Some(*degrees as f32),
+                    Some(_) => return Err("slopes: direction_deg is not a number; give degrees".into()),
+                };
+                Ok(SlopeChoice::Auto { direction_deg: degrees })
+            }
+            _ => Err("slopes: auto = true stands alone or with direction_deg; leave out the rest, or auto".into()),
+        },
+        Some(_) => Ok(SlopeChoice::Given),
+    }
+}
+
+/// Numbers as their f32 would be written: 0.0003, not the double that is nearest to the f32.
+fn shorten(table: &mut Table) {
+    for (_, value) in table.iter_mut() {
+        match value {
+            Value::Float(x) => *x = short(*x),
+            Value::Table(inner) => shorten(inner),
+            _ => {}
+        }
+    }
+}
+
+fn short(x: f64) -> f64 {
+    (x as f32).to_string().parse().unwrap_or(x)
+}
+
+impl Serialize for SearchParams {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.slopes {
+            SlopeChoice::Given => self.detector.serialize(serializer),
+            SlopeChoice::Auto { .. } => self.table().serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for SearchParams {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::of_table(Table::deserialize(deserializer)?).map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::SlopeGrid;
+
+    #[test]
+    fn every_choice_survives_a_file_and_json() {
+        let detector = DetectorParams { peak_threshold: 0.0003, levels: 3, ..DetectorParams::default() };
+        for slopes in [SlopeChoice::Given, SlopeChoice::AUTO, SlopeChoice::Auto { direction_deg: Some(-30.5) }] {
+            let params = SearchParams { detector: detector.clone(), slopes };
+            let text = params.to_toml();
+            assert_eq!(SearchParams::from_toml(&text).as_ref(), Ok(&params), "{text}");
+            let json = serde_json::to_string(&params).expect("written");
+            assert_eq!(serde_json::from_str::<SearchParams>(&json).expect("read"), params, "{json}");
+            assert!(json.contains("\"peak_threshold\":0.0003,"), "{json}");
+        }
+    }
+
+    #[test]
+    fn a_file_without_slopes_has_them_found_and_one_with_slopes_does_not() {
+        assert_eq!(SearchParams::from_toml(""), Ok(SearchParams::default()));
+        assert_eq!(SearchParams::from_toml("slopes = \"auto\""), Ok(SearchParams::default()));
+        let given = SearchParams::from_toml("[slopes]\nu = { min = -1.0, max = 1.0, count = 3 }\n").expect("valid");
+        assert_eq!(given.slopes, SlopeChoice::Given);
+        assert_eq!(given.detector.slopes, SlopeGrid::line(-1.0..=1.0, 3));
+        // What the library's own file says of slopes is kept.
+        let library = SearchParams::from_toml(&DetectorParams::default().to_toml()).expect("valid");
+        assert_eq!(library, DetectorParams::default().into());
+    }
+
+    #[test]
+    fn nonsense_says_what_would_be_right() {
+        for (text, words) in [
+            ("slopes = \"all\"", "give \"auto\""),
+            ("[slopes]\nauto = true\nu = { min = 0.0, max = 1.0, count = 2 }", "stands alone"),
+            ("[slopes]\nauto = 3", "stands alone"),
+            ("[slopes]\nauto = true\ndirection_deg = \"up\"", "give degrees"),
+            ("[slopes]\nauto = true\ndirection_deg = nan", "slope-direction"),
+            ("slopes = \"auto\"\npeak_treshold = 1.0", "peak_treshold"),
+            ("slopes = \"auto\"\nlevels = 0", "give 1 to 10"),
+            ("levels = ", "TOML"),
+        ] {
+            let error = SearchParams::from_toml(text).expect_err(text);
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+}

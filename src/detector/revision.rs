@@ -1,0 +1,48 @@
+//! Which detector it was: a number that changes whenever the bits of features do.
+//!
+//! Features are kept in files beside a dataset and taken from there the next time. Those that an older detector found lie a little
+//! elsewhere, or have other descriptors, and match new ones less well; mixed, they would spoil a reconstruction without a word. So
+//! whatever keeps features writes this number beside them, and takes only those with the same number.
+
+/// The detector's revision. It goes up by one with every change after which the same burst and parameters give other bits of any feature or
+/// descriptor; not with new parameters whose defaults change nothing (parameters are compared by themselves).
+pub const REVISION: u32 = 1;
+
+#[cfg(test)]
+mod tests {
+    use super::super::{DetectorParams, SlopeGrid, detect};
+    use super::*;
+    use crate::monitor::Monitor;
+    use crate::synth::{ChartParams, Motion, synth_chart};
+
+    /// What this revision finds on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³; mean of the descriptors' values.
+    /// Sums, with a tolerance, because processors round the last bit differently.
+    const FOUND: (u32, usize, [f64; 6]) =
+        (1, 40, [3122.101652, 3473.109524, 140.913858, 26.332307, 44.042041, 33.423242]);
+
+    #[test]
+    fn other_features_come_with_another_revision() {
+        let chart =
+            ChartParams { width: 200, height: 150, discs: 10, radius: 3.6..=9.0, snr: 2.0, ..ChartParams::default() };
+        let (burst, _) =
+            synth_chart(&ChartParams { motion: Motion::TwoD, max_slope: 1.0, ..chart }, &Monitor::default())
+                .expect("a chart");
+        let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
+        let detection = detect(&burst, &DetectorParams { slopes, ..DetectorParams::default() }, &Monitor::default())
+            .expect("a detection");
+        let sum = |value: fn(&super::super::Feature) -> f32| {
+            detection.features.iter().map(|f| f64::from(value(f).abs())).sum::<f64>()
+        };
+        let elements = detection.descriptors.iter().flatten();
+        let mean = elements.map(|&x| f64::from(x)).sum::<f64>() / (128.0 * detection.descriptors.len().max(1) as f64);
+        let sums = [sum(|f| f.u), sum(|f| f.v), sum(|f| f.sigma), sum(|f| f.slope.u), 1e3 * sum(|f| f.response), mean];
+        let (revision, features, expected) = FOUND;
+        let same = features == detection.features.len()
+            && expected.iter().zip(&sums).all(|(a, b)| (a - b).abs() <= 1e-4 * b.abs());
+        assert!(
+            same && revision == REVISION,
+            "features have changed: raise REVISION, and let FOUND be (revision, {}, {sums:.6?})",
+            detection.features.len()
+        );
+    }
+}

@@ -1,0 +1,216 @@
+//! Slopes found by themselves: which slopes a burst needs, from the burst alone.
+//!
+//! A feature shows where the motion stack at its slope has structure. So the power of the band-passed motion stack,
+//! over the plane of slopes, says which slopes there are. It is a sum over pairs of frames of their correlation at the
+//! shift that the slope gives them; leaving out each frame's product with itself leaves out what its noise adds.
+//! `spectra` makes the correlations of small windows by FFT, `peak` finds the slope that a window speaks for, with
+//! its significance, `evidence` does this for windows of many places and sizes at several scales, `straight` tests
+//! whether the motion is uniform, and `grid` chooses what is searched. A histogram of features would not do: in the
+//! dark it is flat.
+//!
+//! (The paper gives the range of slopes by hand.)
+
+mod evidence;
+mod finding;
+mod grid;
+mod pairs;
+mod peak;
+mod pyramid;
+mod spectra;
+mod straight;
+#[cfg(test)]
+mod tests;
+
+pub use evidence::SlopeEvidence;
+pub use finding::{SlopeFinding, SlopeSpectrum, SlopeVerdict};
+
+use super::params::{DetectorParams, Method, SearchParams, SlopeChoice};
+use super::pipeline::DetectError;
+use super::scale_space::ScaleSpace;
+use super::slope_grid::{Slope, SlopeGrid};
+use crate::burst::Burst;
+use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::plane::Plane;
+use evidence::{Seen, look};
+use grid::{Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, turned};
+use peak::{SearchTable, Track};
+use spectra::{Fourier, MAX_LAG, SIDE};
+
+/// Smear of the outermost frames, in pixels, below which two slopes are the same to the finder: about the σ of the
+/// finest features of a first octave 0.
+const SAME_SMEAR_PX: f64 = 1.9;
+/// Distance from a uniform motion, in pixels, from which the motion is said not to be straight: then the finest
+/// features are smeared.
+const STRAIGHT_PX: f64 = 1.4;
+/// A burst whose frames move by more than this part of the picture is a film.
+const FILM_PART: f64 = 1.0 / 3.0;
+/// The picture stands still when no slope moves a point by more than this from the first to the last frame, pixels.
+const STILL_PX: f64 = 0.95;
+
+/// Finds the slopes that the frames of `burst` which `params` use show, on the line in direction `direction_deg`
+/// (degrees from +u towards +v) or anywhere in the plane.
+///
+/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ/(N−1) for the
+/// finest σ searched, or coarser where the range is long. The same burst gives the same bits, whatever the number of
+/// threads.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn find_slopes(
+    burst: &Burst,
+    params: &DetectorParams,
+    direction_deg: Option<f32>,
+    monitor: &Monitor,
+) -> Result<SlopeFinding, Cancelled> {
+    monitor.report(Stage::Slopes, 0.0);
+    let used = burst.frames.get(params.used_frames(burst.len())).unwrap_or_default();
+    let frames: Vec<&Plane> = used.iter().map(|f| &**f).collect();
+    if frames.len() < 2 {
+        return Ok(SlopeFinding::still(0.0));
+    }
+    let fourier = Fourier::new();
+    let track = direction_deg.map_or(Track::Plane, |degrees| {
+        let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+        Track::Line([cos, sin])
+    });
+    let levels = pyramid::levels_for(burst.size(), SIDE);
+    let (seen, table) = look(&frames, levels.clone(), track, &fourier, monitor)?;
+    let gaps = (frames.len() - 1) as f64;
+    let space = ScaleSpace::of(params);
+    let steps = Steps {
+        search: 2.0 * space.sigma_image(space.first_octave, 0.0) / gaps,
+        same: 2.0 * SAME_SMEAR_PX / gaps.min(MAX_LAG as f64),
+    };
+    let finding = conclude(&seen, steps, direction_deg, Size { gaps, pixels: burst.size() });
+    let deviation = straightness(&seen, &fourier, levels.start);
+    monitor.report(Stage::Slopes, 1.0);
+    Ok(SlopeFinding { spectrum: spectrum(&seen, &table, levels.start), ..finding.with_deviation(deviation) })
+}
+
+/// The parameters with which `burst` is searched, and what was found of its slopes if they were to be found. The
+/// baselines' methods have none to find.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
+pub fn resolve(
+    burst: &Burst,
+    params: &SearchParams,
+    monitor: &Monitor,
+) -> Result<(DetectorParams, Option<SlopeFinding>), DetectError> {
+    params.validate()?;
+    let SlopeChoice::Auto { direction_deg } = params.slopes else {
+        return Ok((params.detector.clone(), None));
+    };
+    if params.detector.method != Method::Buff {
+        return Ok((params.detector.clone(), None));
+    }
+    // Everything but the slopes is checked before they are looked for.
+    let unmoved = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params.detector.clone() };
+    unmoved.validate_for(burst.len(), burst.size())?;
+    let finding = find_slopes(burst, &unmoved, direction_deg, monitor)?;
+    Ok((DetectorParams { slopes: finding.grid, ..unmoved }, Some(finding)))
+}
+
+/// What the limits of a motion are measured with.
+#[derive(Clone, Copy)]
+struct Size {
+    /// Frames less one.
+    gaps: f64,
+    /// (columns, rows).
+    pixels: (usize, usize),
+}
+
+/// The grid and the verdict, as if the motion were straight.
+fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> SlopeFinding {
+    let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
+    let most = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
+    let clear: Vec<SlopeEvidence> = significant.iter().filter(|e| is_clear(e, steps)).copied().collect();
+    let kept = confirmed(&clear, steps);
+    let kept: Vec<SlopeEvidence> = kept.into_iter().filter(|e| stays_inside(e.slope, size)).collect();
+    let Some(grid) = grid_for(&kept, steps, line_deg) else {
+        return SlopeFinding { evidence: seen.evidence.clone(), ..SlopeFinding::nothing(most) };
+    };
+    let still = kept.iter().all(|e| f64::from(e.slope.magnitude()) * size.gaps <= STILL_PX);
+    let grid = if still { SlopeGrid::single(Slope::default()) } else { grid };
+    let moved_px = typical(&kept, |e| f64::from(e.slope.magnitude())) * size.gaps;
+    let part = typical(&kept, |e| {
+        let (u, v) = (f64::from(e.slope.u).abs(), f64::from(e.slope.v).abs());
+        (u / size.pixels.0 as f64).max(v / size.pixels.1 as f64)
+    }) * size.gaps;
+    SlopeFinding {
+        verdict: match () {
+            () if part > FILM_PART => SlopeVerdict::Film,
+            () if still => SlopeVerdict::Still,
+            () => SlopeVerdict::Found,
+        },
+        confidence: agreement(&significant, &grid, steps),
+        significance: most,
+        direction_deg: (!still).then(|| direction_deg(&kept) as f32),
+        moved_px: moved_px as f32,
+        deviation_px: None,
+        evidence: seen.evidence.clone(),
+        spectrum: SlopeSpectrum::default(),
+        grid,
+    }
+}
+
+/// Whether a point at mid-burst that moves by `slope` is still inside the picture at its ends.
+fn stays_inside(slope: Slope, size: Size) -> bool {
+    let reach = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
+    reach(slope.u, size.pixels.0) && reach(slope.v, size.pixels.1)
+}
+
+/// The median of a value over the evidence, weighted by significance.
+fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) -> f64 {
+    let mut values: Vec<(f64, f64)> = evidence.iter().map(|e| (value(e), f64::from(e.significance))).collect();
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * values.iter().map(|v| v.1).sum::<f64>();
+    let mut sum = 0.0;
+    values
+        .iter()
+        .find(|v| {
+            sum += v.1;
+            sum >= half
+        })
+        .map_or(0.0, |v| v.0)
+}
+
+/// The part of the significant evidence, by significance, whose slope the grid holds.
+fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f32 {
+    let holds = |e: &&SlopeEvidence| {
+        let around = (0.5 * steps.search).max(f64::from(e.uncertainty).min(steps.same));
+        let [along, across] = turned(e.slope, f64::from(grid.direction_deg));
+        let within = |x: f64, axis: &crate::detector::SlopeAxis| {
+            x > f64::from(axis.min) - around && x < f64::from(axis.max) + around
+        };
+        within(along, &grid.u) && within(across, &grid.v)
+    };
+    let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();
+    sum(&mut significant.iter().filter(holds)) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
+}
+
+/// The largest distance from a uniform motion, and the one from which it is said not to be straight, image pixels, at
+/// the finest level that can tell.
+fn straightness(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<[f64; 2]> {
+    let mut levels = seen.wholes.iter().zip(first_level..);
+    levels.find_map(|(whole, level)| {
+        let [distance, noise] = straight::deviation(whole, fourier)?.map(|x| x * f64::from(1u32 << level));
+        Some([distance, STRAIGHT_PX.max(3.0 * noise)])
+    })
+}
+
+/// The power over slopes of the whole image, at the finest level.
+fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum {
+    let Some(whole) = seen.wholes.first() else {
+        return SlopeSpectrum::default();
+    };
+    let unit = f64::from(1u32 << first_level);
+    let fourier = Fourier::new();
+    let planes = fourier.correlations(&whole.lags, &mut fourier.scratch(0));
+    let slopes = table.slopes().iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
+    SlopeSpectrum {
+        slopes,
+        significance: table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect(),
+    }
+}

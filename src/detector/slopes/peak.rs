@@ -1,0 +1,272 @@
+//! The slope that a window's correlations speak for, and how clearly.
+//!
+//! The power of the motion stack at slope λ, without what each frame has alone, is P(λ) = Σ_k A_k(k·λ), where A_k is
+//! the correlation summed over the pairs of lag k. A point that moves leaves the window, which lowers A_k at a shift d
+//! by the window's overlap with itself, W(d). So A_k/W is an unbiased measure and W² the weight that it deserves. The
+//! noise in P follows from the frames' own spectra; P over its deviation is the significance, z.
+//!
+//! The strongest of a grid of slopes is refined by Newton's method on all lags. How far P falls around it says how well
+//! the slope is determined: along an edge it doesn't fall at all. The strongest other slope, compared with it, says how
+//! ambiguous the answer is: periodic texture has such aliases.
+
+use super::spectra::SIDE;
+
+/// Shifts that are looked at, level pixels: further out little of the window overlaps.
+const REACH: f64 = 0.4 * SIDE as f64;
+/// Lags that the grid of slopes is searched with; the refinement uses all.
+const SEARCH_LAGS: usize = 5;
+/// The largest shift between neighbouring slopes of the grid, level pixels.
+const SEARCH_STEP: f64 = 0.8;
+/// Overlaps below this count as none.
+const LEAST_OVERLAP: f32 = 0.03;
+/// Part of P by which texture may shift its peak, beside the noise.
+const TEXTURE_PART: f64 = 0.01;
+/// Newton steps at most.
+const STEPS: usize = 5;
+
+/// The slopes that are looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Track {
+    /// All of the plane.
+    Plane,
+    /// Those along a unit vector (u, v).
+    Line([f64; 2]),
+}
+
+/// What a window speaks for. Slopes are in level pixels per frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Peak {
+    /// The slope (u, v).
+    pub slope: [f64; 2],
+    /// Power there over the deviation that frames with nothing in common would give it.
+    pub significance: f64,
+    /// How far off the slope may be in the direction in which it is least certain.
+    pub uncertainty: f64,
+    /// Power at the strongest other slope over that at this one.
+    pub ambiguity: f64,
+}
+
+/// One lag of one slope of the grid: where to read its correlation.
+struct Tap {
+    at: [u16; 4],
+    weight: [f32; 4],
+    overlap: f32,
+}
+
+/// The slopes of the search, with where they read the correlations. The same for all windows of all levels.
+pub(super) struct SearchTable {
+    track: Track,
+    /// Level pixels per frame.
+    slopes: Vec<[f64; 2]>,
+    taps: Vec<Vec<Tap>>,
+    step: f64,
+    overlap: Vec<f32>,
+}
+
+impl SearchTable {
+    /// For `lag_count` lags and windows whose overlap with themselves is `overlap`.
+    pub fn new(lag_count: usize, track: Track, overlap: &[f32]) -> Self {
+        let lags = lag_count.clamp(1, SEARCH_LAGS);
+        let step = SEARCH_STEP / lags as f64;
+        let radius = REACH / lag_count.clamp(1, 3) as f64;
+        let half = (radius / step).floor() as i64;
+        let slopes: Vec<[f64; 2]> = match track {
+            Track::Plane => (-half..=half)
+                .flat_map(|j| (-half..=half).map(move |i| [i as f64 * step, j as f64 * step]))
+                .filter(|s| s[0].hypot(s[1]) <= radius)
+                .collect(),
+            Track::Line([u, v]) => (-half..=half).map(|i| [i as f64 * step * u, i as f64 * step * v]).collect(),
+        };
+        let taps = slopes.iter().map(|s| (1..=lags).filter_map(|lag| Tap::new(*s, lag, overlap)).collect()).collect();
+        Self { track, slopes, taps, step, overlap: overlap.to_vec() }
+    }
+
+    /// What the correlations `planes` of lags 1, 2, … speak for, given the variance of their noise; `None` where they
+    /// are all zero.
+    pub fn strongest(&self, planes: &[Vec<f32>], variance: &[f64]) -> Option<Peak> {
+        if variance.iter().all(|v| *v <= 0.0) {
+            return None;
+        }
+        let scores: Vec<f64> = self.scores(planes, variance);
+        let unbiased: Vec<Vec<f32>> = planes.iter().map(|plane| unbiased(plane, &self.overlap)).collect();
+        let stack = Stack { planes: &unbiased, variance, overlap: &self.overlap };
+        let first = best(&scores, |_| true)?;
+        let peak = self.refined(&stack, self.slopes[first], STEPS)?;
+        // A peak of the grid's search is as wide as its lags see it.
+        let apart = 6.0 * self.step;
+        let distance = |s: &[f64; 2]| (s[0] - peak.slope[0]).hypot(s[1] - peak.slope[1]);
+        let other = best(&scores, |i| distance(&self.slopes[i]) > apart);
+        let other =
+            other.and_then(|i| self.refined(&stack, self.slopes[i], 2)).filter(|o| distance(&o.slope) > 0.5 * apart);
+        match other {
+            Some(other) if other.significance > peak.significance => {
+                let ambiguity = peak.significance / other.significance;
+                let other = self.refined(&stack, other.slope, STEPS).unwrap_or(other);
+                Some(Peak { ambiguity, ..other })
+            }
+            Some(other) => Some(Peak { ambiguity: other.significance / peak.significance, ..peak }),
+            None => Some(peak),
+        }
+    }
+
+    /// The slopes of the grid, level pixels per frame.
+    pub fn slopes(&self) -> &[[f64; 2]] {
+        &self.slopes
+    }
+
+    /// The significance at every slope of the grid, from the first few lags.
+    pub fn scores(&self, planes: &[Vec<f32>], variance: &[f64]) -> Vec<f64> {
+        let score = |taps: &Vec<Tap>| {
+            let (mut power, mut noise) = (0.0f64, 0.0f64);
+            for (tap, (plane, variance)) in taps.iter().zip(planes.iter().zip(variance)) {
+                let [a, b, c, d] = tap.at.map(|at| plane[usize::from(at)]);
+                let [e, f, g, h] = tap.weight;
+                power += f64::from(a * e + b * f + c * g + d * h);
+                noise += f64::from(tap.overlap * tap.overlap) * variance;
+            }
+            if noise > 0.0 { power / noise.sqrt() } else { 0.0 }
+        };
+        self.taps.iter().map(score).collect()
+    }
+
+    /// The nearest maximum of P, by Newton's method from `slope` on.
+    fn refined(&self, stack: &Stack<'_>, slope: [f64; 2], steps: usize) -> Option<Peak> {
+        let axes = match self.track {
+            Track::Plane => [[1.0, 0.0], [0.0, 1.0]],
+            Track::Line([u, v]) => [[u, v], [-v, u]],
+        };
+        let both = self.track == Track::Plane;
+        let (h, mut at) = (0.5 * self.step, slope);
+        let mut answer = None;
+        for _ in 0..steps {
+            let weights = stack.weights(at);
+            let p = |i: f64, j: f64| {
+                let moved = |axis: usize| at[axis] + h * (i * axes[0][axis] + j * axes[1][axis]);
+                stack.power(&weights, [moved(0), moved(1)])
+            };
+            let (middle, left, right) = (p(0.0, 0.0), p(-1.0, 0.0), p(1.0, 0.0));
+            let bend = |a: f64, b: f64| (2.0 * middle - a - b) / (h * h);
+            let (slant_0, bend_00) = ((right - left) / (2.0 * h), bend(left, right));
+            let (slant_1, bend_11, bend_01) = if both {
+                let (up, down) = (p(0.0, -1.0), p(0.0, 1.0));
+                let corners = p(1.0, 1.0) - p(1.0, -1.0) - p(-1.0, 1.0) + p(-1.0, -1.0);
+                ((down - up) / (2.0 * h), bend(up, down), -corners / (4.0 * h * h))
+            } else {
+                (0.0, 1.0, 0.0)
+            };
+            let deviation = stack.deviation(&weights);
+            let determinant = bend_00 * bend_11 - bend_01 * bend_01;
+            if middle <= 0.0 || deviation <= 0.0 {
+                return answer;
+            }
+            let significance = middle / deviation;
+            // The smallest curvature of P, as a fraction of it.
+            let mean = 0.5 * (bend_00 + bend_11);
+            let least =
+                if both { mean - (0.25 * (bend_00 - bend_11).powi(2) + bend_01 * bend_01).sqrt() } else { bend_00 };
+            let part = TEXTURE_PART + 4.5 / (significance * significance);
+            let uncertainty = if least > 0.0 { (2.0 * part * middle / least).sqrt() } else { f64::INFINITY };
+            answer = Some(Peak { slope: at, significance, uncertainty, ambiguity: 0.0 });
+            if least <= 0.0 || determinant <= 0.0 {
+                return answer;
+            }
+            let step = [
+                (bend_11 * slant_0 - bend_01 * slant_1) / determinant,
+                (bend_00 * slant_1 - bend_01 * slant_0) / determinant,
+            ];
+            let length = step[0].hypot(step[1]);
+            let limit = (self.step / length.max(1e-12)).min(1.0);
+            for axis in 0..2 {
+                at[axis] += limit * (step[0] * axes[0][axis] + step[1] * axes[1][axis]);
+            }
+            if length < 0.02 * self.step {
+                break;
+            }
+        }
+        answer
+    }
+}
+
+/// The index of the largest of those scores that count.
+fn best(scores: &[f64], counts: impl Fn(usize) -> bool) -> Option<usize> {
+    (0..scores.len()).filter(|i| counts(*i)).max_by(|a, b| scores[*a].total_cmp(&scores[*b]))
+}
+
+impl Tap {
+    /// Lag `lag` of `slope`; `None` where the window overlaps too little.
+    fn new(slope: [f64; 2], lag: usize, overlap: &[f32]) -> Option<Self> {
+        let shift = slope.map(|s| s * lag as f64);
+        let w = overlap_at(overlap, shift);
+        if w < LEAST_OVERLAP {
+            return None;
+        }
+        let ([u, v], [fu, fv]) = split(shift);
+        let at = [(v, u), (v, u + 1), (v + 1, u), (v + 1, u + 1)].map(|(v, u)| index(u, v) as u16);
+        let weight = [(1.0 - fv) * (1.0 - fu), (1.0 - fv) * fu, fv * (1.0 - fu), fv * fu].map(|x| w * x as f32);
+        Some(Self { at, weight, overlap: w })
+    }
+}
+
+/// Whole pixels and the fraction beyond them.
+fn split(shift: [f64; 2]) -> ([i64; 2], [f64; 2]) {
+    let whole = shift.map(f64::floor);
+    (whole.map(|x| x as i64), [shift[0] - whole[0], shift[1] - whole[1]])
+}
+
+fn index(u: i64, v: i64) -> usize {
+    v.rem_euclid(SIDE as i64) as usize * SIDE + u.rem_euclid(SIDE as i64) as usize
+}
+
+/// The window's overlap with itself at `shift`; 0 beyond the reach.
+fn overlap_at(overlap: &[f32], shift: [f64; 2]) -> f32 {
+    if shift.iter().any(|d| d.abs() > REACH + 1.0) {
+        return 0.0;
+    }
+    let ([u, v], [fu, fv]) = split(shift);
+    let at = |u: i64, v: i64| f64::from(overlap[index(u, v)]);
+    let row = |v: i64| (1.0 - fu) * at(u, v) + fu * at(u + 1, v);
+    ((1.0 - fv) * row(v) + fv * row(v + 1)) as f32
+}
+
+pub(super) fn unbiased(plane: &[f32], overlap: &[f32]) -> Vec<f32> {
+    plane.iter().zip(overlap).map(|(a, w)| if *w < 0.2 * LEAST_OVERLAP { 0.0 } else { a / w }).collect()
+}
+
+/// The correlations of one window, or of several added up.
+struct Stack<'a> {
+    /// Over the overlap.
+    planes: &'a [Vec<f32>],
+    variance: &'a [f64],
+    overlap: &'a [f32],
+}
+
+impl Stack<'_> {
+    /// The overlap at each lag of `slope`.
+    fn weights(&self, slope: [f64; 2]) -> Vec<f64> {
+        let weight = |lag: usize| f64::from(overlap_at(self.overlap, slope.map(|s| s * lag as f64)));
+        (1..=self.planes.len()).map(weight).map(|w| if w < f64::from(LEAST_OVERLAP) { 0.0 } else { w }).collect()
+    }
+
+    fn power(&self, weights: &[f64], slope: [f64; 2]) -> f64 {
+        let lag = |(k, w): (usize, &f64)| w * w * cubic(&self.planes[k], slope.map(|s| s * (k + 1) as f64));
+        weights.iter().enumerate().filter(|(_, w)| **w > 0.0).map(lag).sum()
+    }
+
+    fn deviation(&self, weights: &[f64]) -> f64 {
+        weights.iter().zip(self.variance).map(|(w, v)| w * w * v).sum::<f64>().sqrt()
+    }
+}
+
+/// The correlation at `shift` by cubic convolution: linear interpolation would prefer shifts of whole pixels.
+pub(super) fn cubic(plane: &[f32], shift: [f64; 2]) -> f64 {
+    let ([u, v], [fu, fv]) = split(shift);
+    let (wu, wv) = (cubic_weights(fu), cubic_weights(fv));
+    let row =
+        |j: usize| (0..4).map(|i| wu[i] * f64::from(plane[index(u + i as i64 - 1, v + j as i64 - 1)])).sum::<f64>();
+    (0..4).map(|j| wv[j] * row(j)).sum()
+}
+
+fn cubic_weights(f: f64) -> [f64; 4] {
+    let (f2, f3) = (f * f, f * f * f);
+    [-0.5 * f + f2 - 0.5 * f3, 1.0 - 2.5 * f2 + 1.5 * f3, 0.5 * f + 2.0 * f2 - 1.5 * f3, -0.5 * f2 + 0.5 * f3]
+}

@@ -1,0 +1,314 @@
+//! Spectra of small windows of the frames, and the sums of products of pairs of them.
+//!
+//! A window of [`SIDE`]² level pixels is cut from every frame at the same place, multiplied by a Hann window,
+//! transformed, and band-passed. The product conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and
+//! t + k; products of the same lag k are added up. A frame is never multiplied by itself, so that the frames' own
+//! noise, which differs from frame to frame, adds nothing on average.
+
+use super::pairs::add_products;
+use crate::plane::Plane;
+use rustfft::num_complex::Complex32;
+use rustfft::{Fft, FftPlanner};
+use std::sync::Arc;
+
+/// Rows and columns of a window, level pixels.
+pub(super) const SIDE: usize = 32;
+const AREA: usize = SIDE * SIDE;
+/// Values of half a spectrum; the other half follows from it, for the window's values are real.
+const HALF: usize = (SIDE / 2 + 1) * SIDE;
+/// σ of the band's inner Gaussian, level pixels: with the mean over a level pixel about 2 to 2.5 image pixels at level
+/// 1.
+const BAND_SIGMA: f64 = 1.0;
+/// The outer Gaussian's σ over the inner one's.
+const BAND_RATIO: f64 = 1.6;
+/// The most lags that are used: pairs of frames further apart add little that is new.
+pub(super) const MAX_LAG: usize = 12;
+
+/// Half a spectrum, real and imaginary parts apart.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Spectrum {
+    pub re: Vec<f32>,
+    pub im: Vec<f32>,
+}
+
+impl Spectrum {
+    fn zeros() -> Self {
+        Self { re: vec![0.0; HALF], im: vec![0.0; HALF] }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.re.iter_mut().zip(&other.re).for_each(|(a, b)| *a += b);
+        self.im.iter_mut().zip(&other.im).for_each(|(a, b)| *a += b);
+    }
+}
+
+/// Products of pairs of frames over one or many windows.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CrossSpectra {
+    /// Summed over the pairs of lag 1, 2, ….
+    pub lags: Vec<Spectrum>,
+    /// For each lag, the variance of a value of the correlation if the frames had nothing in common.
+    pub variance: Vec<f64>,
+    /// Of frames t and t + 1, each pair for itself.
+    pub neighbours: Vec<Spectrum>,
+}
+
+impl CrossSpectra {
+    /// Of `frame_count` frames, nothing yet.
+    pub fn zeros(frame_count: usize) -> Self {
+        let gaps = frame_count.saturating_sub(1);
+        let lags = gaps.min(MAX_LAG);
+        Self {
+            lags: vec![Spectrum::zeros(); lags],
+            variance: vec![0.0; lags],
+            neighbours: vec![Spectrum::zeros(); gaps],
+        }
+    }
+
+    /// Adds those of other windows.
+    pub fn add(&mut self, other: &Self) {
+        self.lags.iter_mut().zip(&other.lags).for_each(|(a, b)| a.add(b));
+        self.neighbours.iter_mut().zip(&other.neighbours).for_each(|(a, b)| a.add(b));
+        self.variance.iter_mut().zip(&other.variance).for_each(|(a, b)| *a += b);
+    }
+}
+
+/// What all windows share: the transforms, the window, the band.
+pub(super) struct Fourier {
+    forward: Arc<dyn Fft<f32>>,
+    inverse: Arc<dyn Fft<f32>>,
+    window: Vec<f32>,
+    /// Amplitude of the band-pass, for half a spectrum.
+    band: Vec<f32>,
+    /// For a shift (v, u) modulo [`SIDE`], the overlap of the window with itself, 1 for none.
+    pub overlap: Vec<f32>,
+}
+
+/// Space that a thread uses again for every window.
+pub(super) struct Scratch {
+    packed: Vec<Complex32>,
+    turned: Vec<Complex32>,
+    fft: Vec<Complex32>,
+    frames: Vec<Spectrum>,
+    energy: Vec<Vec<f32>>,
+}
+
+impl Fourier {
+    pub fn new() -> Self {
+        let mut planner = FftPlanner::new();
+        let (forward, inverse) = (planner.plan_fft_forward(SIDE), planner.plan_fft_inverse(SIDE));
+        let hann = |i: usize| (std::f64::consts::PI * (i as f64 + 0.5) / SIDE as f64).sin().powi(2);
+        let window: Vec<f32> = (0..AREA).map(|i| (hann(i / SIDE) * hann(i % SIDE)) as f32).collect();
+        let frequency = |i: usize| {
+            let i = if i > SIDE / 2 { i as f64 - SIDE as f64 } else { i as f64 };
+            std::f64::consts::TAU * i / SIDE as f64
+        };
+        let gauss = |w2: f64, sigma: f64| (-0.5 * w2 * sigma * sigma).exp();
+        let band = (0..HALF)
+            .map(|i| {
+                let w2 = frequency(i / SIDE).powi(2) + frequency(i % SIDE).powi(2);
+                (gauss(w2, BAND_SIGMA) - gauss(w2, BAND_RATIO * BAND_SIGMA)) as f32
+            })
+            .collect();
+        let along = |shift: usize| -> f64 { (0..SIDE).map(|i| hann(i) * hann((i + shift) % SIDE)).sum() };
+        let line: Vec<f64> = (0..SIDE).map(|shift| along(shift) / along(0)).collect();
+        let overlap = (0..AREA).map(|i| (line[i / SIDE] * line[i % SIDE]) as f32).collect();
+        Self { forward, inverse, window, band, overlap }
+    }
+
+    pub fn scratch(&self, frame_count: usize) -> Scratch {
+        let zero = Complex32::default();
+        let length = self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len());
+        Scratch {
+            packed: vec![zero; AREA],
+            turned: vec![zero; AREA],
+            fft: vec![zero; length],
+            frames: vec![Spectrum::zeros(); frame_count],
+            energy: vec![vec![0.0; HALF]; frame_count],
+        }
+    }
+
+    /// The products of the window of `frames` whose first pixel is (`u`, `v`).
+    pub fn products(&self, frames: &[Plane], (u, v): (usize, usize), scratch: &mut Scratch) -> CrossSpectra {
+        // Two frames at a time: one as the real, one as the imaginary part.
+        for first in (0..frames.len()).step_by(2) {
+            let second = frames.get(first + 1);
+            self.pack(&frames[first], second, (u, v), &mut scratch.packed);
+            transform(&*self.forward, &mut scratch.packed, &mut scratch.turned, &mut scratch.fft);
+            let (a, b) = scratch.frames[first..].split_at_mut(1);
+            unpack(&scratch.packed, &self.band, &mut a[0], b.first_mut().filter(|_| second.is_some()));
+        }
+        for (energy, spectrum) in scratch.energy.iter_mut().zip(&scratch.frames) {
+            for (e, (re, im)) in energy.iter_mut().zip(spectrum.re.iter().zip(&spectrum.im)) {
+                *e = re * re + im * im;
+            }
+        }
+        let mut out = CrossSpectra::zeros(frames.len());
+        for k in 1..=out.lags.len() {
+            let mut variance = 0.0;
+            for t in 0..frames.len() - k {
+                add_products(&scratch.frames[t], &scratch.frames[t + k], &mut out.lags[k - 1]);
+                variance += whole_sum_of_products(&scratch.energy[t], &scratch.energy[t + k]);
+            }
+            out.variance[k - 1] = variance / (AREA * AREA) as f64;
+        }
+        for (t, pair) in out.neighbours.iter_mut().enumerate() {
+            add_products(&scratch.frames[t], &scratch.frames[t + 1], pair);
+        }
+        out
+    }
+
+    fn pack(&self, a: &Plane, b: Option<&Plane>, (u, v): (usize, usize), packed: &mut [Complex32]) {
+        let rows =
+            |plane: &Plane| -> f32 { (v..v + SIDE).map(|y| plane.row(y)[u..u + SIDE].iter().sum::<f32>()).sum() };
+        let mean_a = rows(a) / AREA as f32;
+        let mean_b = b.map_or(0.0, rows) / AREA as f32;
+        for y in 0..SIDE {
+            let row_a = &a.row(v + y)[u..u + SIDE];
+            let row_b = b.map(|b| &b.row(v + y)[u..u + SIDE]);
+            for x in 0..SIDE {
+                let weight = self.window[y * SIDE + x];
+                let im = row_b.map_or(0.0, |row| weight * (row[x] - mean_b));
+                packed[y * SIDE + x] = Complex32::new(weight * (row_a[x] - mean_a), im);
+            }
+        }
+    }
+
+    /// The correlations (row-major, shift (v, u) modulo [`SIDE`]) whose spectra are `spectra`.
+    pub fn correlations(&self, spectra: &[Spectrum], scratch: &mut Scratch) -> Vec<Vec<f32>> {
+        let mut out = Vec::with_capacity(spectra.len());
+        for two in spectra.chunks(2) {
+            merge(&two[0], two.get(1), &mut scratch.packed);
+            // A spectrum has the frequencies of u first, as `transform` leaves it; so it is turned back by the same
+            // way.
+            transform(&*self.inverse, &mut scratch.packed, &mut scratch.turned, &mut scratch.fft);
+            let scale = 1.0 / AREA as f32;
+            out.push(scratch.packed.iter().map(|z| z.re * scale).collect());
+            if two.len() == 2 {
+                out.push(scratch.packed.iter().map(|z| z.im * scale).collect());
+            }
+        }
+        out
+    }
+}
+
+/// A transform in both directions; what comes out has rows and columns exchanged.
+fn transform(fft: &dyn Fft<f32>, data: &mut [Complex32], turned: &mut [Complex32], scratch: &mut [Complex32]) {
+    fft.process_with_scratch(data, scratch);
+    for y in 0..SIDE {
+        for x in 0..SIDE {
+            turned[x * SIDE + y] = data[y * SIDE + x];
+        }
+    }
+    fft.process_with_scratch(turned, scratch);
+    data.copy_from_slice(turned);
+}
+
+/// The index of the opposite frequency.
+fn opposite(i: usize) -> usize {
+    (SIDE - i / SIDE) % SIDE * SIDE + (SIDE - i % SIDE) % SIDE
+}
+
+/// The band-passed half spectra of the two real images that were transformed as one complex image.
+fn unpack(packed: &[Complex32], band: &[f32], a: &mut Spectrum, mut b: Option<&mut Spectrum>) {
+    for (i, h) in band.iter().enumerate() {
+        let (z, o) = (packed[i], packed[opposite(i)]);
+        let h = 0.5 * h;
+        (a.re[i], a.im[i]) = (h * (z.re + o.re), h * (z.im - o.im));
+        if let Some(b) = &mut b {
+            (b.re[i], b.im[i]) = (h * (z.im + o.im), h * (o.re - z.re));
+        }
+    }
+}
+
+/// The whole spectrum whose transform has the first correlation as real and the second as imaginary part.
+fn merge(a: &Spectrum, b: Option<&Spectrum>, packed: &mut [Complex32]) {
+    for (i, z) in packed.iter_mut().enumerate() {
+        let (j, sign) = if i < HALF { (i, 1.0) } else { (opposite(i), -1.0) };
+        let (re, im) = b.map_or((0.0, 0.0), |b| (b.re[j], sign * b.im[j]));
+        *z = Complex32::new(a.re[j] - im, sign * a.im[j] + re);
+    }
+}
+
+/// Σ a·b over the whole spectrum, of which halves are given: rows 0 and SIDE/2 have no twin in the other half.
+fn whole_sum_of_products(a: &[f32], b: &[f32]) -> f64 {
+    let sum = |range: std::ops::Range<usize>| {
+        f64::from(a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum::<f32>())
+    };
+    sum(0..SIDE) + 2.0 * sum(SIDE..HALF - SIDE) + sum(HALF - SIDE..HALF)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Stream;
+
+    /// Frames of smooth noise that moves by `step` level pixels a frame.
+    fn moving(step: (f64, f64), count: usize) -> Vec<Plane> {
+        let mut noise = Stream::new(3, 0);
+        let waves: Vec<[f64; 4]> = (0..40)
+            .map(|_| {
+                [
+                    noise.within(-0.9, 0.9),
+                    noise.within(-0.9, 0.9),
+                    noise.within(0.0, std::f64::consts::TAU),
+                    noise.normal(),
+                ]
+            })
+            .collect();
+        let value = |u: f64, v: f64| waves.iter().map(|w| w[3] * (w[0] * u + w[1] * v + w[2]).cos()).sum::<f64>();
+        let at = |t: usize, u: usize, v: usize| value(u as f64 - t as f64 * step.0, v as f64 - t as f64 * step.1);
+        (0..count).map(|t| Plane::from_fn(40, 40, |u, v| at(t, u, v) as f32)).collect()
+    }
+
+    #[test]
+    fn a_correlation_is_the_sum_of_shifted_products() {
+        let fourier = Fourier::new();
+        let frames = moving((2.0, -1.0), 3);
+        let mut scratch = fourier.scratch(3);
+        let products = fourier.products(&frames, (4, 3), &mut scratch);
+        let correlations = fourier.correlations(&products.lags, &mut scratch);
+        assert_eq!((products.lags.len(), correlations.len(), products.neighbours.len()), (2, 2, 2));
+        // The band-passed windows themselves, one at a time.
+        let band_passed = |frame: &Plane| {
+            let mut packed = vec![Complex32::default(); AREA];
+            fourier.pack(frame, None, (4, 3), &mut packed);
+            let mut turned = packed.clone();
+            let mut fft = vec![Complex32::default(); scratch.fft.len()];
+            transform(&*fourier.forward, &mut packed, &mut turned, &mut fft);
+            let mut spectrum = Spectrum::zeros();
+            unpack(&packed, &fourier.band, &mut spectrum, None);
+            fourier.correlations(&[spectrum], &mut fourier.scratch(0)).remove(0)
+        };
+        let planes: Vec<Vec<f32>> = frames.iter().map(band_passed).collect();
+        let by_hand = |a: &[f32], b: &[f32], (du, dv): (usize, usize)| -> f32 {
+            (0..AREA).map(|i| a[i] * b[(i / SIDE + dv) % SIDE * SIDE + (i % SIDE + du) % SIDE]).sum()
+        };
+        for shift in [(0, 0), (2, 31), (5, 7), (30, 1)] {
+            let index = shift.1 * SIDE + shift.0;
+            let lag_1 = by_hand(&planes[0], &planes[1], shift) + by_hand(&planes[1], &planes[2], shift);
+            let scale = by_hand(&planes[0], &planes[0], (0, 0));
+            assert!((correlations[0][index] - lag_1).abs() < 1e-3 * scale, "{shift:?}");
+            let lag_2 = by_hand(&planes[0], &planes[2], shift);
+            assert!((correlations[1][index] - lag_2).abs() < 1e-3 * scale, "{shift:?}");
+        }
+        // It is largest where the scene has moved to.
+        let largest = (0..AREA).max_by(|&a, &b| correlations[0][a].total_cmp(&correlations[0][b]));
+        assert_eq!(largest, Some((SIDE - 1) * SIDE + 2));
+    }
+
+    #[test]
+    fn the_variance_is_that_of_frames_with_nothing_in_common() {
+        let fourier = Fourier::new();
+        let mut noise = Stream::new(9, 0);
+        let (mut measured, mut predicted, mut scratch) = (0.0, 0.0, fourier.scratch(4));
+        for _ in 0..20 {
+            let frames: Vec<Plane> = (0..4).map(|_| Plane::from_fn(32, 32, |_, _| noise.normal() as f32)).collect();
+            let products = fourier.products(&frames, (0, 0), &mut scratch);
+            let correlations = fourier.correlations(&products.lags, &mut scratch);
+            measured += correlations[0].iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / AREA as f64;
+            predicted += products.variance[0];
+        }
+        assert!((measured / predicted - 1.0).abs() < 0.1, "{measured} {predicted}");
+    }
+}

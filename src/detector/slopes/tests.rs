@@ -1,0 +1,191 @@
+use super::*;
+use crate::synth::random::Stream;
+use crate::synth::{ChartParams, Motion, SceneParams, demo_burst, synth_chart, synth_scene};
+
+fn find(burst: &Burst) -> SlopeFinding {
+    find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
+}
+
+/// The right step for frames at the default levels, pixels per frame.
+fn step(burst: &Burst) -> f64 {
+    let space = ScaleSpace::of(&DetectorParams::default());
+    2.0 * space.sigma_image(0, 0.0) / (burst.len() - 1) as f64
+}
+
+/// Whether the grid holds `slope`, give or take `around` pixels per frame.
+fn holds(grid: &SlopeGrid, slope: Slope, around: f64) -> bool {
+    let [along, across] = turned(slope, f64::from(grid.direction_deg));
+    let within = |x: f64, axis: &crate::detector::SlopeAxis| {
+        // What lies less than about half a step beside a line is on it.
+        let around = if axis.count == 1 { 0.3 } else { around };
+        x >= f64::from(axis.min) - around && x <= f64::from(axis.max) + around
+    };
+    within(along, &grid.u) && within(across, &grid.v)
+}
+
+/// Frames of a picture made of waves that fade with their frequency, moved as `at` says, with noise of its own in each.
+fn moved(size: (usize, usize), noise: f32, frames: usize, at: impl Fn(usize) -> (f64, f64)) -> Burst {
+    let mut stream = Stream::new(5, 0);
+    let waves: Vec<[f64; 4]> = (0..60)
+        .map(|_| {
+            let (frequency, direction) = (stream.within(0.05, 0.9), stream.within(0.0, std::f64::consts::PI));
+            let phase = stream.within(0.0, std::f64::consts::TAU);
+            [frequency * direction.cos(), frequency * direction.sin(), phase, 0.05 / (1.0 + 3.0 * frequency)]
+        })
+        .collect();
+    let value = |u: f64, v: f64| waves.iter().map(|w| w[3] * (w[0] * u + w[1] * v + w[2]).cos()).sum::<f64>();
+    let planes = (0..frames)
+        .map(|t| {
+            let (du, dv) = at(t);
+            Plane::from_fn(size.0, size.1, |u, v| {
+                (0.5 + value(u as f64 - du, v as f64 - dv)) as f32 + noise * stream.normal() as f32
+            })
+        })
+        .collect();
+    Burst::from_planes("moved", planes)
+}
+
+#[test]
+fn the_demo_needs_a_plane_that_holds_all_its_layers() {
+    let burst = demo_burst();
+    let finding = find(&burst);
+    assert_eq!(finding.verdict, SlopeVerdict::Found, "{finding:?}");
+    assert!(finding.grid.is_plane(), "{:?}", finding.grid);
+    for (u, v) in [(0.95, 0.0), (-1.05, 0.0), (-2.1, 0.0), (1.6, -1.2)] {
+        assert!(holds(&finding.grid, Slope::new(u, v), -0.5 * step(&burst)), "{u} {v}: {:?}", finding.grid);
+    }
+    let (u, v) = (finding.grid.u, finding.grid.v);
+    assert!(u.min > -3.0 && u.max < 2.6 && v.min > -2.1 && v.max < 0.9, "{:?}", finding.grid);
+    assert!(finding.confidence > 0.8, "{}", finding.confidence);
+}
+
+#[test]
+fn uniform_motion_in_any_direction_is_a_short_line() {
+    for (u, v, noise) in [(1.0, 0.0, 0.05), (-4.2, 0.1, 0.2), (0.0, -2.5, 0.1), (-1.4, 0.9, 0.1), (9.0, 0.0, 0.05)] {
+        let burst = moved((320, 240), noise, 8, |t| (u * t as f64, v * t as f64));
+        let finding = find(&burst);
+        let (grid, half) = (finding.grid, 0.5 * step(&burst));
+        assert_eq!(finding.verdict, SlopeVerdict::Found, "{u} {v}: {finding:?}");
+        assert!(!grid.is_plane() && grid.u.count <= 6, "{u} {v}: {grid:?}");
+        let direction = f64::from(finding.direction_deg.expect("it moves"));
+        assert!((v.atan2(u).to_degrees() - direction).abs() < 5.0, "{u} {v}: {direction}");
+        // It holds the slope with half a step to spare and ends about a step beyond it.
+        assert!(holds(&grid, Slope::new(u as f32, v as f32), -half), "{u} {v}: {grid:?}");
+        assert!(f64::from(grid.u.max - grid.u.min) <= 2.0 * step(&burst) + 2.0 * half, "{u} {v}: {grid:?}");
+        assert!(finding.deviation_px.is_some_and(|d| d < 0.5), "{u} {v}: {:?}", finding.deviation_px);
+    }
+}
+
+#[test]
+fn a_still_tripod_is_slope_0() {
+    let finding = find(&moved((300, 220), 0.3, 10, |_| (0.0, 0.0)));
+    assert_eq!((finding.verdict, finding.grid.len()), (SlopeVerdict::Still, 1));
+    assert_eq!(finding.grid.slope(0), Slope::default());
+    let one = find(&moved((100, 100), 0.0, 1, |_| (0.0, 0.0)));
+    assert_eq!((one.verdict, one.grid.len()), (SlopeVerdict::Still, 1));
+}
+
+#[test]
+fn pure_noise_shows_nothing_and_gets_the_usual_grid() {
+    for seed in 0..12 {
+        let mut noise = Stream::new(seed, 7);
+        let frames = (0..10).map(|_| Plane::from_fn(320, 240, |_, _| 0.5 + 0.1 * noise.normal() as f32)).collect();
+        let finding = find(&Burst::from_planes("noise", frames));
+        assert_eq!((finding.verdict, finding.grid), (SlopeVerdict::NothingSeen, SlopeGrid::default()), "{seed}");
+        assert!(!finding.evidence.is_empty() && !finding.evidence.iter().any(is_significant), "{seed}");
+    }
+    for burst in
+        [moved((20, 20), 0.0, 4, |t| (t as f64, 0.0)), Burst::from_planes("black", vec![Plane::zeros(90, 80); 4])]
+    {
+        assert_eq!(find(&burst).verdict, SlopeVerdict::NothingSeen);
+    }
+}
+
+#[test]
+fn a_bent_way_is_not_straight_and_a_long_one_a_film() {
+    let shifts = [0.0, 1.0, 3.0, 2.0, -1.0];
+    let finding = find(&moved((320, 240), 0.02, 5, |t| (shifts[t], 0.0)));
+    assert_eq!(finding.verdict, SlopeVerdict::NotStraight, "{finding:?}");
+    assert!((finding.deviation_px.expect("seen") - 2.0).abs() < 0.4, "{:?}", finding.deviation_px);
+    let film = find(&moved((240, 180), 0.02, 30, |t| (-4.0 * t as f64, 0.0)));
+    assert_eq!(film.verdict, SlopeVerdict::Film, "{film:?}");
+    assert!((film.moved_px - 116.0).abs() < 6.0, "{}", film.moved_px);
+}
+
+#[test]
+fn dark_charts_show_the_range_of_their_discs() {
+    for (motion, snr) in [(Motion::OneD, 0.35), (Motion::TwoD, 0.35), (Motion::OneD, 0.6)] {
+        let chart = ChartParams { motion, snr, ..ChartParams::default() };
+        let (burst, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let finding = find(&burst);
+        assert_eq!(finding.verdict, SlopeVerdict::Found, "{motion:?} {snr}: {finding:?}");
+        assert_eq!(finding.grid.is_plane(), motion == Motion::TwoD, "{snr}: {:?}", finding.grid);
+        let slopes = truth.features.iter().map(|f| Slope::new(f.slope_u as f32, f.slope_v as f32));
+        let held = slopes.filter(|s| holds(&finding.grid, *s, 0.0)).count();
+        assert!(held * 100 >= 96 * truth.features.len(), "{motion:?} {snr}: {held}, {:?}", finding.grid);
+        let most = f64::from(finding.grid.u.max.max(-finding.grid.u.min));
+        assert!(most < 3.0 + 1.6 * step(&burst), "{motion:?} {snr}: {:?}", finding.grid);
+    }
+}
+
+#[test]
+fn periodic_texture_does_not_take_its_alias() {
+    // A fine checked pattern with a weak irregularity, 2 px/frame to the right; its period is 10 px.
+    let mut stream = Stream::new(8, 0);
+    let weak: Vec<f32> = (0..400 * 300).map(|_| 0.02 * stream.normal() as f32).collect();
+    let pattern = |u: f64, v: f64| {
+        0.5 + 0.2 * ((u * 0.2 * std::f64::consts::PI).sin() * (v * 0.2 * std::f64::consts::PI).sin()) as f32
+    };
+    let planes = (0..8)
+        .map(|t| {
+            let at = |u: usize, v: usize| pattern(u as f64 - 2.0 * t as f64, v as f64) + weak[v * 400 + u + 50 - 2 * t];
+            Plane::from_fn(320, 240, at)
+        })
+        .collect();
+    let burst = Burst::from_planes("checked", planes);
+    let finding = find(&burst);
+    assert_eq!(finding.verdict, SlopeVerdict::Found, "{finding:?}");
+    assert!(holds(&finding.grid, Slope::new(2.0, 0.0), 0.0), "{:?}", finding.grid);
+    assert!(!holds(&finding.grid, Slope::new(-8.0, 0.0), 0.0) && !holds(&finding.grid, Slope::new(12.0, 0.0), 0.0));
+}
+
+#[test]
+fn a_direction_that_is_asked_for_is_the_line_that_is_searched() {
+    let burst = moved((320, 240), 0.1, 8, |t| (1.5 * t as f64, 1.5 * t as f64));
+    let params = DetectorParams::default();
+    let finding = find_slopes(&burst, &params, Some(45.0), &Monitor::default()).expect("not cancelled");
+    assert_eq!((finding.verdict, finding.grid.direction_deg), (SlopeVerdict::Found, 45.0));
+    assert!(holds(&finding.grid, Slope::new(1.5, 1.5), 0.0) && !finding.grid.is_plane(), "{:?}", finding.grid);
+}
+
+#[test]
+fn threads_change_nothing_and_cancelling_ends_it() {
+    let (burst, _) =
+        synth_scene(&SceneParams { width: 320, height: 240, ..SceneParams::default() }, &Monitor::default())
+            .expect("a scene");
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| find(&burst))
+    };
+    assert_eq!(with(1), with(3));
+    let monitor = Monitor::default();
+    monitor.cancel();
+    assert!(find_slopes(&burst, &DetectorParams::default(), None, &monitor).is_err());
+}
+
+#[test]
+fn slopes_are_resolved_only_where_they_are_to_be_found() {
+    let burst = moved((160, 120), 0.05, 6, |t| (2.0 * t as f64, 0.0));
+    let resolved = |params: &SearchParams| resolve(&burst, params, &Monitor::default());
+    let given = SearchParams::from(DetectorParams::default());
+    assert_eq!(resolved(&given), Ok((DetectorParams::default(), None)));
+    let (params, finding) = resolved(&SearchParams::default()).expect("valid");
+    assert_eq!(Some(params.slopes), finding.as_ref().map(|f| f.grid));
+    assert!(holds(&params.slopes, Slope::new(2.0, 0.0), 0.0));
+    let merge = DetectorParams { method: Method::Merge, ..DetectorParams::default() };
+    assert!(resolved(&SearchParams { detector: merge, ..SearchParams::default() }).expect("valid").1.is_none());
+    let frames = Some(crate::detector::FrameRange { start: 2, end: 9 });
+    let past =
+        SearchParams { detector: DetectorParams { frames, ..DetectorParams::default() }, ..SearchParams::default() };
+    assert!(matches!(resolved(&past), Err(DetectError::Param(_))));
+}

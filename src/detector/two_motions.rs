@@ -1,0 +1,121 @@
+//! Two motions at one place: whether a weaker keypoint beside a stronger one of another slope is a thing of its own.
+//!
+//! A blob also shows in the stack of a wrong slope, smeared along the way it moves there: a ghost, which answers only in those frames in which the true blob
+//! crosses the ghost's way. A lantern before a wall answers in every frame along its own way. So the frames are asked in which the ways of both keypoints are well
+//! apart: there a thing of its own still answers at full strength, well above the noise, and between the two ways there is nothing. (An elongated
+//! structure that slides along itself answers on both ways, but between them too.)
+
+use super::keypoint::Keypoint;
+use super::motion::{FrameOffset, FrameTimes};
+use super::octave::Base;
+use super::params::Interpolation;
+use super::patch::{Patch, PatchScratch, around};
+use super::refined_stack::OctaveFrames;
+use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
+use super::slope_grid::Slope;
+use crate::plane::Plane;
+use crate::plane::blur::GaussianKernel;
+use std::sync::OnceLock;
+
+/// Frames count in which the two ways are farther apart than this many σ of the stronger keypoint: there its response has passed through 0.
+const APART_SIGMAS: f32 = 2.5;
+/// At least this share of all frames must count, and two of them.
+const FRAMES_SHARE: f32 = 0.2;
+/// The part of its response that a thing of its own keeps in those frames.
+const KEPT_RESPONSE: f32 = 0.6;
+/// What that must be in standard deviations of its noise. A mean of few frames is noisy, and a false second thing makes matches ambiguous.
+const FRAMES_SNR: f32 = 5.0;
+/// The part of the weaker response that may lie between the two ways.
+const BETWEEN_RESPONSE: f32 = 0.5;
+
+/// The frames at the resolutions of all octaves, each made when it is first asked for.
+pub(super) struct FramesOfOctaves<'a> {
+    frames: &'a [&'a Plane],
+    times: &'a FrameTimes,
+    first_octave: i32,
+    octaves: Vec<OnceLock<OctaveFrames<'a>>>,
+}
+
+impl<'a> FramesOfOctaves<'a> {
+    pub(super) fn new(frames: &'a [&'a Plane], times: &'a FrameTimes, octaves: std::ops::Range<i32>) -> Self {
+        Self { frames, times, first_octave: octaves.start, octaves: octaves.map(|_| OnceLock::new()).collect() }
+    }
+
+    /// Those of `octave`, one of the octaves given.
+    pub(super) fn of(&self, octave: i32) -> &OctaveFrames<'a> {
+        self.octaves[(octave - self.first_octave) as usize]
+            .get_or_init(|| OctaveFrames::new(self.frames, self.times, octave))
+    }
+}
+
+/// What the judgement needs besides the keypoints.
+pub(super) struct Motions<'a, 'f> {
+    pub frames: &'a FramesOfOctaves<'f>,
+    pub times: &'a FrameTimes,
+    pub size_image: (usize, usize),
+    pub space: &'a ScaleSpace,
+    pub interpolation: Interpolation,
+}
+
+impl Motions<'_, '_> {
+    /// Whether `weaker`, which lies near `stronger`, is a thing of its own.
+    pub(super) fn are_two(&self, stronger: &Keypoint, weaker: &Keypoint) -> bool {
+        let ((su, sv, sigma), (wu, wv, _)) = (stronger.in_image(), weaker.in_image());
+        let between = |a: f32, b: f32| 0.5 * (a + b);
+        let (du, dv) = (wu - su, wv - sv);
+        let (slope_u, slope_v) = (weaker.slope.u - stronger.slope.u, weaker.slope.v - stronger.slope.v);
+        let t0 = 0.5 * (self.times.frame_count as f32 - 1.0);
+        let count = self.times.kept.len();
+        let apart: Vec<usize> = (0..count)
+            .filter(|&index| {
+                let dt = self.times.kept[index] as f32 - t0;
+                (du + dt * slope_u).hypot(dv + dt * slope_v) > APART_SIGMAS * sigma
+            })
+            .collect();
+        if apart.len() < 2 || (apart.len() as f32) < FRAMES_SHARE * count as f32 {
+            return false;
+        }
+        let own = self.response(weaker, (wu, wv), weaker.slope, &apart) * weaker.value.signum();
+        let noise = weaker.value.abs() / weaker.snr * (count as f32 / apart.len() as f32).sqrt();
+        if own < KEPT_RESPONSE * weaker.value.abs() || own < FRAMES_SNR * noise {
+            return false;
+        }
+        let slope = Slope::new(between(stronger.slope.u, weaker.slope.u), between(stronger.slope.v, weaker.slope.v));
+        let middle = self.response(weaker, (between(su, wu), between(sv, wv)), slope, &apart);
+        middle * weaker.value.signum() < BETWEEN_RESPONSE * weaker.value.abs()
+    }
+
+    /// D of the mean of the `chosen` frames at the octave and level of `keypoint`, along the way through `place` (input pixels, at mid-burst) at `slope`.
+    fn response(&self, keypoint: &Keypoint, place: (f32, f32), slope: Slope, chosen: &[usize]) -> f32 {
+        let frames = self.frames.of(keypoint.octave);
+        let (planes, offsets) = (frames.planes(), frames.offsets(slope, self.interpolation));
+        let planes: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
+        let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
+        let from = frames.sigma_octave(&offsets);
+        let level = |s: i32| {
+            let sigma = self.space.sigma_octave(f64::from(s));
+            GaussianKernel::new((sigma * sigma - from * from).max(0.0).sqrt())
+        };
+        let (fine, coarse) = (level(keypoint.level), level(keypoint.level + 1));
+        let size = octave_size(self.size_image, keypoint.octave);
+        let pixel = octave_pixel(keypoint.octave);
+        let inside = |x: f32, n: usize| (x / pixel).clamp(0.0, n as f32 - 1.0);
+        let (x, y) = (inside(place.0, size.0), inside(place.1, size.1));
+        let reach = coarse.radius();
+        let base: Base<'_> = frames.base(&planes, &offsets);
+        let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
+        base.patch(size, around(x, reach), around(y, reach), &mut scratch, &mut patch);
+        weighted(&patch, &coarse, reach) - weighted(&patch, &fine, reach)
+    }
+}
+
+/// The value that `kernel` makes of the middle of `patch`, which reaches `reach` pixels from it.
+fn weighted(patch: &Patch, kernel: &GaussianKernel, reach: usize) -> f32 {
+    let radius = kernel.radius();
+    let half = kernel.half();
+    let taps: Vec<f32> = half[1..].iter().rev().chain(half).copied().collect();
+    let within = reach - radius..reach + radius + 1;
+    let row = |v: i64| -> f32 { patch.row(v)[within.clone()].iter().zip(&taps).map(|(x, w)| x * w).sum() };
+    let first = patch.rows().start + (reach - radius) as i64;
+    taps.iter().zip(first..).map(|(w, v)| w * row(v)).sum()
+}

@@ -1,0 +1,335 @@
+//! Trajectories: bursts that a camera takes along its way past a scene, with everything known that a reconstruction is to find.
+//!
+//! The scene is a wall and, before it at several depths, boards: [`plane`]s with textures that have structure at every scale. A pinhole camera ([`lens`]) goes past
+//! it and takes a burst at each of its stations, moving on at constant speed while it does. Every frame is drawn from the pose that the camera has in it, so the
+//! apparent motion of each point follows from its depth, and nothing in the picture knows of slopes. Then a [`Camera`] captures the frames in as much light as is asked for.
+//!
+//! What is known: the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at mid-burst without noise, the gold standard.
+
+mod layout;
+pub mod lens;
+pub mod plane;
+mod write;
+
+pub use lens::{BurstCamera, Lens};
+pub use plane::ScenePlane;
+pub use write::write_trajectory;
+
+use super::noise::{Camera, quantisation_step};
+use super::noisy::{FrameLevels, NoisyExposure};
+use super::truth::NoiseTruth;
+use super::{Motion, SynthError, check_common};
+use crate::burst::Burst;
+use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::plane::Plane;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How much light there is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    /// So much that a pixel of a frame has this signal-to-noise ratio: the standard deviation of all pixels of the scene over that of the noise at their mean, as
+    /// [`super::noisy`] defines it; infinite for no noise.
+    Snr(f64),
+    /// So much that scene white, the brightest that is painted, makes this many electrons; infinite for no noise.
+    Electrons(f64),
+}
+
+/// What a trajectory is to be like.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrajectoryParams {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Number of bursts, 1 … 1000.
+    pub bursts: usize,
+    /// Number of frames of each burst, N.
+    pub frames: usize,
+    /// Number of planes, 1 … 16; the farthest one is a wall that fills the frame.
+    pub planes: usize,
+    /// How the camera goes: in one dimension sideways, so that everything moves horizontally; in two forward and sideways, so that motion spreads in all directions.
+    pub motion: Motion,
+    /// The largest apparent motion on an axis, pixels per frame, as the mean over half a burst; the camera's speed is chosen for it.
+    pub max_slope: f64,
+    /// How much light there is.
+    pub light: Light,
+    /// Standard deviation of the read noise, electrons.
+    pub read_noise: f64,
+    /// Bits of the converter, 4 … 16.
+    pub bits: u32,
+    /// The seed of scene, way and noise.
+    pub seed: u64,
+}
+
+impl Default for TrajectoryParams {
+    /// Eight bursts of ten frames of 640×480, a wall and boards at three depths, motion to the side up to 3 px/frame, SNR 0.3.
+    fn default() -> Self {
+        Self {
+            width: 640,
+            height: 480,
+            bursts: 8,
+            frames: 10,
+            planes: 4,
+            motion: Motion::OneD,
+            max_slope: 3.0,
+            light: Light::Snr(0.3),
+            read_noise: 2.0,
+            bits: 12,
+            seed: 1,
+        }
+    }
+}
+
+/// Focal length over the image's width.
+const FOCAL_SHARE: f64 = 0.9;
+/// Electrons at full scale at the highest gain that is of use, as of a camera in the dark: 8 levels of 12 bits an electron. In more light the gain is lower.
+const DARK_FULL_SCALE_ELECTRONS: f64 = 512.0;
+/// Noise is kept this many standard deviations away from black and white.
+const CLEARANCE_SIGMAS: f64 = 5.0;
+/// Scene white in the noise-free views at mid-burst, fraction of full scale.
+pub const GOLD_WHITE: f64 = 0.9;
+
+/// A scene, the way past it, and the camera's exposure.
+#[derive(Debug, Clone)]
+pub struct Trajectory {
+    params: TrajectoryParams,
+    /// The lens.
+    pub lens: Lens,
+    /// The planes of the scene, far to near.
+    pub planes: Vec<ScenePlane>,
+    /// The camera of each burst.
+    pub cameras: Vec<BurstCamera>,
+    /// The least and largest apparent motion of each burst on the axes u and v, pixels per frame.
+    pub slopes: Vec<[[f64; 2]; 2]>,
+    /// The camera's sensor, and the signal that scene white makes.
+    pub exposure: NoisyExposure,
+    /// The per-pixel signal-to-noise ratio as [`Light::Snr`] defines it; infinite for no noise.
+    pub snr: f64,
+    /// Electrons at scene white; infinite for no noise.
+    pub electrons: f64,
+}
+
+impl TrajectoryParams {
+    fn check(&self) -> Result<(), SynthError> {
+        check_common(self.width, self.height, self.frames, self.max_slope, self.read_noise, self.bits)?;
+        if !(1..=1000).contains(&self.bursts) {
+            return Err(SynthError::param("bursts", format!("{} bursts", self.bursts), "give 1 to 1000"));
+        }
+        if !(1..=16).contains(&self.planes) {
+            return Err(SynthError::param("planes", format!("{} planes", self.planes), "give 1 to 16"));
+        }
+        let (name, value) = match self.light {
+            Light::Snr(snr) => ("snr", snr),
+            Light::Electrons(electrons) => ("electrons", electrons),
+        };
+        if value.is_nan() || value <= 0.0 {
+            return Err(SynthError::param(name, format!("{value}"), "give a number above 0, or inf for no noise"));
+        }
+        Ok(())
+    }
+
+    /// Variance of the read noise and of rounding at the highest gain, electrons².
+    fn dark_variance(&self) -> f64 {
+        self.read_noise.powi(2) + (DARK_FULL_SCALE_ELECTRONS * quantisation_step(self.bits)).powi(2) / 12.0
+    }
+
+    /// Electrons at scene white, and the signal-to-noise ratio, for a scene of these levels.
+    fn light(&self, levels: &FrameLevels) -> (f64, f64) {
+        let (mean, contrast, dark) = (levels.mean(), levels.standard_deviation(), self.dark_variance());
+        match self.light {
+            Light::Electrons(e) if e.is_infinite() => (e, f64::INFINITY),
+            Light::Snr(snr) if snr.is_infinite() => (f64::INFINITY, snr),
+            Light::Electrons(e) => (e, contrast * e / (mean * e + dark).sqrt()),
+            // The positive solution e of contrast²·e² = snr²·(mean·e + dark).
+            Light::Snr(snr) => {
+                let (a, b, c) = (contrast.powi(2), snr.powi(2) * mean, snr.powi(2) * dark);
+                ((b + (b * b + 4.0 * a * c).sqrt()) / (2.0 * a), snr)
+            }
+        }
+    }
+
+    /// The sensor for `electrons` at scene white.
+    fn exposure(&self, electrons: f64, levels: &FrameLevels) -> NoisyExposure {
+        let least_black = 1.0 / 64.0;
+        if electrons.is_infinite() {
+            let gain = GOLD_WHITE;
+            return NoisyExposure { gain, camera: Camera::noiseless(least_black), mean_signal: gain * levels.mean() };
+        }
+        let brightest = levels.max() * electrons;
+        let sigmas = (brightest + self.read_noise.powi(2)).sqrt() + self.read_noise;
+        let needed = (brightest + CLEARANCE_SIGMAS * sigmas) / (1.0 - least_black);
+        let full_scale_electrons = needed.max(DARK_FULL_SCALE_ELECTRONS);
+        let (read_noise_electrons, bits) = (self.read_noise, Some(self.bits));
+        let mut camera = Camera { full_scale_electrons, read_noise_electrons, black_level: 0.0, bits };
+        camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(least_black);
+        let gain = electrons / full_scale_electrons;
+        NoisyExposure { gain, camera, mean_signal: gain * levels.mean() }
+    }
+}
+
+impl Trajectory {
+    /// Lays out and paints the scene, finds the camera's way and its exposure.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense, or [`SynthError::Cancelled`].
+    pub fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, SynthError> {
+        params.check()?;
+        monitor.report(Stage::Synth, 0.0);
+        let lens = Lens { width: params.width, height: params.height, focal_px: FOCAL_SHARE * params.width as f64 };
+        let stations = layout::stations(params);
+        let planes = layout::planes(params, &lens, &stations, monitor)?;
+        let (mut cameras, mut slopes) = (Vec::new(), Vec::new());
+        for station in &stations {
+            let (camera, range) = layout::burst_camera(params, &lens, &planes, station, monitor)?;
+            cameras.push(camera);
+            slopes.push(range);
+        }
+        let mut levels = FrameLevels::default();
+        for camera in &cameras {
+            let view = plane::render(&planes, &lens, &camera.world_from_camera, monitor)?;
+            levels.add(&Burst::from_planes("view", vec![view]));
+        }
+        let (electrons, snr) = params.light(&levels);
+        let exposure = params.exposure(electrons, &levels);
+        Ok(Self { params: params.clone(), lens, planes, cameras, slopes, exposure, snr, electrons })
+    }
+
+    /// The name of burst `index`, by which its folder and its views are called.
+    pub fn name(index: usize) -> String {
+        format!("burst_{index:03}")
+    }
+
+    /// The view of burst `index` at mid-burst without noise; scene white is [`GOLD_WHITE`] of full scale.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    ///
+    /// # Panics
+    /// When there are not so many bursts.
+    pub fn gold(&self, index: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
+        let mut view = plane::render(&self.planes, &self.lens, &self.cameras[index].world_from_camera, monitor)?;
+        view.data_mut().iter_mut().for_each(|x| *x = (GOLD_WHITE * f64::from(*x)).clamp(0.0, 1.0) as f32);
+        Ok(view)
+    }
+
+    /// Burst `index` as the camera takes it. Each frame of all bursts takes its noise from a stream of its own, so the result does not depend on the threads.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    ///
+    /// # Panics
+    /// When there are not so many bursts.
+    pub fn burst(&self, index: usize, monitor: &Monitor) -> Result<Burst, Cancelled> {
+        let (frames, camera) = (self.params.frames, self.cameras[index]);
+        let t0 = (frames as f64 - 1.0) / 2.0;
+        let drawn: Vec<Plane> = (0..frames)
+            .into_par_iter()
+            .map(|t| plane::render(&self.planes, &self.lens, &camera.at(t as f64 - t0), monitor))
+            .collect::<Result<_, Cancelled>>()?;
+        let signal = Burst::from_planes(&Self::name(index), drawn);
+        self.exposure.capture(&signal, self.params.seed, 1 + (index * frames) as u64, monitor)
+    }
+
+    /// What is known, beside pictures, poses and lens.
+    pub fn truth(&self) -> TrajectoryTruth {
+        let params = &self.params;
+        let bursts = self.cameras.iter().zip(&self.slopes).enumerate().map(|(index, (camera, [u, v]))| BurstTruth {
+            name: Self::name(index),
+            world_from_camera: camera.tum(),
+            step: camera.step.into(),
+            slope_u: *u,
+            slope_v: *v,
+        });
+        let planes = self.planes.iter().map(|plane| PlaneTruth {
+            name: plane.name.clone(),
+            origin: plane.origin.coords.into(),
+            right: plane.right.into(),
+            down: plane.down.into(),
+        });
+        let NoisyExposure { gain, camera, mean_signal } = &self.exposure;
+        TrajectoryTruth {
+            width: params.width,
+            height: params.height,
+            frames: params.frames,
+            t0: (params.frames as f64 - 1.0) / 2.0,
+            seed: params.seed,
+            max_slope: params.max_slope,
+            camera_params: self.lens.colmap_params(),
+            electrons_at_white: self.electrons.is_finite().then_some(self.electrons),
+            noise: NoiseTruth::of(camera, *mean_signal, Some(self.snr)),
+            black_level: camera.black_level,
+            white: *gain,
+            gold_white: GOLD_WHITE,
+            planes: planes.collect(),
+            bursts: bursts.collect(),
+        }
+    }
+}
+
+/// What is known of a trajectory beside pictures, poses and lens: the content of its `trajectory.json`. Lengths are metres, slopes pixels per frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrajectoryTruth {
+    /// Columns of a frame.
+    pub width: usize,
+    /// Rows of a frame.
+    pub height: usize,
+    /// Number of frames of a burst, N.
+    pub frames: usize,
+    /// The reference time, (N − 1)/2, in frames.
+    pub t0: f64,
+    /// The seed from which everything follows.
+    pub seed: u64,
+    /// The largest apparent motion on an axis.
+    pub max_slope: f64,
+    /// fx, fy, cx, cy as COLMAP has them: the centre of the first pixel is (0.5, 0.5).
+    pub camera_params: [f64; 4],
+    /// Electrons at scene white; `None` (null) for noiseless bursts.
+    pub electrons_at_white: Option<f64>,
+    /// The camera's noise, at the mean of the signal; `None` (null) for noiseless bursts.
+    pub noise: Option<NoiseTruth>,
+    /// The pedestal under all values, fraction of full scale.
+    pub black_level: f64,
+    /// Signal of scene white above black in the frames, fraction of full scale.
+    pub white: f64,
+    /// Signal of scene white in the views at mid-burst without noise, which have no pedestal.
+    pub gold_white: f64,
+    /// Planes of the scene, far to near.
+    pub planes: Vec<PlaneTruth>,
+    /// The bursts, in order.
+    pub bursts: Vec<BurstTruth>,
+}
+
+/// A plane of the scene: its pixel (p, q) is at origin + p·right + q·down in the world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneTruth {
+    /// What it shows.
+    pub name: String,
+    /// The point of its (0, 0).
+    pub origin: [f64; 3],
+    /// One pixel to the right.
+    pub right: [f64; 3],
+    /// One pixel down.
+    pub down: [f64; 3],
+}
+
+/// A burst of a trajectory.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BurstTruth {
+    /// The name of its folder.
+    pub name: String,
+    /// `tx ty tz qx qy qz qw` of the camera in the world at mid-burst.
+    pub world_from_camera: [f64; 7],
+    /// The camera's way from one frame to the next, in the world; it does not turn.
+    pub step: [f64; 3],
+    /// Least and largest apparent motion to the right.
+    pub slope_u: [f64; 2],
+    /// Least and largest apparent motion down.
+    pub slope_v: [f64; 2],
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,200 @@
+use super::*;
+use crate::synth::paint::{Area, Sheet};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+
+fn small() -> TrajectoryParams {
+    TrajectoryParams { width: 160, height: 120, bursts: 3, frames: 5, max_slope: 2.0, ..TrajectoryParams::default() }
+}
+
+fn made(params: &TrajectoryParams) -> Trajectory {
+    Trajectory::new(params, &Monitor::default()).expect("a trajectory")
+}
+
+fn centroid(picture: &Plane) -> [f64; 2] {
+    let (mut mass, mut mu, mut mv) = (0.0, 0.0, 0.0);
+    for v in 0..picture.height() {
+        for (u, &x) in picture.row(v).iter().enumerate() {
+            let x = f64::from(x);
+            mass += x;
+            mu += x * u as f64;
+            mv += x * v as f64;
+        }
+    }
+    [mu / mass, mv / mass]
+}
+
+#[test]
+fn a_known_point_is_where_the_picture_has_it() {
+    let lens = Lens { width: 200, height: 150, focal_px: 180.0 };
+    // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the picture of its centre is 0.02 px from the
+    // centre of gravity of its picture, and without edges, whose pixels would draw it aside.
+    let slant = lens::turn(0.2, -0.2, 0.1);
+    let pixel = 4.0 / lens.focal_px;
+    let mut sheet = Sheet::new(220, 180, 2, 2);
+    sheet.paint(Area::around(131.3, 62.6, 9.0), |x, y| {
+        let square = (x - 131.3).powi(2) + (y - 62.6).powi(2);
+        (1.0, (-0.5 * square).exp())
+    });
+    let (right, down) = (slant * Vector3::new(pixel, 0.0, 0.0), slant * Vector3::new(0.0, pixel, 0.0));
+    let plane = ScenePlane::new("disc", Point3::new(-2.5, -2.0, 4.0), right, down, &sheet);
+    let point = plane.point(131.3, 62.6);
+    let camera = BurstCamera {
+        world_from_camera: Isometry3::from_parts(Translation3::new(0.1, -0.2, 0.3), lens::turn(-0.1, 0.05, 0.04)),
+        step: Vector3::new(0.03, -0.01, 0.08),
+    };
+    let mut places = Vec::new();
+    for dt in [-4.5, -2.0, 0.0, 0.3, 4.5] {
+        let picture = plane::render(std::slice::from_ref(&plane), &lens, &camera.at(dt), &Monitor::default());
+        let [u, v] = centroid(&picture.expect("not cancelled"));
+        let [expected_u, expected_v] = camera.pixel_of(&lens, &point, dt).expect("in front");
+        assert!(
+            (u - expected_u).abs() < 0.025 && (v - expected_v).abs() < 0.025,
+            "{dt}: {u} {v}, {expected_u} {expected_v}"
+        );
+        places.push(u);
+    }
+    assert!((places[0] - places[4]).abs() > 5.0, "it moves: {places:?}");
+}
+
+#[test]
+fn near_planes_hide_far_ones_in_whatever_order_they_are_given() {
+    let lens = Lens { width: 60, height: 40, focal_px: 50.0 };
+    let plane = |depth: f64, value: f32, area: Option<Area>| {
+        let mut sheet = Sheet::new(100, 80, 2, 2);
+        match area {
+            Some(area) => sheet.rectangle(area, value),
+            None => sheet.fill(|_, _| value),
+        }
+        let pixel = depth / lens.focal_px;
+        let origin = Point3::new(-50.0 * pixel, -40.0 * pixel, depth);
+        ScenePlane::new("", origin, Vector3::new(pixel, 0.0, 0.0), Vector3::new(0.0, pixel, 0.0), &sheet)
+    };
+    // Its right half covers the right half of the image.
+    let near = plane(2.0, 0.9, Some(Area::new(50.0, 0.0, 90.0, 70.0)));
+    let far = plane(5.0, 0.2, None);
+    let camera = Isometry3::identity();
+    let view =
+        |planes: &[ScenePlane]| plane::render(planes, &lens, &camera, &Monitor::default()).expect("not cancelled");
+    let picture = view(&[far.clone(), near.clone()]);
+    assert!((picture.at(10, 20) - 0.2).abs() < 1e-5 && (picture.at(50, 20) - 0.9).abs() < 1e-5);
+    assert_eq!(picture, view(&[near.clone(), far.clone()]));
+    let depth = |u: f64| plane::nearest_point(&[far.clone(), near.clone()], &lens, &camera, u, 20.0).expect("seen").z;
+    assert!((depth(10.0) - 5.0).abs() < 1e-9 && (depth(50.0) - 2.0).abs() < 1e-9);
+}
+
+#[test]
+fn apparent_motion_follows_from_depth_and_reaches_the_largest_that_was_asked_for() {
+    for motion in [Motion::OneD, Motion::TwoD] {
+        let trajectory = made(&TrajectoryParams { motion, ..small() });
+        for (camera, [u, v]) in trajectory.cameras.iter().zip(&trajectory.slopes) {
+            let most = [u, v].into_iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+            assert!((most - 2.0).abs() < 1e-6, "{most}");
+            match motion {
+                // To the right with the camera is to the left in the picture, by focal length × step / depth.
+                Motion::OneD => {
+                    assert!(v.iter().all(|x| x.abs() < 1e-9) && u[1] < 0.0 && u[1] - u[0] > 0.5, "{u:?} {v:?}");
+                    let point = plane::nearest_point(
+                        &trajectory.planes,
+                        &trajectory.lens,
+                        &camera.world_from_camera,
+                        80.0,
+                        60.0,
+                    )
+                    .expect("the wall fills the image");
+                    let depth = camera.world_from_camera.inverse_transform_point(&point).z;
+                    let from = camera.pixel_of(&trajectory.lens, &point, 0.0).expect("in front");
+                    let to = camera.pixel_of(&trajectory.lens, &point, 1.0).expect("in front");
+                    let expected = -trajectory.lens.focal_px * camera.step.norm() / depth;
+                    assert!((to[0] - from[0] - expected).abs() < 1e-9 && (to[1] - from[1]).abs() < 1e-9);
+                }
+                Motion::TwoD => assert!(u[0] < -0.3 && u[1] > 0.3 && v[0] < -0.3 && v[1] > 0.3, "{u:?} {v:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn the_wall_fills_every_frame_of_every_burst() {
+    for motion in [Motion::OneD, Motion::TwoD] {
+        let params = TrajectoryParams { motion, light: Light::Snr(f64::INFINITY), ..small() };
+        let trajectory = made(&params);
+        for index in 0..3 {
+            let burst = trajectory.burst(index, &Monitor::default()).expect("a burst");
+            let dark = trajectory.exposure.camera.black_level + 0.03 * trajectory.exposure.gain;
+            for frame in &burst.frames {
+                assert!(frame.data().iter().all(|&x| f64::from(x) > dark && x < 1.0), "{motion:?}, burst {index}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
+    let make = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| {
+            let trajectory = made(&TrajectoryParams { seed, ..small() });
+            let burst = trajectory.burst(1, &Monitor::default()).expect("a burst");
+            (trajectory.truth(), burst.frames, trajectory.gold(1, &Monitor::default()).expect("a view"))
+        })
+    };
+    let (one, other) = (make(1, 3), make(2, 4));
+    assert!(one == make(3, 3));
+    assert!(one.0 != other.0 && one.1 != other.1 && one.2 != other.2);
+}
+
+#[test]
+fn it_is_as_dark_as_was_asked_for() {
+    let clean = TrajectoryParams { light: Light::Snr(f64::INFINITY), max_slope: 0.0, ..small() };
+    let scene = made(&clean).gold(0, &Monitor::default()).expect("a view");
+    for light in [Light::Snr(0.3), Light::Snr(3.0), Light::Electrons(1.2), Light::Electrons(4000.0)] {
+        let trajectory = made(&TrajectoryParams { light, ..clean.clone() });
+        let burst = trajectory.burst(0, &Monitor::default()).expect("a burst");
+        let exposure = &trajectory.exposure;
+        // The electrons of each pixel less those of the scene are the noise. Half a level or so is lost to rounding.
+        let electrons = exposure.camera.full_scale_electrons;
+        let noise: Vec<f64> = burst
+            .frames
+            .iter()
+            .flat_map(|frame| frame.data().iter().zip(scene.data()))
+            .map(|(&x, &clean)| {
+                let signal = exposure.gain * f64::from(clean) / GOLD_WHITE;
+                electrons * (f64::from(x) - exposure.camera.black_level - signal)
+            })
+            .collect();
+        let count = noise.len() as f64;
+        let mean = noise.iter().sum::<f64>() / count;
+        let variance = noise.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+        assert!(mean.abs() < 5.0 * (variance / count).sqrt() + 0.02, "{light:?}: mean {mean}");
+        let truth = trajectory.truth();
+        let sigma = truth.noise.expect("noisy").sigma_background * electrons;
+        assert!((variance.sqrt() / sigma - 1.0).abs() < 0.03, "{light:?}: {} for {sigma}", variance.sqrt());
+        match light {
+            Light::Snr(snr) => assert_eq!(truth.noise.and_then(|n| n.snr), Some(snr)),
+            Light::Electrons(e) => assert_eq!(truth.electrons_at_white, Some(e)),
+        }
+        assert!((trajectory.electrons - exposure.gain * electrons).abs() < 1e-9 * trajectory.electrons);
+        assert!(burst.frames.iter().all(|f| f.data().iter().all(|&x| x > 0.0 && x < 1.0)), "noise was cut off");
+    }
+}
+
+#[test]
+fn nonsense_is_named_with_its_remedy() {
+    let cases = [
+        (TrajectoryParams { bursts: 0, ..small() }, "bursts"),
+        (TrajectoryParams { planes: 17, ..small() }, "planes"),
+        (TrajectoryParams { light: Light::Snr(0.0), ..small() }, "snr"),
+        (TrajectoryParams { light: Light::Electrons(f64::NAN), ..small() }, "electrons"),
+        (TrajectoryParams { width: 3, ..small() }, "width"),
+        (TrajectoryParams { width: 8000, height: 8000, frames: 1, ..small() }, "width"),
+        (TrajectoryParams { max_slope: 90.0, ..small() }, "max-slope"),
+        (TrajectoryParams { bits: 17, ..small() }, "bits"),
+    ];
+    for (params, name) in cases {
+        let error = Trajectory::new(&params, &Monitor::default()).expect_err(name).to_string();
+        assert!(error.starts_with(&format!("{name}: ")), "{error}");
+    }
+    let monitor = Monitor::default();
+    monitor.cancel();
+    assert!(matches!(Trajectory::new(&small(), &monitor), Err(SynthError::Cancelled(_))));
+}

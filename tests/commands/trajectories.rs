@@ -1,0 +1,110 @@
+//! `synth trajectory`: bursts, poses and lens that the other commands take.
+
+use super::support::{names, run_badly, run_well};
+use burstscope::Burst;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+const SMALL: [&str; 14] = [
+    "synth",
+    "trajectory",
+    "--out",
+    "way",
+    "--width",
+    "240",
+    "--height",
+    "180",
+    "--bursts",
+    "3",
+    "--frames",
+    "5",
+    "--max-slope",
+    "2",
+];
+
+fn truth(folder: &Path) -> Value {
+    let text = fs::read_to_string(folder.join("trajectory.json")).expect("a file");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+#[test]
+fn a_trajectory_is_bursts_gold_poses_and_a_lens() {
+    let home = tempfile::tempdir().expect("a folder");
+    let text = run_well(home.path(), &SMALL);
+    assert!(text.contains("3 bursts of 5 frames of 240×180, 4 planes, SNR 0.30 ("), "{text}");
+    let way = home.path().join("way");
+    assert_eq!(names(&way), ["bursts", "gold", "lens.toml", "poses.txt", "trajectory.json"]);
+    assert_eq!(names(&way.join("bursts")), ["burst_000", "burst_001", "burst_002"]);
+    assert_eq!(names(&way.join("gold")), ["burst_000.png", "burst_001.png", "burst_002.png"]);
+    let truth = truth(&way);
+    let burst = Burst::open(way.join("bursts/burst_001")).expect("it opens");
+    assert_eq!((burst.len(), burst.size()), (5, (240, 180)));
+    // The mean of a burst is the mean of its gold view, in the same exposure.
+    let gold = Burst::open(way.join("gold/burst_001.png")).expect("it opens");
+    let mean = |burst: &Burst| {
+        let values = burst.frames.iter().flat_map(|frame| frame.data());
+        values.map(|&x| f64::from(x)).sum::<f64>() / (burst.len() * 240 * 180) as f64
+    };
+    let number = |path: &str| truth.pointer(path).and_then(Value::as_f64).expect(path);
+    let expected = number("/black_level") + mean(&gold) * number("/white") / number("/gold_white");
+    let noise = number("/noise/sigma_background");
+    assert!((mean(&burst) - expected).abs() < 0.05 * noise, "{} for {expected}", mean(&burst));
+}
+
+#[test]
+fn its_poses_and_its_lens_are_read_back() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(home.path(), &[&SMALL[..], &["--snr", "5"]].concat());
+    // The truth against itself: every pose is paired, and nothing is left over.
+    let poses = ["evaluate", "poses", "--estimate", "way/poses.txt", "--truth", "way/poses.txt", "--json"];
+    let report: Value = serde_json::from_str(&run_well(home.path(), &poses)).expect("JSON");
+    assert_eq!(report["pairs"].as_array().map(Vec::len), Some(3));
+    assert!(report["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-9), "{report}");
+    // An estimate that names images, as COLMAP's, is paired with the poses by the bursts' numbers.
+    let lines = fs::read_to_string(home.path().join("way/poses.txt")).expect("a file");
+    let mut images = String::new();
+    for (id, line) in lines.lines().filter(|line| !line.starts_with('#')).enumerate() {
+        let n: Vec<f64> = line.split(' ').map(|word| word.parse().expect("a number")).collect();
+        // COLMAP writes the world in the camera. Here only the centres count, so no camera is turned.
+        images +=
+            &format!("{} 1 0 0 0 {} {} {} 1 burst_{:03}.png\n1 1 -1\n", id + 1, -n[1], -n[2], -n[3], n[0] as usize);
+    }
+    fs::create_dir(home.path().join("model")).expect("made");
+    fs::write(home.path().join("model/images.txt"), images).expect("written");
+    fs::write(home.path().join("model/points3D.txt"), "").expect("written");
+    fs::write(home.path().join("model/cameras.txt"), "1 PINHOLE 240 180 216 216 120 90\n").expect("written");
+    let poses = ["evaluate", "poses", "--estimate", "model", "--truth", "way/poses.txt", "--json"];
+    let report: Value = serde_json::from_str(&run_well(home.path(), &poses)).expect("JSON");
+    assert_eq!((&report["associated"], report["pairs"].as_array().map(Vec::len)), (&"time".into(), Some(3)));
+    assert!(report["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-6), "{report}");
+    // The lens is the camera that COLMAP's database is given.
+    let colmap =
+        ["colmap", "way/bursts", "--camera", "way/lens.toml", "--slopes-u", "-2:2:5", "--out", "rec", "--json"];
+    let report: Value = serde_json::from_str(&run_well(home.path(), &colmap)).expect("JSON");
+    assert_eq!(report["known_camera"], true);
+    assert_eq!(report["cameras"][0]["model"], "PINHOLE");
+    assert_eq!(report["cameras"][0]["params"], truth(&home.path().join("way"))["camera_params"]);
+    let inliers = |pair: &Value| pair["inliers"].as_u64().unwrap_or(0);
+    let pairs = report["pairs"].as_array().expect("pairs");
+    assert!(pairs.iter().all(|pair| inliers(pair) >= 30), "{pairs:?}");
+}
+
+#[test]
+fn wrong_use_says_what_would_be_right() {
+    let home = tempfile::tempdir().expect("a folder");
+    for (arguments, words) in [
+        (&["--snr", "1", "--electrons", "2"][..], "cannot be used with"),
+        (&["--electrons", "0"], "--electrons: 0; give a number above 0"),
+        (&["--bursts", "0"], "--bursts: 0 bursts; give 1 to 1000"),
+        (&["--planes", "99"], "--planes: 99 planes; give 1 to 16"),
+        (&["--motion", "3d"], "1d, 2d"),
+    ] {
+        let error = run_badly(home.path(), &[&SMALL[..8], arguments].concat(), 2);
+        assert!(error.contains(words), "{arguments:?}: {error}");
+    }
+    fs::create_dir(home.path().join("way")).expect("made");
+    fs::write(home.path().join("way/thesis.txt"), "precious").expect("written");
+    assert!(run_badly(home.path(), &SMALL, 1).contains("way"));
+    assert_eq!(names(&home.path().join("way")), ["thesis.txt"]);
+}
