@@ -41,6 +41,7 @@ fn detection(count: u32) -> Detection {
         descriptors: (0..count).map(descriptor).collect(),
         tally: Tally::default(),
         frame_noise: 0.01,
+        noise: std::sync::Arc::default(),
         noise_gate_factor: 4.5,
         slopes: SlopeGrid::single(Slope::default()),
         frames_used: params.used_frames(5),

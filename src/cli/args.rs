@@ -147,6 +147,8 @@ JSON (--json):
   {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},
    \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"features\",
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
+     \"noise\": {\"frame_noise\", \"is_local\", \"transfer\": {\"slope\", \"dark\", \"points\": [{\"brightness\", \"variance\", \"squares\"}]}, \"excess\", \"levels\",
+       \"frames\": [{\"gain\", \"relative_variance\", \"left_out\"}], \"correlation\", \"pattern\", \"warnings\": [{\"kind\", \"number\", \"text\"}]},
      \"slope_grid\": {\"u\": {\"min\", \"max\", \"count\"}, \"v\", \"direction_deg\"}, \"slopes_found\": {\"grid\", \"verdict\": found, still,
        nothing-seen, not-straight or film, \"confidence\", \"significance\", \"direction_deg\", \"moved_px\", \"deviation_px\"} where slopes were found,
      \"slopes\": [{\"u\", \"v\", \"features\"}], \"tally\": {\"samples\", \"kept\", \"rejected\": {test: count}},

@@ -41,6 +41,8 @@ pub(super) const DESCRIBE_SLOPES: &[&str] = &["refined", "grid"];
 pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest", "truncated"];
 /// The words of [`crate::detector::Localisation`].
 pub(super) const LOCALISATIONS: &[&str] = &["continuous", "quadratic"];
+/// The words of [`crate::detector::NoiseModelKind`].
+pub(super) const NOISE_MODELS: &[&str] = &["local", "white"];
 /// The words of [`crate::dataset::ImageKind`].
 pub(super) const IMAGE_KINDS: &[&str] = &["middle", "merged"];
 /// The words of [`crate::matching::Geometry`].
@@ -57,6 +59,7 @@ mod tests {
     use super::*;
     use crate::app::state::scrub::ViewKind;
     use crate::dataset::ImageKind;
+    use crate::detector::NoiseModelKind;
     use crate::detector::{DescribeSlope, Interpolation, Localisation, Method, SlopeExtrema, SlopeNeighbours};
     use crate::evaluate::poses::Association;
     use crate::matching::{CameraModel, Geometry};
@@ -72,6 +75,7 @@ mod tests {
         assert!(DESCRIBE_SLOPES.iter().all(|w| read_word::<DescribeSlope>(w).is_ok()));
         assert!(INTERPOLATIONS.iter().all(|w| read_word::<Interpolation>(w).is_ok()));
         assert!(LOCALISATIONS.iter().all(|w| read_word::<Localisation>(w).is_ok()));
+        assert!(NOISE_MODELS.iter().all(|w| read_word::<NoiseModelKind>(w).is_ok()));
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
         let geometries: Vec<Geometry> = GEOMETRIES.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(geometries, Geometry::ALL);

@@ -14,6 +14,7 @@ use crate::evaluate::figure::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
 use crate::evaluate::{AccuracyStudy, ChartStudy, NoiseStudy};
 use crate::export::write_whole;
+use crate::synth::NoiseCase;
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
@@ -169,9 +170,14 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
         (Method::Buff, Some(slopes)) => one(if slopes.is_plane() { "BuFF 2D" } else { "BuFF 1D" }),
         (Method::Buff, None) => NoiseStudy::searches(&detector),
     };
-    let levels = args.bits.iter().flat_map(|bits| args.sigma.iter().map(|&sigma| NoiseLevel { sigma, bits: bits.0 }));
+    let white = args.bits.iter().flat_map(|bits| args.sigma.iter().map(|&sigma| NoiseLevel::white(sigma, bits.0)));
+    let of_case = |&case: &NoiseCase| NoiseLevel { case, sigma: args.case_sigma, bits: None };
+    let levels = match &args.case[..] {
+        [] => white.chain(NoiseCase::ALL.iter().filter(|&&case| case != NoiseCase::White).map(of_case)).collect(),
+        cases => cases.iter().map(of_case).collect(),
+    };
     let study = NoiseStudy {
-        levels: levels.collect(),
+        levels,
         searches,
         width: args.width,
         height: args.height,

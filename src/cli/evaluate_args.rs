@@ -6,7 +6,7 @@ use super::evaluate_poses::PosesArgs;
 use super::search_options::SearchArgs;
 use super::synth_args::{motions, parse_range, radius_laws};
 use crate::evaluate::{BurstMethod, Ranking};
-use crate::synth::{ChartParams, Motion, RadiusLaw};
+use crate::synth::{ChartParams, Motion, NoiseCase, RadiusLaw};
 use clap::{Args, Subcommand};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -164,8 +164,8 @@ pub struct AccuracyArgs {
 
 /// Count what is found on noise alone, where there is nothing.
 ///
-/// Bursts of 10 frames of white Gaussian noise around half of full scale are searched by BuFF 1D (13 slopes) and BuFF 2D (7×7), or with the
-/// slopes and method given. The default noise gate promises at most one false feature in a million pixels of the image.
+/// Bursts of 10 frames of Gaussian noise around half of full scale are searched by BuFF 1D (13 slopes) and BuFF 2D (7×7), or with the
+/// slopes and method given: white noise, and noise as cameras and files make it. The gate strict promises at most one false feature in a million pixels of the image.
 #[derive(Debug, Clone, Args)]
 pub struct NoiseArgs {
     /// Standard deviations of the noise of one frame, fractions of full scale, separated by commas.
@@ -174,6 +174,13 @@ pub struct NoiseArgs {
     /// Bits of the converter that rounds the noise, separated by commas; 'none' for numbers that are not rounded.
     #[arg(long, value_name = "BITS,…", value_delimiter = ',', default_value = "none,8", value_parser = parse_bits)]
     pub bits: Vec<Bits>,
+    /// Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY, correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker, clipped-black, saturated, constant-frame, constant.
+    /// Without it the white ones of --sigma and --bits, and all others.
+    #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseCase::from_str)]
+    pub case: Vec<NoiseCase>,
+    /// Standard deviation of the noise of the kinds of --case, fraction of full scale.
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.02)]
+    pub case_sigma: f64,
     /// Millions of pixels of the image to be searched for each number of the table, at least.
     #[arg(long, value_name = "MPX", default_value_t = 50.0)]
     pub megapixels: f64,

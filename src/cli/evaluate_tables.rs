@@ -2,7 +2,7 @@
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
 use crate::evaluate::chart::{ChartReport, ChartSummary, MethodReport};
-use crate::evaluate::pure_noise::NoiseReport;
+use crate::evaluate::pure_noise::{NoiseLevel, NoiseReport};
 use crate::evaluate::statistics::Errors;
 use crate::synth::RadiusLaw;
 use std::fmt::{Result, Write};
@@ -143,14 +143,15 @@ fn write_noise(out: &mut String, report: &NoiseReport) -> Result {
         report.bursts, report.frames, report.width, report.height, report.megapixels, report.first_seed
     )?;
     writeln!(out, "\nFalse features in a million pixels of the image (± standard error), and how many there were")?;
-    write!(out, "{:>8}{:>7}", "sigma", "bits")?;
+    write!(out, "{:16}{:>8}{:>7}", "noise", "sigma", "bits")?;
     let columns = report.rows.first().map_or(&[][..], |row| &row.searches);
     for search in columns {
         write!(out, "{:>26}", format!("{}, {} slopes", search.label, search.slopes))?;
     }
     writeln!(out)?;
     for row in &report.rows {
-        write!(out, "{:>8}{:>7}", row.level.sigma, row.level.bits.map_or("–".to_owned(), |bits| bits.to_string()))?;
+        let NoiseLevel { sigma, bits, case } = row.level;
+        write!(out, "{:16}{sigma:>8}{:>7}", case.name(), bits.map_or("–".to_owned(), |bits| bits.to_string()))?;
         for search in &row.searches {
             let cell =
                 format!("{:.2} ± {:.2} ({})", search.per_megapixel, search.standard_error, search.false_features);
@@ -158,7 +159,7 @@ fn write_noise(out: &mut String, report: &NoiseReport) -> Result {
         }
         writeln!(out)?;
     }
-    write!(out, "{:>15}", "noise gate")?;
+    write!(out, "{:31}", "noise gate")?;
     for search in columns {
         write!(out, "{:>26}", format!("{:.2} σ", search.noise_gate_factor))?;
     }

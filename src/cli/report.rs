@@ -2,13 +2,15 @@
 
 use crate::burst::Burst;
 use crate::detector::advice::grouped;
+use crate::detector::noise_model::NoiseModel;
 use crate::detector::{
     Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test,
 };
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The JSON document of `detect`.
 #[derive(Debug, Serialize)]
@@ -47,6 +49,8 @@ pub(super) struct BurstReport {
     pub features: usize,
     files: BTreeMap<String, PathBuf>,
     frame_noise: f32,
+    #[serde(serialize_with = "shared")]
+    noise: Arc<NoiseModel>,
     noise_gate_factor: f32,
     octaves: [i32; 2],
     slope_grid: SlopeGrid,
@@ -72,6 +76,10 @@ impl From<Advice> for AdviceReport {
     fn from(advice: Advice) -> Self {
         Self { message: advice.for_command(), parameter: advice.parameter.name, value: advice.value }
     }
+}
+
+fn shared<S: Serializer>(noise: &Arc<NoiseModel>, serializer: S) -> Result<S::Ok, S::Error> {
+    noise.serialize(serializer)
 }
 
 /// How many features were found at a slope of the grid.
@@ -120,6 +128,7 @@ impl BurstReport {
             features: detection.features.len(),
             files,
             frame_noise: detection.frame_noise,
+            noise: detection.noise.clone(),
             noise_gate_factor: detection.noise_gate_factor,
             octaves: [detection.octaves.start, detection.octaves.end],
             slope_grid: detection.slopes,
@@ -192,6 +201,9 @@ fn write_summary(
         NoiseGate::Factor(_) => format!("{:.2} σ", report.noise_gate_factor),
     };
     writeln!(out, "  noise     {:.5} of full scale in a frame; noise gate {gate}", report.frame_noise)?;
+    for warning in &report.noise.warnings {
+        writeln!(out, "  warning   {}", warning.text)?;
+    }
     if let Some(finding) = &report.slopes_found {
         writeln!(out, "  slopes    {}", finding.summary())?;
     }

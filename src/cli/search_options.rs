@@ -4,14 +4,14 @@
 //! override it, one by one; the result is checked once.
 
 use super::choices::{
-    AUTO_WORDS, AutoWord, DESCRIBE_SLOPES, INTERPOLATIONS, LOCALISATIONS, METHODS, SLOPE_EXTREMA, SLOPE_NEIGHBOURS,
-    words,
+    AUTO_WORDS, AutoWord, DESCRIBE_SLOPES, INTERPOLATIONS, LOCALISATIONS, METHODS, NOISE_MODELS, SLOPE_EXTREMA,
+    SLOPE_NEIGHBOURS, words,
 };
 use super::failure::Failure;
 use crate::detector::params::doc;
 use crate::detector::{
-    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc,
-    SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeExtrema, SlopeGrid, SlopeNeighbours,
+    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate,
+    NoiseModelKind, ParamDoc, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeExtrema, SlopeGrid, SlopeNeighbours,
 };
 use anyhow::Context;
 use clap::Args;
@@ -67,6 +67,9 @@ pub struct SearchArgs {
     #[arg(long = doc::NOISE_GATE.name, value_name = "K", help = short_help(doc::NOISE_GATE), long_help = long_help(doc::NOISE_GATE),
         value_parser = NoiseGate::from_str)]
     pub noise_gate: Option<NoiseGate>,
+    #[arg(long = doc::NOISE_MODEL.name, value_name = "MODEL", help = short_help(doc::NOISE_MODEL), long_help = long_help(doc::NOISE_MODEL),
+        value_parser = words::<NoiseModelKind>(NOISE_MODELS))]
+    pub noise_model: Option<NoiseModelKind>,
     #[arg(long = doc::EDGE_THRESHOLD.name, value_name = "R", help = short_help(doc::EDGE_THRESHOLD), long_help = long_help(doc::EDGE_THRESHOLD))]
     pub edge_threshold: Option<f32>,
     #[arg(long = doc::SLOPE_EXTREMA.name, value_name = "WHICH", help = short_help(doc::SLOPE_EXTREMA),
@@ -190,6 +193,7 @@ impl SearchArgs {
         set(&mut params.first_octave, self.first_octave);
         set(&mut params.peak_threshold, self.peak_threshold);
         set(&mut params.noise_gate, self.noise_gate);
+        set(&mut params.noise_model, self.noise_model);
         set(&mut params.edge_threshold, self.edge_threshold);
         set(&mut params.slope_extrema, self.slope_extrema);
         set(&mut params.slope_neighbours, self.slope_neighbours);
@@ -268,6 +272,8 @@ mod tests {
             "0.002",
             "--noise-gate",
             "4.5",
+            "--noise-model",
+            "white",
             "--edge-threshold",
             "12",
             "--slope-neighbours",
@@ -302,6 +308,7 @@ mod tests {
             first_octave: -1,
             peak_threshold: 0.002,
             noise_gate: NoiseGate::Factor(4.5),
+            noise_model: NoiseModelKind::White,
             edge_threshold: 12.0,
             slope_extrema: SlopeExtrema::Joint,
             slope_neighbours: SlopeNeighbours::All,

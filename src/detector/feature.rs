@@ -1,7 +1,9 @@
 //! What the detector answers: features, their descriptors, and the tally of what was rejected where.
 
 use super::keypoint::strength;
+use super::noise_model::NoiseModel;
 use super::slope_grid::{Slope, SlopeGrid};
+use std::sync::Arc;
 
 /// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -165,6 +167,8 @@ pub struct Detection {
     pub tally: Tally,
     /// Standard deviation of one frame's noise, fraction of full scale.
     pub frame_noise: f32,
+    /// What is known of the noise.
+    pub noise: Arc<NoiseModel>,
     /// The noise gate's factor that was used (derived, if it was automatic).
     pub noise_gate_factor: f32,
     /// The slopes that were searched.

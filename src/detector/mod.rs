@@ -21,6 +21,7 @@ pub mod locate;
 pub mod motion;
 pub mod noise;
 pub mod noise_estimate;
+pub mod noise_model;
 pub mod octave;
 pub mod orientation;
 pub mod params;
@@ -45,8 +46,8 @@ mod weighted_rows;
 pub use advice::{Advice, explain};
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{
-    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate, ParamDoc,
-    ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
+    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate,
+    NoiseModelKind, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{DetectError, detect};
 pub use revision::REVISION;

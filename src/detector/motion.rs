@@ -95,6 +95,27 @@ impl FrameOffset {
     }
 }
 
+/// Which frames of a burst take part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FrameTimes {
+    /// How many frames there are, N; t0 is their middle.
+    pub frame_count: usize,
+    /// Indices of those that take part, rising.
+    pub kept: Vec<usize>,
+}
+
+impl FrameTimes {
+    /// All of `frame_count` frames.
+    pub fn all(frame_count: usize) -> Self {
+        Self { frame_count, kept: (0..frame_count).collect() }
+    }
+
+    /// Of the offsets of all frames those of the frames that take part.
+    pub fn of(&self, offsets: Vec<FrameOffset>) -> Vec<FrameOffset> {
+        self.kept.iter().map(|&t| offsets[t]).collect()
+    }
+}
+
 /// The offsets (t − t0)·λ of `frame_count` frames, in time order.
 pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolation) -> Vec<FrameOffset> {
     shifted_offsets(frame_count, (f64::from(slope.u), f64::from(slope.v)), 0.0, interpolation)

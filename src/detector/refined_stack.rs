@@ -5,7 +5,7 @@
 //! that octave's resolution: each pixel the mean of 2^o × 2^o of a frame's. Averaging before shifting gives the same as after it, but for
 //! what is finer than the averages, which no level of that octave shows.
 
-use super::motion::{FrameOffset, interpolation_blur, shifted_offsets};
+use super::motion::{FrameOffset, FrameTimes, interpolation_blur, shifted_offsets};
 use super::octave::Base;
 use super::params::Interpolation;
 use super::scale_space::{SIGMA_INPUT, octave_size};
@@ -19,17 +19,18 @@ pub(super) struct OctaveFrames<'a> {
     /// Means of 2^octave × 2^octave pixels of each frame; empty where the frames serve as they are.
     means: Vec<Plane>,
     frames: &'a [&'a Plane],
+    times: &'a FrameTimes,
 }
 
 impl<'a> OctaveFrames<'a> {
-    /// Of `frames` of one size for `octave`, −1 or more. Octaves 0 and −1 take the frames as they are.
-    pub(super) fn new(frames: &'a [&'a Plane], octave: i32) -> Self {
+    /// Of `frames` of one size, taken at `times`, for `octave`, −1 or more. Octaves 0 and −1 take the frames as they are.
+    pub(super) fn new(frames: &'a [&'a Plane], times: &'a FrameTimes, octave: i32) -> Self {
         let means = if octave > 0 {
             frames.par_iter().map(|frame| (0..octave).fold((*frame).clone(), |plane, _| halved(&plane))).collect()
         } else {
             Vec::new()
         };
-        Self { octave, means, frames }
+        Self { octave, means, frames, times }
     }
 
     /// The frames, to be borrowed by [`Self::base`].
@@ -43,7 +44,7 @@ impl<'a> OctaveFrames<'a> {
         // The mean of 2^o pixels lies at their middle, the octave's pixel at the first of them.
         let shift_px = -0.5 * (1.0 - 1.0 / pixel);
         let in_octave = (f64::from(slope.u) / pixel, f64::from(slope.v) / pixel);
-        shifted_offsets(self.frames.len(), in_octave, shift_px, interpolation)
+        self.times.of(shifted_offsets(self.times.frame_count, in_octave, shift_px, interpolation))
     }
 
     /// What the octave's pixels are made from: `planes` read at `offsets`.
@@ -99,7 +100,8 @@ mod tests {
         let frames = moving(slope);
         let frames: Vec<&Plane> = frames.iter().collect();
         for octave in [-1, 0, 1, 2] {
-            let of_octave = OctaveFrames::new(&frames, octave);
+            let times = FrameTimes::all(frames.len());
+            let of_octave = OctaveFrames::new(&frames, &times, octave);
             let (planes, offsets) = (of_octave.planes(), of_octave.offsets(slope, Interpolation::Linear));
             let base = of_octave.base(&planes, &offsets);
             let pixel = 2f32.powi(octave);

@@ -6,7 +6,7 @@
 //! structure that slides along itself answers on both ways, but between them too.)
 
 use super::keypoint::Keypoint;
-use super::motion::FrameOffset;
+use super::motion::{FrameOffset, FrameTimes};
 use super::octave::Base;
 use super::params::Interpolation;
 use super::patch::{Patch, PatchScratch, around};
@@ -31,25 +31,27 @@ const BETWEEN_RESPONSE: f32 = 0.5;
 /// The frames at the resolutions of all octaves, each made when it is first asked for.
 pub(super) struct FramesOfOctaves<'a> {
     frames: &'a [&'a Plane],
+    times: &'a FrameTimes,
     first_octave: i32,
     octaves: Vec<OnceLock<OctaveFrames<'a>>>,
 }
 
 impl<'a> FramesOfOctaves<'a> {
-    pub(super) fn new(frames: &'a [&'a Plane], octaves: std::ops::Range<i32>) -> Self {
-        Self { frames, first_octave: octaves.start, octaves: octaves.map(|_| OnceLock::new()).collect() }
+    pub(super) fn new(frames: &'a [&'a Plane], times: &'a FrameTimes, octaves: std::ops::Range<i32>) -> Self {
+        Self { frames, times, first_octave: octaves.start, octaves: octaves.map(|_| OnceLock::new()).collect() }
     }
 
     /// Those of `octave`, one of the octaves given.
     pub(super) fn of(&self, octave: i32) -> &OctaveFrames<'a> {
-        self.octaves[(octave - self.first_octave) as usize].get_or_init(|| OctaveFrames::new(self.frames, octave))
+        self.octaves[(octave - self.first_octave) as usize]
+            .get_or_init(|| OctaveFrames::new(self.frames, self.times, octave))
     }
 }
 
 /// What the judgement needs besides the keypoints.
 pub(super) struct Motions<'a, 'f> {
     pub frames: &'a FramesOfOctaves<'f>,
-    pub frame_count: usize,
+    pub times: &'a FrameTimes,
     pub size_image: (usize, usize),
     pub space: &'a ScaleSpace,
     pub interpolation: Interpolation,
@@ -62,18 +64,19 @@ impl Motions<'_, '_> {
         let between = |a: f32, b: f32| 0.5 * (a + b);
         let (du, dv) = (wu - su, wv - sv);
         let (slope_u, slope_v) = (weaker.slope.u - stronger.slope.u, weaker.slope.v - stronger.slope.v);
-        let t0 = 0.5 * (self.frame_count as f32 - 1.0);
-        let apart: Vec<usize> = (0..self.frame_count)
-            .filter(|&t| {
-                let dt = t as f32 - t0;
+        let t0 = 0.5 * (self.times.frame_count as f32 - 1.0);
+        let count = self.times.kept.len();
+        let apart: Vec<usize> = (0..count)
+            .filter(|&index| {
+                let dt = self.times.kept[index] as f32 - t0;
                 (du + dt * slope_u).hypot(dv + dt * slope_v) > APART_SIGMAS * sigma
             })
             .collect();
-        if apart.len() < 2 || (apart.len() as f32) < FRAMES_SHARE * self.frame_count as f32 {
+        if apart.len() < 2 || (apart.len() as f32) < FRAMES_SHARE * count as f32 {
             return false;
         }
         let own = self.response(weaker, (wu, wv), weaker.slope, &apart) * weaker.value.signum();
-        let noise = weaker.value.abs() / weaker.snr * (self.frame_count as f32 / apart.len() as f32).sqrt();
+        let noise = weaker.value.abs() / weaker.snr * (count as f32 / apart.len() as f32).sqrt();
         if own < KEPT_RESPONSE * weaker.value.abs() || own < FRAMES_SNR * noise {
             return false;
         }
@@ -86,8 +89,8 @@ impl Motions<'_, '_> {
     fn response(&self, keypoint: &Keypoint, place: (f32, f32), slope: Slope, chosen: &[usize]) -> f32 {
         let frames = self.frames.of(keypoint.octave);
         let (planes, offsets) = (frames.planes(), frames.offsets(slope, self.interpolation));
-        let planes: Vec<&Plane> = chosen.iter().map(|&t| planes[t]).collect();
-        let offsets: Vec<FrameOffset> = chosen.iter().map(|&t| offsets[t]).collect();
+        let planes: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
+        let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
         let from = frames.sigma_octave(&offsets);
         let level = |s: i32| {
             let sigma = self.space.sigma_octave(f64::from(s));

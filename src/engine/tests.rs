@@ -305,6 +305,7 @@ fn detection(count: usize, moved: f32) -> Arc<Detection> {
         descriptors,
         tally: Default::default(),
         frame_noise: 0.01,
+        noise: std::sync::Arc::default(),
         noise_gate_factor: 4.5,
         slopes,
         frames_used: 0..3,

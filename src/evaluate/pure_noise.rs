@@ -1,8 +1,8 @@
 //! On noise alone: how many features are found where there is nothing to find.
 //!
-//! Bursts of white Gaussian noise around half of full scale, as it is and rounded to the levels of a converter, are searched with the parameters
-//! given. Every feature is false. The noise gate promises at most one of them in a million pixels of the image, whatever the noise and however many
-//! slopes are searched.
+//! Bursts of Gaussian noise around half of full scale are searched with the parameters given: white, as it is and rounded to the levels of a converter, and
+//! noise as cameras and files make it ([`NoiseCase`]). Every feature is false. The noise gate promises at most one of them in a million pixels of the image,
+//! whatever the noise and however many slopes are searched.
 
 use super::EvaluateError;
 use super::jobs::run_jobs;
@@ -12,6 +12,7 @@ use crate::detector::noise::gate_factor;
 use crate::detector::{DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
+use crate::synth::NoiseCase;
 use crate::synth::noise::{quantisation_step, quantised_word};
 use crate::synth::random::Stream;
 use serde::Serialize;
@@ -23,6 +24,8 @@ pub struct NoiseLevel {
     pub sigma: f64,
     /// Bits of the converter that rounds it, 4 … 16; `None` for numbers that are not rounded.
     pub bits: Option<u32>,
+    /// What is not white about it; only white noise is rounded to `bits`.
+    pub case: NoiseCase,
 }
 
 /// A search and its name.
@@ -68,10 +71,10 @@ impl NoiseStudy {
 }
 
 impl Default for NoiseStudy {
-    /// Faint, middling and strong noise, exact and rounded to 8 bits; 50 million pixels each.
+    /// Faint, middling and strong white noise, exact and rounded to 8 bits; 50 million pixels each.
     fn default() -> Self {
         let levels =
-            [None, Some(8)].into_iter().flat_map(|bits| [0.002, 0.02, 0.1].map(|sigma| NoiseLevel { sigma, bits }));
+            [None, Some(8)].into_iter().flat_map(|bits| [0.002, 0.02, 0.1].map(|sigma| NoiseLevel::white(sigma, bits)));
         Self {
             levels: levels.collect(),
             searches: Self::searches(&DetectorParams::default()),
@@ -127,8 +130,8 @@ pub struct NoiseCount {
     pub per_megapixel: f64,
     /// Standard error of that, for independent features: √count over the millions of pixels.
     pub standard_error: f64,
-    /// Mean of the estimated noise of a frame over the true one (with its rounding).
-    pub noise_estimate_ratio: f64,
+    /// Mean of the estimated noise of a frame over the true one (with its rounding), for white noise.
+    pub noise_estimate_ratio: Option<f64>,
 }
 
 impl NoiseStudy {
@@ -138,6 +141,10 @@ impl NoiseStudy {
                 let remedy =
                     "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
                 return Err(EvaluateError::param("sigma", level.sigma.to_string(), remedy));
+            }
+            if level.bits.is_some() && level.case != NoiseCase::White {
+                let remedy = "round white noise only";
+                return Err(EvaluateError::param("bits", format!("{:?} of {}", level.bits, level.case.name()), remedy));
             }
             if level.bits.is_some_and(|bits| !(4..=16).contains(&bits)) {
                 return Err(EvaluateError::param("bits", format!("{:?}", level.bits), "give 4 to 16"));
@@ -201,7 +208,7 @@ impl NoiseStudy {
                         false_features,
                         per_megapixel: false_features as f64 / megapixels,
                         standard_error: (false_features as f64).sqrt() / megapixels,
-                        noise_estimate_ratio: noise / level.total_sigma(),
+                        noise_estimate_ratio: (level.case == NoiseCase::White).then(|| noise / level.total_sigma()),
                     }
                 })
                 .collect(),
@@ -219,13 +226,18 @@ impl NoiseStudy {
 }
 
 impl NoiseLevel {
+    /// White noise.
+    pub fn white(sigma: f64, bits: Option<u32>) -> Self {
+        Self { sigma, bits, case: NoiseCase::White }
+    }
+
     /// The standard deviation with that of rounding, a twelfth of a step².
     fn total_sigma(self) -> f64 {
         self.sigma.hypot(self.bits.map_or(0.0, quantisation_step) / 12f64.sqrt())
     }
 }
 
-/// Frames of noise around half of full scale.
+/// Frames of noise around half of full scale, or what the case makes of it.
 fn noise_burst(
     level: NoiseLevel,
     size: (usize, usize),
@@ -233,6 +245,9 @@ fn noise_burst(
     seed: u64,
     monitor: &Monitor,
 ) -> Result<Burst, EvaluateError> {
+    if level.case != NoiseCase::White {
+        return Ok(level.case.burst(size, frames, level.sigma, seed, monitor)?);
+    }
     let mut planes = Vec::with_capacity(frames);
     for t in 0..frames {
         monitor.check()?;
@@ -258,7 +273,7 @@ mod tests {
     #[test]
     fn the_bursts_have_the_noise_asked_for() {
         for (sigma, bits) in [(0.02, None), (0.002, Some(8)), (0.02, Some(6))] {
-            let level = NoiseLevel { sigma, bits };
+            let level = NoiseLevel::white(sigma, bits);
             let burst = noise_burst(level, (200, 150), 2, 3, &Monitor::default()).expect("not cancelled");
             let values: Vec<f64> = burst.frames.iter().flat_map(|f| f.data()).map(|&x| f64::from(x)).collect();
             let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -271,7 +286,7 @@ mod tests {
     #[test]
     fn nonsense_is_named_with_its_remedy() {
         let good = NoiseStudy::default;
-        let with = |sigma, bits| vec![NoiseLevel { sigma, bits }];
+        let with = |sigma, bits| vec![NoiseLevel::white(sigma, bits)];
         let cases = [
             (NoiseStudy { levels: with(0.2, None), ..good() }, "sigma: "),
             (NoiseStudy { levels: with(f64::NAN, None), ..good() }, "sigma: "),

@@ -4,7 +4,7 @@ use crate::published::{demo_1d, numbers, open};
 use crate::shared::shared;
 use burstscope::detector::motion::motion_stack;
 use burstscope::detector::scale_space::SIGMA_BASE;
-use burstscope::detector::{Detection, Interpolation, Localisation, Slope};
+use burstscope::detector::{Detection, Interpolation, Localisation, NoiseModelKind, Slope};
 use burstscope::plane::blur::{GaussianKernel, gaussian_blur};
 use burstscope::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array3, Array4, s};
@@ -153,7 +153,14 @@ impl Authors {
 /// end at 2σ and the quadratic fit, as theirs do. Prints each that has none by default, with its cause.
 fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_per_frame: f32) -> (usize, usize) {
     let with = |kernel_cut: f32, localisation: Localisation| {
-        let params = DetectorParams { slopes, kernel_cut, localisation, levels: 3, ..DetectorParams::default() };
+        let params = DetectorParams {
+            slopes,
+            kernel_cut,
+            localisation,
+            levels: 3,
+            noise_model: NoiseModelKind::White,
+            ..DetectorParams::default()
+        };
         detect(burst, &params, &Monitor::default()).expect("valid parameters")
     };
     let (ours, cut) = (with(4.0, Localisation::Continuous), with(2.0, Localisation::Quadratic));

@@ -4,7 +4,7 @@ use crate::published::{demo_1d, numbers, open};
 use crate::shared::shared;
 use burstscope::detector::descriptor::to_vlfeat_order;
 use burstscope::detector::motion::motion_stack;
-use burstscope::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate};
+use burstscope::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind};
 use burstscope::{DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array2, Array3};
 use std::io::Read;
@@ -114,6 +114,7 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
         first_octave,
         peak_threshold: peak_of_255 / 255.0,
         noise_gate: NoiseGate::Factor(0.0),
+        noise_model: NoiseModelKind::White,
         localisation: Localisation::Quadratic,
         max_orientations: 4,
         octaves: 16,
@@ -164,6 +165,7 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: f32) {
         first_octave,
         peak_threshold: 0.02,
         noise_gate: NoiseGate::Factor(0.0),
+        noise_model: NoiseModelKind::White,
         interpolation: Interpolation::Truncated,
         localisation: Localisation::Quadratic,
         max_orientations: 4,

@@ -8,6 +8,7 @@ pub mod display;
 pub mod features;
 pub mod filter_bar;
 pub mod messages;
+pub mod noise;
 pub mod parameter_rows;
 pub mod parameters;
 pub mod patch;

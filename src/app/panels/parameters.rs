@@ -6,8 +6,8 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::state::Model;
 use crate::detector::params::doc;
 use crate::detector::{
-    DescribeSlope, DetectorParams, Interpolation, Localisation, Method, NoiseGate, SlopeChoice, SlopeExtrema,
-    SlopeFinding, SlopeNeighbours,
+    DescribeSlope, DetectorParams, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind, SlopeChoice,
+    SlopeExtrema, SlopeFinding, SlopeNeighbours,
 };
 use egui::{Align, Layout, RichText, Ui};
 
@@ -152,6 +152,15 @@ fn all_rows_ui(
         |p| &mut p.noise_gate,
         |ui, value: &mut NoiseGate, label| {
             rows::gate_ui(ui, value, label);
+        },
+    );
+    table.row(
+        ui,
+        &doc::NOISE_MODEL,
+        p,
+        |p| &mut p.noise_model,
+        |ui, value, label| {
+            rows::choice_ui(ui, value, label, &[(NoiseModelKind::Local, "Local"), (NoiseModelKind::White, "White")]);
         },
     );
     table.row(

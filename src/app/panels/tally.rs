@@ -41,6 +41,7 @@ pub fn tally_ui(ui: &mut Ui, model: &Model) {
             line_ui(ui, test.reason(), tally.rejected_by(test), Some((most, false)));
         }
         line_ui(ui, "Kept: keypoints", tally.kept, Some((most, true)));
+        super::noise::warnings_ui(ui, found);
         ui.add_space(4.0);
         super::bottom::advice_ui(ui, model);
     });

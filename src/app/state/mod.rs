@@ -86,6 +86,8 @@ pub enum BottomTab {
     Table,
     /// How many candidates each test rejected.
     Tally,
+    /// What is known of the noise.
+    Noise,
 }
 
 /// What the engine is doing, as of this pass.

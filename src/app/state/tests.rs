@@ -35,6 +35,7 @@ pub(super) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
         descriptors,
         tally: Tally::default(),
         frame_noise: 0.01,
+        noise: std::sync::Arc::default(),
         noise_gate_factor: 4.5,
         slopes: params.slopes,
         frames_used: 0..burst.burst.len(),

@@ -210,6 +210,18 @@ impl<'de> Deserialize<'de> for NoiseGate {
     }
 }
 
+/// What is known of the noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NoiseModelKind {
+    /// The noise as the burst shows it: by brightness, place, octave and level; frames and pixels that are not what they should be are left out (see
+    /// [`super::super::noise_model`]).
+    Local,
+    /// White noise of one standard deviation.
+    #[default]
+    White,
+}
+
 /// Frames `start..end` of the burst (`end` excluded), as `--frames A..B` names them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrameRange {

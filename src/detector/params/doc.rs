@@ -125,6 +125,14 @@ param_doc!(
     "Raise it to eliminate more noise; lower it to see fainter features among more false ones. Strict gives at most one false feature a megapixel on noise alone; auto, for matching, lets through more of both."
 );
 param_doc!(
+    NOISE_MODEL,
+    "noise-model",
+    "Noise model",
+    "",
+    "What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and leaves out repeated, black and noisy frames, hot pixels, stripes and flicker; white is one standard deviation for all.",
+    "Local keeps the gate's promise for noise as cameras and files make it, but may take fast, fine texture for noise; white searches the frames as they are."
+);
+param_doc!(
     EDGE_THRESHOLD,
     "edge-threshold",
     "Edge threshold",
@@ -214,7 +222,7 @@ param_doc!(
 );
 
 /// All of them, in the order in which surfaces show them.
-pub const ALL: [ParamDoc; 22] = [
+pub const ALL: [ParamDoc; 23] = [
     METHOD,
     SLOPES,
     SLOPES_U,
@@ -226,6 +234,7 @@ pub const ALL: [ParamDoc; 22] = [
     FIRST_OCTAVE,
     PEAK_THRESHOLD,
     NOISE_GATE,
+    NOISE_MODEL,
     EDGE_THRESHOLD,
     SLOPE_EXTREMA,
     SLOPE_NEIGHBOURS,

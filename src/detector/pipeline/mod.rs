@@ -13,14 +13,15 @@ use super::describing::{self, Describing};
 use super::distinct::{self, Blob};
 use super::feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 use super::keypoint::Keypoint;
-use super::motion::{FrameOffset, frame_offsets};
-use super::noise::{dog_noise_variance, gate_factor};
+use super::motion::{FrameOffset, FrameTimes, frame_offsets};
+use super::noise::gate_factor;
 use super::noise_estimate::frame_noise;
+use super::noise_model::{Examined, NoiseModel, examine};
 use super::octave::{Base, OctaveFilters};
-use super::params::{DescribeSlope, DetectorParams, Distinct, ParamError};
+use super::params::{DescribeSlope, DetectorParams, Distinct, NoiseModelKind, ParamError};
 use super::refine::MAX_MOVES;
 use super::scale_space::{ScaleSpace, octave_size};
-use super::slope_grid::SlopeGrid;
+use super::slope_grid::{Slope, SlopeGrid};
 use super::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use super::two_motions::{FramesOfOctaves, Motions};
 use super::view::searched_octaves;
@@ -31,8 +32,8 @@ use crate::plane::bank::{FilterBank, FilterScratch};
 use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 use tile::{Octave, TileScratch};
 
@@ -65,6 +66,7 @@ pub enum DetectError {
 /// What does not change during a detection.
 struct Search<'a> {
     frames: &'a [&'a Plane],
+    times: &'a FrameTimes,
     size_image: (usize, usize),
     grid: SlopeGrid,
     /// For each slope, where its frames are read.
@@ -73,7 +75,7 @@ struct Search<'a> {
     /// The filters of the first octave and of the later ones.
     banks: (FilterBank, FilterBank),
     params: &'a DetectorParams,
-    frame_noise: f32,
+    noise: &'a NoiseModel,
     gate_factor: f32,
     monitor: &'a Monitor,
     /// Space that no thread is using.
@@ -89,21 +91,24 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     let frames_used = params.used_frames(burst.len());
     let started = Instant::now();
     monitor.report(Stage::Noise, 0.0);
-    let noise = frame_noise(burst, frames_used.clone(), monitor)?;
+    let space = ScaleSpace::of(params);
+    let Examined { model: noise, frames, kept } = known_noise(burst, params, &space, monitor)?;
     let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
 
-    let frames: Vec<&Plane> = burst.frames[frames_used.clone()].iter().map(|f| &**f).collect();
+    let frames: Vec<&Plane> = frames.iter().map(|f| &**f).collect();
+    let frame_times = FrameTimes { frame_count: frames_used.len(), kept };
     let grid = params.used_slopes();
-    let space = ScaleSpace::of(params);
+    let offsets = |slope| frame_times.of(frame_offsets(frame_times.frame_count, slope, params.interpolation));
     let search = Search {
         frames: &frames,
+        times: &frame_times,
         size_image: burst.size(),
         grid,
-        offsets: grid.slopes().map(|slope| frame_offsets(frames.len(), slope, params.interpolation)).collect(),
+        offsets: grid.slopes().map(offsets).collect(),
         banks: (space.bank(true, space.all_levels()), space.bank(false, space.all_levels())),
         space,
         params,
-        frame_noise: noise,
+        noise: &noise,
         gate_factor: gate_factor(params),
         monitor,
         unused: Mutex::new(Vec::new()),
@@ -112,7 +117,7 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     let mut tally = Tally::default();
     let started = Instant::now();
     let found = search.octaves(&octaves, &mut tally)?;
-    let octave_frames = FramesOfOctaves::new(&frames, octaves.clone());
+    let octave_frames = FramesOfOctaves::new(&frames, &frame_times, octaves.clone());
     let keypoints = search.distinct(found.keypoints, &octave_frames, &mut tally);
     tally.kept = keypoints.len() as u64;
     times.search_secs = started.elapsed().as_secs_f32();
@@ -136,13 +141,39 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
         features,
         descriptors,
         tally,
-        frame_noise: noise,
+        frame_noise: noise.frame_noise,
         noise_gate_factor: search.gate_factor,
+        noise: Arc::new(noise),
         slopes: grid,
         frames_used,
         octaves,
         times,
     })
+}
+
+/// The noise of the burst as the parameters want it known, and the frames that are searched: with [`NoiseModelKind::White`], or where there is too little to know
+/// more, all that are used, as they are.
+fn known_noise(
+    burst: &Burst,
+    params: &DetectorParams,
+    space: &ScaleSpace,
+    monitor: &Monitor,
+) -> Result<Examined, Cancelled> {
+    let used = params.used_frames(burst.len());
+    let frames = &burst.frames[used.clone()];
+    let local = match params.noise_model {
+        NoiseModelKind::Local => {
+            examine(frames, burst.quantisation_step, space, searched_octaves(params, burst.size()), monitor)?
+        }
+        NoiseModelKind::White => None,
+    };
+    match local {
+        Some(examined) => Ok(examined),
+        None => {
+            let model = NoiseModel::white(frame_noise(burst, used, monitor)?);
+            Ok(Examined { model, frames: frames.to_vec(), kept: (0..frames.len()).collect() })
+        }
+    }
 }
 
 /// What the search leaves.
@@ -187,7 +218,7 @@ impl Search<'_> {
         let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
         let motions = Motions {
             frames,
-            frame_count: self.frames.len(),
+            times: self.times,
             size_image: self.size_image,
             space: &self.space,
             interpolation: self.params.interpolation,
@@ -239,7 +270,7 @@ impl Search<'_> {
     /// Whether features of `octave` are described at their own slopes, so far as the octave can show the difference.
     fn describes_own_slopes(&self, octave: i32) -> bool {
         let step = [self.grid.u.step(), self.grid.v.step()].into_iter().fold(0.0, f32::max);
-        let outermost_px = step * 0.5 * (self.frames.len() as f32 - 1.0);
+        let outermost_px = step * 0.5 * (self.times.frame_count as f32 - 1.0);
         self.params.describe_slope == DescribeSlope::Refined
             && describing::misaligned(outermost_px, self.space.sigma_image(octave, 0.0) as f32)
     }
@@ -260,12 +291,12 @@ impl Search<'_> {
         }
     }
 
-    /// σ_D at `octave` and DoG level index `level_index` for each slope.
+    /// σ_D at `octave` and DoG level index `level_index` for each slope, where the noise is least.
     fn sigma_d(&self, octave: i32, level_index: usize) -> Vec<f32> {
-        let sigma = |offsets: &Vec<FrameOffset>| {
-            self.frame_noise * dog_noise_variance(&self.space, octave, level_index as f64 - 1.0, offsets).sqrt() as f32
+        let sigma = |(slope, offsets): (Slope, &Vec<FrameOffset>)| {
+            self.noise.sigma_d(&self.space, (octave, level_index as i32 - 1), (slope, offsets), self.gate_factor)
         };
-        self.offsets.iter().map(sigma).collect()
+        self.grid.slopes().zip(&self.offsets).map(sigma).collect()
     }
 
     /// A thread's space: one that lies unused, or a new one. Fresh memory costs as much as a good part of the search, so it goes round.

@@ -22,7 +22,7 @@ pub(super) struct Octave<'a> {
     pub(super) size: (usize, usize),
     pub(super) bases: &'a [Plane],
     pub(super) filters: OctaveFilters,
-    /// σ_D by DoG level index and slope.
+    /// σ_D by DoG level index and slope, where the noise is least.
     pub(super) sigma_d: Vec<Vec<f32>>,
 }
 
@@ -91,10 +91,10 @@ impl Search<'_> {
         Ok((keypoints, tally))
     }
 
-    /// σ_D of a candidate. Where fewer frames cover a place the mean is noisier, by the square root.
+    /// σ_D of a candidate: the noise there, and where fewer frames cover a place the mean is noisier, by the square root.
     fn sigma_d_at(&self, job: &Octave<'_>, slope_index: usize, candidate: &Candidate) -> f32 {
         job.sigma_d[candidate.level_index][slope_index]
-            * self.coverage_factor(job.octave, slope_index, candidate.x, candidate.y)
+            * self.place_factor(job.octave, slope_index, candidate.x, candidate.y)
     }
 
     /// Compares the slope that was made last with the others that are held.
@@ -139,12 +139,13 @@ impl Search<'_> {
         }
     }
 
-    /// √(N / frames that cover the octave pixel (x, y) at the slope).
-    fn coverage_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
+    /// √(N / frames that cover the octave pixel (x, y) at the slope), times by how much the noise is larger there than where it is least.
+    fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
         let pixel = octave_pixel(octave);
         let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
         let at = (to_image(x, self.size_image.0), to_image(y, self.size_image.1));
         let covering = coverage(&self.offsets[slope_index], at.0, at.1, self.size_image);
-        (self.frames.len() as f32 / covering.max(1) as f32).sqrt()
+        let noise = self.noise.place_factor(octave, &self.offsets[slope_index], at, self.size_image);
+        (self.frames.len() as f32 / covering.max(1) as f32).sqrt() * noise
     }
 }

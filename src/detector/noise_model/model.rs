@@ -1,0 +1,243 @@
+//! The noise of one burst as the search uses it: σ of D at a place, octave, level and slope.
+
+use super::fixed_pattern::{FixedPattern, REACH};
+use super::frames::FrameFacts;
+use super::photon_transfer::PhotonTransfer;
+use super::place::ExcessMap;
+use super::pyramid::{BoxPyramid, sample_at};
+use super::spectrum::LevelNoise;
+use super::warning::NoiseWarning;
+use crate::detector::motion::FrameOffset;
+use crate::detector::noise::dog_noise_variance;
+use crate::detector::scale_space::ScaleSpace;
+use crate::detector::slope_grid::Slope;
+use crate::plane::Plane;
+use serde::Serialize;
+
+/// What is known of the noise of a burst.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct NoiseModel {
+    /// Standard deviation of the noise of one frame at its middle brightness, fraction of full scale.
+    pub frame_noise: f32,
+    /// Whether the noise differs from white noise of that one standard deviation in anything.
+    pub is_local: bool,
+    /// Variance over brightness.
+    pub transfer: PhotonTransfer,
+    /// Variance over what the brightness says, by place, where it differs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub excess: Option<ExcessMap>,
+    /// By octave from the first one that is searched and by level, what it lets through.
+    pub levels: Vec<Vec<LevelNoise>>,
+    /// The used frames.
+    pub frames: Vec<FrameFacts>,
+    /// Correlation of the noise of consecutive frames.
+    pub correlation: f32,
+    /// What belongs to the sensor and was taken off.
+    pub pattern: FixedPattern,
+    /// Which assumptions do not hold.
+    pub warnings: Vec<NoiseWarning>,
+    #[serde(skip)]
+    pub(super) brightness: Brightness,
+}
+
+/// How bright the frames are where, and what follows for the search.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Brightness {
+    /// Of the frames that take part; empty where the noise is the same everywhere.
+    pub(super) pyramids: Vec<BoxPyramid>,
+    /// The smallest variance of one frame's noise, for each octave.
+    pub(super) least_variance: Vec<f32>,
+    /// The share of pixels that are cut off at black or white.
+    pub(super) cut_off: f32,
+    /// The brightest value, fraction of full scale.
+    pub(super) brightest: f32,
+    /// Mean of the frames' relative variances.
+    pub(super) relative_variance: f32,
+    /// The first octave.
+    pub(super) first_octave: i32,
+}
+
+/// By how much the gate grows where all noise is cut off on one side. What is left of it is skewed, and so, a little, is D: the measured excess of false features where half of the
+/// pixels are cut off calls for six percent.
+const SKEWED: f32 = 0.12;
+/// Frames whose brightness tells that of a stack.
+const FRAMES_SAMPLED: usize = 4;
+/// Rounding errors of D, over the brightest value: two steps of `f32`.
+const ROUNDING: f32 = 2.4e-7;
+
+impl NoiseModel {
+    /// White noise of standard deviation `frame_noise`, the same everywhere: nothing else is known.
+    pub fn white(frame_noise: f32) -> Self {
+        Self { frame_noise, ..Self::default() }
+    }
+
+    /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, where the noise is least and all frames cover. `gate` is the
+    /// factor that it will be multiplied with: noise with long tails counts as the normal noise that is as seldom beyond it.
+    pub fn sigma_d(
+        &self,
+        space: &ScaleSpace,
+        (octave, level): (i32, i32),
+        (slope, offsets): (Slope, &[FrameOffset]),
+        gate: f32,
+    ) -> f32 {
+        let white = dog_noise_variance(space, octave, f64::from(level), offsets);
+        if !self.is_local {
+            return self.frame_noise * white.sqrt() as f32;
+        }
+        let noise = self.level(octave, level);
+        let frame = self.brightness.least_variance[self.octave_index(octave)] * self.brightness.relative_variance;
+        let sigma_px = space.sigma_image(octave, f64::from(level)) as f32;
+        let over_time = repeated_over_time(self.correlation, offsets.len(), slope.magnitude() / sigma_px);
+        let of_frames = white as f32 * noise.over_white * frame * over_time;
+        let tails = noise.excess_kurtosis / offsets.len() as f32 / 24.0 * (gate * gate - 3.0).max(0.0);
+        let sigma = (of_frames + self.stripes_left(space, octave, level)).sqrt()
+            * (1.0 + tails + SKEWED * self.brightness.cut_off);
+        sigma.max(ROUNDING * self.brightness.brightest)
+    }
+
+    /// By how much σ of D is larger at the image's pixel (u, v), in the stack whose frames are read at `offsets`, than where it is least: the mean over
+    /// some of the frames that cover it. At least 1.
+    pub fn place_factor(
+        &self,
+        octave: i32,
+        offsets: &[FrameOffset],
+        (u, v): (usize, usize),
+        size: (usize, usize),
+    ) -> f32 {
+        let Brightness { pyramids, least_variance, .. } = &self.brightness;
+        if pyramids.is_empty() {
+            return 1.0;
+        }
+        let least = least_variance[self.octave_index(octave)];
+        let (mut sum, mut count) = (0.0, 0usize);
+        let step = offsets.len().div_ceil(FRAMES_SAMPLED);
+        let some = pyramids.iter().zip(offsets).skip((offsets.len() - 1) % step / 2).step_by(step);
+        for (pyramid, offset) in some.filter(|(_, offset)| offset.covers(u, v, size)) {
+            let at = (
+                (u as i64 + offset.whole_u) as f32 + offset.part_u,
+                (v as i64 + offset.whole_v) as f32 + offset.part_v,
+            );
+            sum += self.variance_at(pyramid, octave, at);
+            count += 1;
+        }
+        if count == 0 || least <= 0.0 { 1.0 } else { (sum / (count as f32 * least)).sqrt().max(1.0) }
+    }
+
+    /// The variance of the noise of the frame with `pyramid` around its place (u, v), as blurred as `octave` is.
+    pub(super) fn variance_at(&self, pyramid: &BoxPyramid, octave: i32, (u, v): (f32, f32)) -> f32 {
+        let level = Self::brightness_level(octave).min(pyramid.len());
+        let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
+        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(u, v))
+    }
+
+    /// σ of the noise of one frame by place, as the finest octave takes it, for an image of `size` in cells of `cell_px` pixels a side: the mean variance of the
+    /// frames that take part.
+    pub fn sigma_map(&self, size: (usize, usize), cell_px: f32) -> Plane {
+        let cells = |n: usize| ((n as f32 / cell_px).ceil() as usize).max(1);
+        let pyramids = &self.brightness.pyramids;
+        Plane::from_fn(cells(size.0), cells(size.1), |x, y| {
+            let at = ((x as f32 + 0.5) * cell_px, (y as f32 + 0.5) * cell_px);
+            if pyramids.is_empty() {
+                return self.frame_noise;
+            }
+            let sum: f32 = pyramids.iter().map(|p| self.variance_at(p, self.brightness.first_octave, at)).sum();
+            (sum / pyramids.len() as f32).sqrt()
+        })
+    }
+
+    /// The variance of the noise of the frame with `pyramid` at its place (u, v), without regard to borders between parts of different noise.
+    pub(super) fn measured_variance_at(&self, pyramid: &BoxPyramid, (u, v): (f32, f32)) -> f32 {
+        let level = Self::brightness_level(1).min(pyramid.len());
+        let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
+        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.measured_at(u, v))
+    }
+
+    /// The pyramid's level at which brightness is looked up for an octave: squares a few times as large as its σ.
+    pub(super) fn brightness_level(octave: i32) -> usize {
+        (octave + 2).max(3) as usize
+    }
+
+    /// What a level lets through.
+    fn level(&self, octave: i32, level: i32) -> LevelNoise {
+        let of_octave = self.levels.get(self.octave_index(octave));
+        of_octave
+            .and_then(|levels| levels.get(level.max(0) as usize).or(levels.last()))
+            .copied()
+            .unwrap_or(LevelNoise::WHITE)
+    }
+
+    fn octave_index(&self, octave: i32) -> usize {
+        let last = self.brightness.least_variance.len().saturating_sub(1);
+        ((octave - self.brightness.first_octave).max(0) as usize).min(last)
+    }
+
+    /// The variance that the smooth part of stripes leaves in D: white stripes' that is left by the mean over the columns around, for a filter along one axis.
+    fn stripes_left(&self, space: &ScaleSpace, octave: i32, level: i32) -> f32 {
+        let of =
+            |stripes: &Option<super::fixed_pattern::Stripes>| stripes.as_ref().map_or(0.0, |s| s.deviation.powi(2));
+        let variance = of(&self.pattern.columns) + of(&self.pattern.rows);
+        if variance == 0.0 {
+            return 0.0;
+        }
+        let [low, high] = [0, 1].map(|up| space.sigma_image(octave, f64::from(level + up)));
+        let window = (2 * REACH + 1) as f64;
+        const STEPS: usize = 512;
+        let step = std::f64::consts::PI / STEPS as f64;
+        let energy: f64 = (0..STEPS)
+            .map(|i| {
+                let w = (i as f64 + 0.5) * step;
+                let dog = (-0.5 * (w * low).powi(2)).exp() - (-0.5 * (w * high).powi(2)).exp();
+                let mean = (0.5 * w * window).sin() / (window * (0.5 * w).sin());
+                (dog * mean).powi(2)
+            })
+            .sum::<f64>()
+            / STEPS as f64;
+        variance * energy as f32
+    }
+}
+
+/// How many times the variance of the mean of `frames` is that of independent ones, when consecutive frames' noise is correlated by `correlation`, falling by that
+/// factor from frame to frame, and a step from frame to frame shifts it by `shift` in units of the filter's σ.
+fn repeated_over_time(correlation: f32, frames: usize, shift: f32) -> f32 {
+    if correlation <= 0.0 {
+        return 1.0;
+    }
+    let n = frames as f32;
+    let shared = |k: usize| {
+        let k_frames = k as f32;
+        (1.0 - k_frames / n) * correlation.powi(k as i32) * (-0.25 * (k_frames * shift).powi(2)).exp()
+    };
+    let sum = 1.0 + 2.0 * (1..frames).map(shared).sum::<f32>();
+    // The differences in which the noise was measured, with weights 1, −2, 1, show less of it than there is.
+    let shown = 1.0 - 4.0 / 3.0 * correlation + correlation * correlation / 3.0;
+    sum / shown.max(0.02)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::motion::frame_offsets;
+    use crate::detector::params::Interpolation;
+
+    #[test]
+    fn white_noise_has_the_bits_of_the_one_sigma() {
+        let space = ScaleSpace::new(4, 0, 4.0);
+        let slope = Slope::new(1.3, 0.2);
+        let offsets = frame_offsets(10, slope, Interpolation::Linear);
+        let model = NoiseModel::white(0.0123);
+        for (octave, level) in [(0, 0), (2, 3)] {
+            let expected = 0.0123 * dog_noise_variance(&space, octave, f64::from(level), &offsets).sqrt() as f32;
+            assert_eq!(model.sigma_d(&space, (octave, level), (slope, &offsets), 5.0), expected);
+        }
+        assert_eq!(model.place_factor(0, &offsets, (3, 4), (100, 80)), 1.0);
+    }
+
+    #[test]
+    fn frames_that_repeat_each_other_are_worth_less() {
+        assert_eq!(repeated_over_time(0.0, 10, 0.0), 1.0);
+        let still = repeated_over_time(0.5, 200, 0.0);
+        // (1 + r)/(1 − r) for many frames, over what differences show of it.
+        assert!((still / (3.0 / (1.0 - 2.0 / 3.0 + 0.25 / 3.0)) - 1.0).abs() < 0.02, "{still}");
+        assert!(repeated_over_time(0.5, 200, 5.0) < 0.4 * still);
+    }
+}

@@ -1,0 +1,172 @@
+//! What a burst's noise has that the search has to cope with, said so that a person can do something about it.
+
+use super::fixed_pattern::FixedPattern;
+use super::frames::{FrameSurvey, LeftOut};
+use serde::Serialize;
+
+/// An assumption about the noise that does not hold.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseWarning {
+    /// Which one.
+    pub kind: WarningKind,
+    /// How much: a count, a share, or a factor, as the text says.
+    pub number: f32,
+    /// What it is, what was done about it and what can be done, in one or two sentences.
+    pub text: String,
+}
+
+/// The assumptions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WarningKind {
+    /// Frames repeat others.
+    DuplicateFrames,
+    /// Frames are black, flashed, empty or too noisy.
+    OutlierFrames,
+    /// Exposures differ from frame to frame.
+    GainFlicker,
+    /// The noise of consecutive frames is correlated.
+    SmoothedOverTime,
+    /// Neighbouring pixels share their noise.
+    SharedByNeighbours,
+    /// Strong noise is more frequent than a normal distribution has it.
+    LongTails,
+    /// The noise differs by place more than the brightness says.
+    DiffersByPlace,
+    /// Single pixels stay bright or dark.
+    HotPixels,
+    /// Columns or rows have offsets.
+    Stripes,
+    /// What stays in place cannot be told from the scene, which stays too.
+    StillScene,
+    /// Pixels are cut off at black or white.
+    CutOff,
+}
+
+impl NoiseWarning {
+    pub(super) fn new(kind: WarningKind, number: f32, text: String) -> Self {
+        Self { kind, number, text }
+    }
+}
+
+/// Counts of frames by why they were left out.
+pub(super) fn of_frames(survey: &FrameSurvey) -> Vec<NoiseWarning> {
+    let total = survey.frames.len();
+    let mut warnings = Vec::new();
+    let list = |wanted: fn(&LeftOut) -> bool| -> Vec<usize> {
+        (0..total).filter(|&t| survey.frames[t].left_out.as_ref().is_some_and(wanted)).collect()
+    };
+    let copies = list(|why| matches!(why, LeftOut::Duplicate(_)));
+    if !copies.is_empty() {
+        let text = format!(
+            "{} of {total} frames repeat an earlier one ({}) and do not count; give the frames as they were captured, each once",
+            copies.len(),
+            numbered(&copies)
+        );
+        warnings.push(NoiseWarning::new(WarningKind::DuplicateFrames, copies.len() as f32, text));
+    }
+    type Wanted = fn(&LeftOut) -> bool;
+    let kinds: [(&str, Wanted); 4] = [
+        ("less than half as bright as the others", |why| matches!(why, LeftOut::Black)),
+        ("more than twice as bright as the others", |why| matches!(why, LeftOut::Flash)),
+        ("without any noise, as if filled in", |why| matches!(why, LeftOut::Empty)),
+        ("far noisier than the others", |why| matches!(why, LeftOut::Noisy(_))),
+    ];
+    for (words, wanted) in kinds {
+        let which = list(wanted);
+        if !which.is_empty() {
+            let text = format!(
+                "{} of {total} frames left out as {words} ({}); leave them out of the burst, or give --frames",
+                which.len(),
+                numbered(&which)
+            );
+            warnings.push(NoiseWarning::new(WarningKind::OutlierFrames, which.len() as f32, text));
+        }
+    }
+    if survey.flicker > 0.0 {
+        let text = format!(
+            "the exposure flickers by {:.1} %; the frames were brought to the same brightness; fix the exposure, or give \
+             --noise-model white to search them as they are",
+            100.0 * survey.flicker
+        );
+        warnings.push(NoiseWarning::new(WarningKind::GainFlicker, survey.flicker, text));
+    }
+    if survey.correlation > 0.0 {
+        let text = format!(
+            "the noise of consecutive frames is correlated ({:.2}), so {} frames are worth fewer; the gate is raised; record \
+             without noise reduction over time",
+            survey.correlation,
+            survey.kept().len()
+        );
+        warnings.push(NoiseWarning::new(WarningKind::SmoothedOverTime, survey.correlation, text));
+    }
+    warnings
+}
+
+/// What the sensor's pattern is.
+pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
+    let mut warnings = Vec::new();
+    let hot = pattern.hot_pixels.len();
+    if hot > 0 {
+        let text = format!("{hot} hot or dead pixels masked; a dark frame given as --bias removes them exactly");
+        warnings.push(NoiseWarning::new(WarningKind::HotPixels, hot as f32, text));
+    }
+    for (words, stripes) in [("columns", &pattern.columns), ("rows", &pattern.rows)] {
+        if let Some(stripes) = stripes {
+            let text = format!(
+                "{words} have offsets of {:.5} of full scale; their sharp part was taken off, and the gate is raised by the rest; \
+                 a dark frame given as --bias removes them exactly",
+                stripes.deviation
+            );
+            warnings.push(NoiseWarning::new(WarningKind::Stripes, stripes.deviation, text));
+        }
+    }
+    if pattern.inseparable > 0 {
+        let text = format!(
+            "{} single pixels stand out, but the scene stays in place too, so they cannot be told from it; give a dark frame \
+             as --bias, or move the camera",
+            pattern.inseparable
+        );
+        warnings.push(NoiseWarning::new(WarningKind::StillScene, pattern.inseparable as f32, text));
+    }
+    warnings
+}
+
+/// Up to six frame numbers, and how many more there are.
+fn numbered(frames: &[usize]) -> String {
+    let shown: Vec<String> = frames.iter().take(6).map(usize::to_string).collect();
+    let rest = if frames.len() > 6 { format!(" and {} more", frames.len() - 6) } else { String::new() };
+    let noun = if frames.len() == 1 { "number" } else { "numbers" };
+    format!("{noun} {}{rest}, counted from 0", shown.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixed_pattern::Stripes;
+    use super::super::frames::FrameFacts;
+    use super::*;
+
+    #[test]
+    fn each_kind_of_frame_is_said_with_its_number() {
+        let mut survey = FrameSurvey { flicker: 0.1, correlation: 0.5, ..FrameSurvey::default() };
+        let why = [None, Some(LeftOut::Duplicate(0)), Some(LeftOut::Black), Some(LeftOut::Noisy(25.0)), None];
+        survey.frames = why.map(|left_out| FrameFacts { gain: 1.0, relative_variance: 1.0, left_out }).to_vec();
+        let warnings = of_frames(&survey);
+        let text = |i: usize| &warnings[i].text;
+        assert_eq!(warnings.len(), 5);
+        assert!(text(0).starts_with("1 of 5 frames repeat an earlier one (number 1, counted from 0)"), "{}", text(0));
+        assert!(text(1).contains("half as bright") && text(2).contains("noisier"), "{warnings:?}");
+        assert!(text(3).contains("10.0 %") && text(4).contains("0.50"), "{warnings:?}");
+        assert!(of_frames(&FrameSurvey::default()).is_empty());
+    }
+
+    #[test]
+    fn the_pattern_is_said_with_its_number() {
+        let stripes = Some(Stripes { offsets: vec![0.0; 4], deviation: 0.02 });
+        let pattern = FixedPattern { hot_pixels: vec![(1, 2)], columns: stripes, rows: None, inseparable: 7 };
+        let warnings = of_pattern(&pattern);
+        assert_eq!(warnings.iter().map(|w| w.number).collect::<Vec<_>>(), [1.0, 0.02, 7.0]);
+        assert!(of_pattern(&FixedPattern::default()).is_empty());
+        assert_eq!(numbered(&[0, 1, 2, 3, 4, 5, 6, 7]), "numbers 0, 1, 2, 3, 4, 5 and 2 more, counted from 0");
+    }
+}
