@@ -1,10 +1,10 @@
 //! The authors' own BuFF code, in one and two dimensions: the stages bit by bit, the features with the cause of each that is not ours.
 
-use crate::published::{demo_1d, numbers, open};
+use crate::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
 use burstscope::detector::motion::motion_stack;
 use burstscope::detector::scale_space::SIGMA_BASE;
-use burstscope::detector::{Detection, Interpolation, Localisation, NoiseModelKind, Slope};
+use burstscope::detector::{Detection, Interpolation, Localisation, Slope};
 use burstscope::plane::blur::{GaussianKernel, gaussian_blur};
 use burstscope::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array3, Array4, s};
@@ -158,8 +158,7 @@ fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_p
             kernel_cut,
             localisation,
             levels: 3,
-            noise_model: NoiseModelKind::White,
-            ..DetectorParams::default()
+            ..as_published()
         };
         detect(burst, &params, &Monitor::default()).expect("valid parameters")
     };

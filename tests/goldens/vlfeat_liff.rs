@@ -1,10 +1,10 @@
 //! VLFeat's SIFT and LiFF: features, descriptors, LiFF's motion stack.
 
-use crate::published::{demo_1d, numbers, open};
+use crate::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
 use burstscope::detector::descriptor::to_vlfeat_order;
 use burstscope::detector::motion::motion_stack;
-use burstscope::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind};
+use burstscope::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate};
 use burstscope::{DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array2, Array3};
 use std::io::Read;
@@ -114,12 +114,11 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
         first_octave,
         peak_threshold: peak_of_255 / 255.0,
         noise_gate: NoiseGate::Factor(0.0),
-        noise_model: NoiseModelKind::White,
         localisation: Localisation::Quadratic,
         max_orientations: 4,
         octaves: 16,
         levels: 3,
-        ..DetectorParams::default()
+        ..as_published()
     };
     let ours = detect(&burst, &params, &Monitor::default()).expect("valid parameters");
     let text = std::fs::read_to_string(golden.join(format!("{name}.frame"))).expect("the frames are there");
@@ -165,13 +164,12 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: f32) {
         first_octave,
         peak_threshold: 0.02,
         noise_gate: NoiseGate::Factor(0.0),
-        noise_model: NoiseModelKind::White,
         interpolation: Interpolation::Truncated,
         localisation: Localisation::Quadratic,
         max_orientations: 4,
         octaves: 16,
         levels: 3,
-        ..DetectorParams::default()
+        ..as_published()
     };
     let ours = detect(&burst, &params, &Monitor::default()).expect("valid parameters");
     let text = std::fs::read_to_string(golden.join("features.csv")).expect("the features are there");

@@ -35,6 +35,7 @@ fn detection(grid: SlopeGrid, slope_indices: &[usize], rejected: &[(Test, u64)])
         descriptors: vec![[0; 128]; slope_indices.len()],
         tally,
         frame_noise: 0.01,
+        noise: std::sync::Arc::default(),
         noise_gate_factor: 4.96,
         slopes: grid,
         frames_used: 0..10,
