@@ -111,7 +111,10 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
 #[test]
 fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
     let levels = vec![NoiseLevel::white(0.02, None), NoiseLevel::white(0.002, Some(8))];
-    let study = NoiseStudy { levels, width: 500, height: 400, frames: 6, megapixels: 1.0, ..NoiseStudy::default() };
+    let strict = DetectorParams { noise_gate: burstscope::detector::NoiseGate::Strict, ..DetectorParams::default() };
+    let searches = NoiseStudy::searches(&strict);
+    let study =
+        NoiseStudy { levels, searches, width: 500, height: 400, frames: 6, megapixels: 1.0, ..NoiseStudy::default() };
     let report = study.run(&Monitor::default()).expect("a report");
     assert_eq!(report.bursts, 5);
     assert!((report.megapixels - 1.0).abs() < 1e-9);

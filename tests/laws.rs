@@ -4,7 +4,9 @@
 //! slopes. Features are compared as sets: same count, each with a partner near where the law says it is.
 
 use burstscope::detector::view::{dog_view, stack_view};
-use burstscope::detector::{DetectError, Interpolation, Method, NoiseGate, Slope, SlopeNeighbours};
+use burstscope::detector::{
+    DetectError, Distinct, Interpolation, Method, NoiseGate, Slope, SlopeExtrema, SlopeNeighbours,
+};
 use burstscope::synth::random::Stream;
 use burstscope::synth::{SceneParams, synth_scene};
 use burstscope::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
@@ -101,8 +103,14 @@ fn plane_grid() -> DetectorParams {
     DetectorParams {
         slopes: SlopeGrid::plane(-1.5..=1.5, 4, -1.0..=1.0, 3),
         peak_threshold: 0.004,
+        max_orientations: 1,
         ..DetectorParams::default()
     }
+}
+
+/// The joint rule of the paper, all keypoints kept.
+fn joint(params: DetectorParams) -> DetectorParams {
+    DetectorParams { slope_extrema: SlopeExtrema::Joint, distinct: Distinct::Off, ..params }
 }
 
 proptest! {
@@ -176,7 +184,8 @@ proptest! {
     fn a_slope_more_outside_loses_nothing_inside(seed in 0u64..1000) {
         let burst = two_slopes(seed, 5);
         // The gate is fixed: the automatic one rises with the size of the search.
-        let base = DetectorParams { noise_gate: NoiseGate::Factor(5.0), ..plane_grid() };
+        // Nor are keypoints compared with stronger ones, which the new slope may have.
+        let base = DetectorParams { noise_gate: NoiseGate::Factor(5.0), distinct: Distinct::Off, ..plane_grid() };
         let narrow = DetectorParams { slopes: SlopeGrid::line(-1.5..=1.5, 7), ..base.clone() };
         let wide = DetectorParams { slopes: SlopeGrid::line(-2.0..=1.5, 8), ..base };
         let (a, b) = (found(&burst, &narrow), found(&burst, &wide));
@@ -191,7 +200,8 @@ fn any_number_of_threads_gives_the_same_bits() {
     for params in [
         plane_grid(),
         DetectorParams { first_octave: -1, max_orientations: 4, ..plane_grid() },
-        DetectorParams { slope_neighbours: SlopeNeighbours::All, ..plane_grid() },
+        joint(plane_grid()),
+        DetectorParams { slope_neighbours: SlopeNeighbours::All, ..joint(plane_grid()) },
     ] {
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
@@ -209,8 +219,8 @@ fn any_number_of_threads_gives_the_same_bits() {
 }
 
 #[test]
-fn features_described_in_their_tiles_have_the_bits_of_those_described_after_them() {
-    // Wide enough for a few tiles, which few threads describe as they go and more threads do not.
+fn tiles_and_threads_change_no_bit_of_a_larger_image() {
+    // Wide enough for a few tiles, whose height depends on the number of threads.
     let scene = SceneParams { width: 640, height: 440, snr: 8.0, seed: 5, ..SceneParams::default() };
     let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
     // Whole and half columns a frame, and other fractions.
@@ -284,9 +294,68 @@ fn the_tally_accounts_for_every_sample() {
 #[test]
 fn a_blob_beyond_the_grid_is_marked() {
     let burst = blobs(2, 6, Slope::new(2.4, 0.0), Slope::new(2.4, 0.0));
-    let detection = found(&burst, &DetectorParams { slopes: SlopeGrid::line(-1.5..=1.5, 7), ..plane_grid() });
-    assert!(!detection.features.is_empty());
-    let strong = &detection.features[..detection.features.len().div_ceil(2)];
-    assert!(strong.iter().all(|f| f.at_slope_limit || f.slope.u < 1.0), "{strong:?}");
-    assert!(strong.iter().any(|f| f.at_slope_limit));
+    let params = DetectorParams { slopes: SlopeGrid::line(-1.5..=1.5, 7), ..plane_grid() };
+    // At each slope for itself a blob also leaves weaker smears at slopes farther from its own.
+    for (params, part) in [(joint(params.clone()), 2), (params, 5)] {
+        let detection = found(&burst, &params);
+        assert!(!detection.features.is_empty());
+        let strong = &detection.features[..detection.features.len().div_ceil(part)];
+        assert!(strong.iter().all(|f| f.at_slope_limit || f.slope.u < 1.0), "{strong:?}");
+        assert!(strong.iter().any(|f| f.at_slope_limit));
+    }
+}
+
+/// Gaussian blobs of radius σ px and a height, each moving through a place at mid-burst, over an even ground with a little noise.
+fn moving(n: usize, blobs: &[(f32, f32, f32, f32, Slope)]) -> Burst {
+    let mut rng = Stream::new(5, 0);
+    let frame = |t: usize| {
+        let dt = t as f32 - (n as f32 - 1.0) / 2.0;
+        Plane::from_fn(SIZE.0, SIZE.1, |u, v| {
+            let mut value = 0.5 + 0.01 * (rng.normal() as f32);
+            for &(bu, bv, radius, height, slope) in blobs {
+                let (du, dv) = (u as f32 - bu - dt * slope.u, v as f32 - bv - dt * slope.v);
+                value += height * (-(du * du + dv * dv) / (2.0 * radius * radius)).exp();
+            }
+            value
+        })
+    };
+    Burst::from_planes("moving", (0..n).map(frame).collect())
+}
+
+#[test]
+fn one_blob_has_one_keypoint_whatever_its_place_scale_and_slope() {
+    // Across levels and octaves, on the grid's slopes and between them, at the middle and beside a tile's border.
+    for radius in [2.0f32, 2.4, 2.9, 3.4, 4.1, 4.9, 5.8] {
+        for slope in [Slope::new(0.0, 0.0), Slope::new(0.25, 0.0), Slope::new(-0.5, 0.5), Slope::new(1.0, -1.0)] {
+            let (u, v) = (64.3 + radius, 48.0 - 0.7 * radius);
+            let burst = moving(7, &[(u, v, radius, 0.3, slope)]);
+            let params = DetectorParams { noise_gate: NoiseGate::Factor(12.0), peak_threshold: 0.0, ..plane_grid() };
+            let near = |params: &DetectorParams| {
+                let detection = found(&burst, params);
+                let near = |f: &&Feature| (f.u - u).hypot(f.v - v) < 1.2 * radius && f.response < 0.0;
+                detection.features.iter().filter(near).count()
+            };
+            assert_eq!(near(&params), 1, "radius {radius}, {slope:?}");
+            // Without the step there are more: the test can fail.
+            assert!(near(&DetectorParams { distinct: Distinct::Off, ..params }) > 1, "radius {radius}, {slope:?}");
+        }
+    }
+}
+
+#[test]
+fn two_motions_at_one_place_both_stay() {
+    // A lantern passes before a brighter spot of a wall, right over it at mid-burst.
+    let (wall, lantern) = (Slope::new(-1.5, 0.0), Slope::new(1.5, 1.0));
+    let both = moving(10, &[(64.0, 48.0, 2.5, 0.25, wall), (64.8, 48.5, 2.5, 0.2, lantern)]);
+    let params = DetectorParams { noise_gate: NoiseGate::Factor(8.0), peak_threshold: 0.0, ..plane_grid() };
+    let has = |burst: &Burst, slope: Slope| {
+        let near = |f: &&Feature| {
+            (f.u - 64.4).hypot(f.v - 48.2) < 2.0 && (f.slope.u - slope.u).hypot(f.slope.v - slope.v) < 0.3
+        };
+        found(burst, &params).features.iter().filter(near).count()
+    };
+    assert_eq!((has(&both, wall), has(&both, lantern)), (1, 1));
+    // Alone, the spot leaves nothing at the lantern's slope.
+    let alone = moving(10, &[(64.0, 48.0, 2.5, 0.25, wall)]);
+    assert_eq!((has(&alone, wall), has(&alone, lantern)), (1, 0));
 }

@@ -70,7 +70,8 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
 
 /// The advice where most features lie at the slope limit.
 fn at_limit(detection: &Detection) -> Option<Advice> {
-    let (features, grid) = (&detection.features, &detection.slopes);
+    // The stronger half: a strong blob beyond the range also leaves weaker smears of itself at all other slopes.
+    let (features, grid) = (&detection.features[..detection.features.len().div_ceil(2)], &detection.slopes);
     let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
     let count = features.iter().filter(|f| f.at_slope_limit).count();
     let rim = (0..grid.len()).filter(|&index| {
@@ -78,7 +79,8 @@ fn at_limit(detection: &Detection) -> Option<Advice> {
         grid.on_rim(i, j)
     });
     let chance = share(rim.count(), grid.len());
-    if features.len() < FEATURES_FOR_LIMIT || share(count, features.len()) < LIMIT_SHARE.max(LIMIT_OVER_CHANCE * chance)
+    if detection.features.len() < FEATURES_FOR_LIMIT
+        || share(count, features.len()) < LIMIT_SHARE.max(LIMIT_OVER_CHANCE * chance)
     {
         return None;
     }
@@ -97,7 +99,7 @@ fn at_limit(detection: &Detection) -> Option<Advice> {
         sides.into_iter().filter(|(_, axis, ..)| axis.count > 1).reduce(|a, b| if b.3 > a.3 { b } else { a })?;
     let end = if side < 0.0 { axis.min } else { axis.max };
     let problem = format!(
-        "{count} of {} features lie at the limit of the slopes, {there} of them at {} {end} px/frame, so the range is probably too narrow",
+        "{count} of the {} strongest features lie at the limit of the slopes, {there} of them at {} {end} px/frame, so the range is probably too narrow",
         features.len(),
         if parameter == doc::SLOPES_U { "u" } else { "v" },
     );

@@ -44,6 +44,8 @@ pub(super) struct Describing<'a> {
     pub own_slopes: Option<&'a OctaveFrames<'a>>,
     /// Tells of a cancel.
     pub monitor: &'a Monitor,
+    /// Told how many more keypoints are described.
+    pub described: &'a (dyn Fn(usize) + Sync),
 }
 
 /// A feature is described at its own slope where the grid's one moves the outermost frame by more than this many σ. Less makes no difference to what
@@ -88,6 +90,7 @@ impl Describing<'_> {
                     self.monitor.check()?;
                     self.describe_one(keypoint, (&kernels, &planes), scratch, &mut out);
                 }
+                (self.described)(keypoints.len());
                 Ok(out)
             })
             .collect::<Result<_, Cancelled>>()?;

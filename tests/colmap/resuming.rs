@@ -48,7 +48,7 @@ fn other_parameters_or_other_frames_are_other_features() {
     let (bursts, out) = (walk(home.path()), home.path().join("out"));
     done(&bursts, &out, &job());
     let mut weaker = job();
-    weaker.features.detector.detector.peak_threshold *= 1.5;
+    weaker.features.detector.detector.edge_threshold *= 1.5;
     assert_eq!(resumed(&done(&bursts, &out, &weaker)), [false; 3]);
     // A frame that is written anew has another time, whatever is in it.
     let frame = home.path().join("film/frame_006.png");

@@ -12,7 +12,7 @@ fn the_demo_gives_features_in_all_formats() {
     let rows = features(&out.join("demo.csv"));
     assert!(rows.len() > 100, "{} features", rows.len());
     assert!(text.contains(&format!("features  {}", rows.len())), "{text}");
-    assert!(text.contains("by slope") && text.contains("not an extremum in slope"), "{text}");
+    assert!(text.contains("by slope") && text.contains("the same blob as a stronger one"), "{text}");
 
     let colmap = std::fs::read_to_string(out.join("demo.txt")).expect("a file");
     let mut lines = colmap.lines();

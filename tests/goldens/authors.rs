@@ -153,13 +153,7 @@ impl Authors {
 /// end at 2σ and the quadratic fit, as theirs do. Prints each that has none by default, with its cause.
 fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_per_frame: f32) -> (usize, usize) {
     let with = |kernel_cut: f32, localisation: Localisation| {
-        let params = DetectorParams {
-            slopes,
-            kernel_cut,
-            localisation,
-            levels: 3,
-            ..as_published()
-        };
+        let params = DetectorParams { slopes, kernel_cut, localisation, levels: 3, ..as_published() };
         detect(burst, &params, &Monitor::default()).expect("valid parameters")
     };
     let (ours, cut) = (with(4.0, Localisation::Continuous), with(2.0, Localisation::Quadratic));

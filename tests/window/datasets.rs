@@ -120,14 +120,14 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
 
     // With other parameters nothing is done, and the folder's own can be had.
     let mut other = start(source);
-    other.startup.params.detector.peak_threshold *= 1.5;
+    other.startup.params.detector.edge_threshold *= 1.5;
     let mut other = other.open();
     assert_eq!(features(&other), [None; 3]);
     assert!(other.shows("The folder has features of other parameters"));
     other.click("Use those");
     other.settle();
     assert_eq!((features(&other), &other.app().model.params), (found, &params));
-    other.app_mut().model.params.peak_threshold *= 2.0;
+    other.app_mut().model.params.edge_threshold *= 2.0;
     other.settle();
     assert!(other.shows("The parameters changed"));
 }

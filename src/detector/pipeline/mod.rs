@@ -242,10 +242,14 @@ impl Search<'_> {
     ) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
         let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
         let of_octave = |octave: i32| &bases[(octave - octaves.start) as usize];
+        let finished = AtomicUsize::new(0);
+        let described = |count: usize| {
+            let done = (finished.fetch_add(count, Ordering::Relaxed) + count) as f32 / keypoints.len() as f32;
+            self.monitor.report(Stage::Describe, SEARCH_PART + (1.0 - SEARCH_PART) * done);
+        };
+        self.monitor.report(Stage::Describe, SEARCH_PART);
         for in_octave in keypoints.chunk_by(|a, b| a.octave == b.octave) {
             let octave = in_octave[0].octave;
-            let done = found.len() as f32 / keypoints.len() as f32;
-            self.monitor.report(Stage::Describe, (SEARCH_PART + (1.0 - SEARCH_PART) * done).min(1.0));
             let base = |slope_index: usize| self.base(octave, of_octave(octave), slope_index);
             let finer = |slope_index: usize| self.base(octave - 1, of_octave(octave - 1), slope_index);
             let own_slopes = self.describes_own_slopes(octave).then(|| frames.of(octave));
@@ -261,6 +265,7 @@ impl Search<'_> {
                 params: self.params,
                 own_slopes,
                 monitor: self.monitor,
+                described: &described,
             };
             found.extend(describing.describe(in_octave)?);
         }

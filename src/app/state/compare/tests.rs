@@ -92,7 +92,7 @@ fn what_failed_is_not_tried_again_until_asked_or_changed() {
     model.compare.forget_failures();
     assert_eq!(model.next_compare_job().map(|next| next.method), Some(job.method));
     model.compare.take_failure(job.clone(), "cancelled".into());
-    model.params.peak_threshold *= 2.0;
+    model.params.edge_threshold *= 2.0;
     assert_eq!(model.next_compare_job().map(|next| next.method), Some(job.method));
 }
 

@@ -106,7 +106,7 @@ fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
     assert_eq!(model.pair.param_error.as_ref().map(|e| e.parameter), Some("ratio"));
     model.pair.params = MatchParams::default();
     model.check_pair();
-    model.params.peak_threshold *= 2.0;
+    model.params.edge_threshold *= 2.0;
     assert!(model.stale_matches().is_some_and(|why| why.contains("detector")));
     model.take_burst(open((64, 48), 5));
     assert!(model.pair.matches.is_none(), "the matches were with another burst");
