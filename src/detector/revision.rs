@@ -18,7 +18,7 @@ mod tests {
     /// What this revision finds on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³; mean of the descriptors' values.
     /// Sums, with a tolerance, because processors round the last bit differently.
     const FOUND: (u32, usize, [f64; 6]) =
-        (1, 40, [3122.101652, 3473.109524, 140.913858, 26.332307, 44.042041, 33.423242]);
+        (1, 125, [10546.170023, 10915.254471, 447.384083, 97.972602, 102.589578, 33.636688]);
 
     #[test]
     fn other_features_come_with_another_revision() {
