@@ -309,7 +309,7 @@ mod tests {
         let examine = |frames: &[Arc<Plane>]| examine(frames, 0.0, &space, 0..1, &Monitor::default());
         let frame = Arc::new(Plane::from_fn(40, 40, |u, v| ((u * 7 + v * 13) % 11) as f32));
         assert!(examine(&[frame]).expect("not cancelled").is_none());
-        let small = vec![Arc::new(Plane::zeros(12, 40)); 3];
+        let small = [(); 3].map(|()| Arc::new(Plane::zeros(12, 40))).to_vec();
         assert!(examine(&small).expect("not cancelled").is_none());
     }
 }

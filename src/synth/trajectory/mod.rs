@@ -227,7 +227,7 @@ impl Trajectory {
             .into_par_iter()
             .map(|t| plane::render(&self.planes, &self.lens, &camera.at(t as f64 - t0), monitor))
             .collect::<Result<_, Cancelled>>()?;
-        let signal = Burst::from_planes(&Self::name(index), drawn);
+        let signal = Burst::from_planes(Self::name(index), drawn);
         self.exposure.capture(&signal, self.params.seed, 1 + (index * frames) as u64, monitor)
     }
 
