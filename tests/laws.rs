@@ -301,8 +301,11 @@ fn a_blob_beyond_the_grid_is_marked() {
     assert!(strong.iter().all(|f| f.at_slope_limit || f.slope.u < 1.0), "{strong:?}");
     assert!(strong.iter().any(|f| f.at_slope_limit));
     // At each slope for itself a blob also leaves weaker smears at slopes farther from its own.
-    let strongest = found(&burst, &params).features[0];
-    assert!(strongest.at_slope_limit && strongest.slope.u == 1.5, "{strongest:?}");
+    // Its slope is refined to the end of the grid, from the last slope or the one before.
+    let detection = found(&burst, &params);
+    assert_eq!(detection.features[0].slope.u, 1.5);
+    let strong = &detection.features[..detection.features.len().div_ceil(2)];
+    assert!(strong.iter().any(|f| f.at_slope_limit));
 }
 
 /// Gaussian blobs of radius σ px and a height, each moving through a place at mid-burst, over an even ground with a little noise.

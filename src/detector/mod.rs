@@ -1,8 +1,8 @@
 //! The core: from the frames of a burst to features.
 //!
 //! The way of the data is one line, and each step is a module: frames → [`motion`] (shift by a slope and average) → [`scale_space`] and [`octave`]
-//! (Gaussian levels and their differences D, tile by tile) → [`search`] (joint extrema over place, scale and slope) → [`refine`] (between the
-//! samples) → [`locate`] (place on a [`hat`], [`scale_peak`], slope) → [`orientation`] and [`descriptor`] (on a [`patch`] of the Gaussian level). [`noise_estimate`] says how
+//! (Gaussian levels and their differences D, tile by tile) → [`search`] (extrema over place and scale at each slope, or jointly over slope too) → [`refine`] (between the
+//! samples) → [`distinct`] (one [`keypoint`] for one blob) → [`locate`] (place on a [`hat`], [`scale_peak`], slope) → [`orientation`] and [`descriptor`] (on a [`patch`] of the Gaussian level). [`noise_estimate`] says how
 //! noisy a frame is, and
 //! [`noise`] how large D must then be. [`pipeline`] puts them together. [`slopes`] finds which slopes a burst
 //! needs, before all that, and [`view`] shows single steps as pictures. Everything here is a function from values to values.

@@ -1,4 +1,4 @@
-//! The joint extrema: samples of D that beat their neighbours in space, scale and slope.
+//! The extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule, those at the slopes around it.
 //!
 //! The tests come in METHOD's order and each rejection is counted. Thresholds come first because they are cheapest and reject nearly
 //! everything, together with the eight neighbours in the image: both are tested for a whole row at once, in vector lanes.
