@@ -1,4 +1,4 @@
-//! The slopes that the joint search holds at once, for one tile of the octave.
+//! The slopes that the search holds at once, for one tile of the octave: one, unless candidates are compared with other slopes or refined over them.
 //!
 //! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as soon as it is found, while their tiles are
 //! still held, and with those after its own as they come: it waits for them with what is needed of its own tile, which nobody asks for any more. So a line

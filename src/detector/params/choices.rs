@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// The burst feature finder: joint extrema over place, scale and slope. One line of slopes is BuFF 1D, a plane of slopes BuFF 2D.
+    /// The burst feature finder: extrema over place, scale and slope. One line of slopes is BuFF 1D, a plane of slopes BuFF 2D.
     #[default]
     Buff,
     /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.
