@@ -12,6 +12,7 @@
 //! ```text
 //! app, cli            the window; the commands
 //! engine              background workers: latest request wins, cancel, progress
+//! inspect             why: the fate of a place, which slopes a burst needs, what a change did
 //! evaluate            how good the detector is, measured against known truth
 //! dataset             many bursts along a way, and on to COLMAP
 //! baseline, matching  what it is compared with; descriptors to matches
@@ -27,15 +28,18 @@
 //! Frames hold `f32` in [0, 1] of the file's full scale, and thresholds are in that unit. Scale `sigma` is in input pixels.
 //! `D = G(next level) − G(this level)`: a bright blob is a negative extremum. Orientations are radians from +u towards +v.
 
+#[cfg(feature = "app")]
 pub mod app;
 pub mod baseline;
 pub mod burst;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod dataset;
 pub mod detector;
 pub mod engine;
 pub mod evaluate;
 pub mod export;
+pub mod inspect;
 pub mod matching;
 pub mod monitor;
 pub mod plane;

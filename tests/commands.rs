@@ -4,6 +4,8 @@
 mod detecting;
 #[path = "commands/drawing.rs"]
 mod drawing;
+#[path = "commands/inspecting.rs"]
+mod inspecting;
 #[path = "commands/interrupting.rs"]
 mod interrupting;
 #[path = "commands/making.rs"]

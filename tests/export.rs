@@ -2,8 +2,9 @@
 
 use burstscope::detector::{Descriptor, Detection, DetectorParams, Feature, Slope, SlopeGrid, StageTimes, Tally};
 use burstscope::export::{
-    COLUMNS, ExportError, ExportFormat, FeatureRow, FigureOptions, LegendEntry, Picture, read_features_csv,
-    write_colmap, write_csv, write_detection, write_npz, write_png, write_svg, write_tiff,
+    COLUMNS, ColourBar, ExportError, ExportFormat, FeatureRow, FigureMark, FigureOptions, FigurePanel, LegendEntry,
+    Picture, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz,
+    write_png, write_tiff,
 };
 use burstscope::{Burst, Plane};
 use ndarray::Array2;
@@ -11,6 +12,7 @@ use ndarray_npy::NpzReader;
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -214,76 +216,124 @@ fn number(node: roxmltree::Node<'_, '_>, name: &str) -> f32 {
     node.attribute(name).and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("{name} of {node:?}"))
 }
 
+/// A panel of 40 × 30 pixels with two features and a third that is nowhere.
+fn panel(pixels: &[u8]) -> FigurePanel {
+    let mark = |u: f32, v: f32, color: [u8; 3]| FigureMark {
+        centre: [u, v],
+        radius: 3.0,
+        orientation: Some(0.0),
+        motion: None,
+        color,
+        opacity: 1.0,
+        weight: 1.0,
+        dashed: false,
+    };
+    FigurePanel {
+        size: (40, 30),
+        rgba: Arc::new(pixels.to_vec()),
+        origin_image: [-0.5, -0.5],
+        image_px_per_px: 1.0,
+        marks: vec![
+            FigureMark { motion: Some([[0.5, 9.0], [18.5, 0.0]]), ..mark(9.5, 4.5, [255, 0, 0]) },
+            mark(f32::NAN, 3.0, [0; 3]),
+            FigureMark { opacity: 0.35, dashed: true, ..mark(20.0, 10.0, [0, 0, 255]) },
+        ],
+        title: None,
+        legend: Vec::new(),
+        bar: None,
+    }
+}
+
 #[test]
 fn a_figure_is_valid_xml_with_everything_in_its_place() {
     let folder = folder();
     let path = folder.path().join("figure.svg");
-    let pixels: Vec<u8> = (0..40 * 30 * 3).map(|i| i as u8).collect();
-    let features = [
-        Feature { u: 9.5, v: 4.5, sigma: 3.0, orientation: 0.0, slope: Slope::new(2.0, -1.0), ..feature(1) },
-        Feature { u: f32::NAN, ..feature(2) },
-        Feature { u: 20.0, v: 10.0, slope: Slope::default(), ..feature(3) },
+    let pixels: Vec<u8> = (0..40 * 30 * 4).map(|i| if i % 4 == 3 { 255 } else { i as u8 }).collect();
+    let legend = vec![
+        LegendEntry { color: [255, 0, 0], label: "λ = (2, −1) px/frame".into() },
+        LegendEntry { color: [0, 0, 255], label: "a & b".into() },
     ];
-    let options = FigureOptions {
-        scale: 2.0,
-        stroke_width_px: 1.0,
-        motion_frames: 4.5,
-        title: Some("Slope < 3 & \"noise\" \u{7} é".into()),
-        legend: vec![
-            LegendEntry { color: [255, 0, 0], label: "λ = (2, −1) px/frame".into() },
-            LegendEntry { color: [0, 0, 255], label: "a & b".into() },
-        ],
-        ..FigureOptions::default()
-    };
-    let color = |f: &Feature| if f.slope.u > 1.0 { [255, 0, 0] } else { [0, 0, 255] };
-    write_svg(&path, Picture::rgb(40, 30, &pixels), &features, color, &options).expect("written");
+    let title = Some("Slope < 3 & \"noise\" \u{7} é".into());
+    let options = FigureOptions { scale: 2.0, stroke_width_px: 1.0, ..FigureOptions::default() };
+    let drawing = lay_out(&[vec![FigurePanel { title, legend, ..panel(&pixels) }]], &options);
+    write_drawing_svg(&path, &drawing).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
     let all = |tag: &'static str| document.descendants().filter(move |n| n.has_tag_name(tag)).collect::<Vec<_>>();
     let root = document.root_element();
     assert!(root.has_tag_name(("http://www.w3.org/2000/svg", "svg")));
-    let view: Vec<f32> =
-        root.attribute("viewBox").expect("a view box").split(' ').map(|n| n.parse().expect("a number")).collect();
-    assert_eq!((number(root, "width"), number(root, "height")), (2.0 * view[2], 2.0 * view[3]), "the scale is 2");
-    assert!(view[1] < 0.0 && view[1] + view[3] > 30.0, "there is room for the title above and the legend below");
-    assert!(view[2] > 100.0, "a small picture's figure is wide enough for its title");
+    assert!(number(root, "width") > 200.0, "a small picture's figure is wide enough for its title");
 
-    // The picture, unscaled in image coordinates, with its exact bytes.
+    // The picture, twice as large, with its exact bytes, and room for the title above and the legend below.
     let image = all("image")[0];
-    assert_eq!((number(image, "width"), number(image, "height")), (40.0, 30.0));
+    assert_eq!((number(image, "width"), number(image, "height")), (80.0, 60.0));
+    let (left, top) = (number(image, "x"), number(image, "y"));
+    assert!(top > 14.0 && top + 60.0 + 14.0 < number(root, "height"));
     let href = image.attribute(("http://www.w3.org/1999/xlink", "href")).expect("a link");
     let coded = href.strip_prefix("data:image/png;base64,").expect("an embedded PNG");
-    let decoded = image::load_from_memory(&base64(coded)).expect("a PNG").into_rgb8();
+    let decoded = image::load_from_memory(&base64(coded)).expect("a PNG").into_rgba8();
     assert_eq!(decoded.into_raw(), pixels);
 
-    // The circles: centre half a pixel further, radius √2·σ. The one that is not a number is left out.
+    // The circles: the first pixel's centre is half a pixel from the corner. The one that is not a number is left out.
     let circles = all("circle");
     assert_eq!(circles.len(), 2);
-    assert_eq!((number(circles[0], "cx"), number(circles[0], "cy")), (10.0, 5.0));
-    assert!((number(circles[0], "r") - 3.0 * 2f32.sqrt()).abs() < 1e-3);
-    assert_eq!(circles[0].parent().and_then(|p| p.attribute("stroke")), Some("#ff0000"));
-    assert_eq!(circles[1].parent().and_then(|p| p.attribute("stroke")), Some("#0000ff"));
+    let near = |a: f32, b: f32| (a - b).abs() < 2e-3;
+    assert!(near(number(circles[0], "cx") - left, 20.0) && near(number(circles[0], "cy") - top, 10.0));
+    assert_eq!((number(circles[0], "r"), number(circles[0], "stroke-width")), (6.0, 1.0));
+    assert_eq!((circles[0].attribute("stroke"), circles[0].attribute("stroke-dasharray")), (Some("#ff0000"), None));
+    assert_eq!((circles[1].attribute("stroke"), number(circles[1], "stroke-opacity")), (Some("#0000ff"), 0.35));
+    assert!(circles[1].attribute("stroke-dasharray").is_some());
+    // What lies over the picture ends where it does.
+    let clip = all("clipPath")[0].first_element_child().expect("a rectangle");
+    assert_eq!((number(clip, "width"), number(clip, "height")), (80.0, 60.0));
 
-    // One orientation tick each; an arrow only where something moves, to (10, 5) + 4.5·(2, −1).
+    // One orientation tick each; an arrow with its barbs only where something moves.
     let paths =
         |class: &str| all("path").into_iter().filter(|p| p.attribute("class") == Some(class)).collect::<Vec<_>>();
+    let goes = |path: &roxmltree::Node<'_, '_>, expected: [f32; 4]| {
+        let d = path.attribute("d").expect("a way");
+        let numbers: Vec<f32> = d.split(['M', 'L', ' ']).filter_map(|n| n.parse().ok()).collect();
+        let expected = [expected[0] + left, expected[1] + top, expected[2] + left, expected[3] + top];
+        assert!(numbers.len() == 4 && numbers.iter().zip(expected).all(|(a, b)| near(*a, b)), "{d}");
+    };
     assert_eq!(paths("orientation").len(), 2);
-    assert_eq!(paths("orientation")[0].attribute("d"), Some("M10 5L14.243 5"));
-    assert_eq!(paths("motion").len(), 1);
-    assert!(paths("motion")[0].attribute("d").is_some_and(|d| d.starts_with("M10 5L19 0.5M")));
-    let group = document.descendants().find(|n| n.attribute("id") == Some("features")).expect("the overlay");
-    assert_eq!(number(group, "stroke-width"), 0.5, "one figure pixel at two figure pixels an image pixel");
+    goes(&paths("orientation")[0], [20.0, 10.0, 26.0, 10.0]);
+    assert_eq!(paths("motion").len(), 2);
+    goes(&paths("motion")[0], [2.0, 19.0, 38.0, 1.0]);
 
     let texts: Vec<_> = all("text").iter().filter_map(|t| t.text().map(str::to_owned)).collect();
     assert_eq!(texts, ["Slope < 3 & \"noise\" \u{fffd} é", "λ = (2, −1) px/frame", "a & b"]);
 
-    // Switched off, they are not there.
-    let plain = FigureOptions { orientation: false, ..FigureOptions::default() };
-    write_svg(&path, Picture::rgb(40, 30, &pixels), &features, color, &plain).expect("written");
+    // Without them, they are not there.
+    let plain = lay_out(&[vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }]], &FigureOptions::default());
+    write_drawing_svg(&path, &plain).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
     assert!(!document.descendants().any(|n| n.has_tag_name("path") || n.has_tag_name("text")));
     assert_eq!(document.root_element().attribute("viewBox"), Some("0 0 40 30"));
+}
+
+#[test]
+fn several_panels_have_letters_bars_and_lengths() {
+    let folder = folder();
+    let path = folder.path().join("figure.svg");
+    let pixels = vec![128u8; 40 * 30 * 4];
+    let bar = Some(ColourBar { colors: vec![[0; 3], [255; 3]], low: "0.05".into(), high: "0.1 of full scale".into() });
+    let options = FigureOptions { letters: true, scale_bar: true, scale: 4.0, ..FigureOptions::default() };
+    let first = FigurePanel { bar, title: Some("Frame 3".into()), ..panel(&pixels) };
+    let drawing = lay_out(&[vec![first, panel(&pixels)], vec![panel(&pixels)]], &options);
+    write_drawing_svg(&path, &drawing).expect("written");
+    let text = fs::read_to_string(&path).expect("read");
+    let document = roxmltree::Document::parse(&text).expect("valid XML");
+    let texts: Vec<&str> = document.descendants().filter(|n| n.has_tag_name("text")).filter_map(|t| t.text()).collect();
+    for wanted in ["(a)  Frame 3", "(b)", "(c)", "0.05", "0.1 of full scale", "5 px"] {
+        assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
+    }
+    // Five image pixels at four figure pixels each.
+    let scale = document.descendants().find(|n| n.attribute("class") == Some("scale")).expect("a scale bar");
+    let numbers: Vec<f32> =
+        scale.attribute("d").expect("a path").split(['M', 'L', ' ']).filter_map(|n| n.parse().ok()).collect();
+    assert!((numbers[2] - numbers[0] - 20.0).abs() < 1e-2, "{numbers:?}");
 }
 
 /// Decodes Base64.
@@ -317,13 +367,22 @@ proptest! {
         let folder = folder();
         let path = folder.path().join("figure.svg");
         let legend = labels.into_iter().map(|label| LegendEntry { color: [1, 2, 3], label }).collect();
-        let options = FigureOptions { title: Some(title), legend, scale, motion_frames: 2.0, ..FigureOptions::default() };
+        let options = FigureOptions { scale, letters: true, scale_bar: true, ..FigureOptions::default() };
         let [u, v, sigma, orientation] = values;
-        let feature = Feature { u, v, sigma, orientation, ..feature(1) };
-        write_svg(&path, Picture::rgb(1, 1, &[0; 3]), &[feature], |_| [0; 3], &options).expect("written");
+        let motion = Some([[u, v], [sigma, orientation]]);
+        let mark = FigureMark { centre: [u, v], radius: sigma, orientation: Some(orientation), motion, ..panel(&[]).marks[0] };
+        let one = FigurePanel {
+            size: (1, 1),
+            rgba: Arc::new(vec![0; 4]),
+            marks: vec![mark],
+            title: Some(title.clone()),
+            legend,
+            ..panel(&[])
+        };
+        write_drawing_svg(&path, &lay_out(&[vec![one]], &options)).expect("written");
         let text = fs::read_to_string(&path).expect("read");
         prop_assert!(roxmltree::Document::parse(&text).is_ok());
-        prop_assert!(!text.contains("NaN") || options.title.is_some_and(|t| t.contains("NaN")));
+        prop_assert!(!text.contains("NaN") || title.contains("NaN"));
     }
 }
 

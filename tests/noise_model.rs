@@ -38,6 +38,14 @@ fn noise_as_cameras_make_it_gives_next_to_nothing() {
 }
 
 #[test]
+fn the_noise_is_measured_unless_it_is_said_otherwise() {
+    assert_eq!(DetectorParams::default().noise_model, NoiseModelKind::Local);
+    let burst = NoiseCase::White.burst((160, 120), 5, 0.02, 5, &Monitor::default()).expect("a burst");
+    let detection = detect(&burst, &DetectorParams::default(), &Monitor::default()).expect("detected");
+    assert!(detection.noise.is_local && detection.noise.warnings.is_empty(), "{:?}", detection.noise.warnings);
+}
+
+#[test]
 fn what_is_cleaned_is_said() {
     let burst = NoiseCase::HotPixels.burst((320, 240), 8, 0.02, 5, &Monitor::default()).expect("a burst");
     let detection = found(&burst, NoiseModelKind::Local);

@@ -18,15 +18,21 @@ mod finding_ones_way;
 mod keeping;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/measuring.rs"]
+mod measuring;
 #[path = "window/methods.rs"]
 mod methods;
 #[path = "window/opening.rs"]
 mod opening;
 #[path = "window/pairs.rs"]
 mod pairs;
+#[path = "window/panes.rs"]
+mod panes;
 #[path = "window/scrubbing.rs"]
 mod scrubbing;
 #[path = "window/slopes.rs"]
 mod slopes;
+#[path = "window/steps_back.rs"]
+mod steps_back;
 #[path = "window/trajectories.rs"]
 mod trajectories;

@@ -1,10 +1,10 @@
 //! What the window asks the engine for and takes from it, for the burst in the inspector: opening, pictures, features. The second burst's part is in
 //! [`pair_work`](super::pair_work), the compared methods' in [`compare_work`](super::compare_work).
 
-use super::canvas::View;
+use super::pane::PaneId;
 use super::state::Busy;
 use super::state::pair::Side;
-use super::state::scrub::{ViewKind, played};
+use super::state::scrub::played;
 use super::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
 use crate::engine::{Answer as JobAnswer, BurstSource, DetectRequest, JobError, LaneKind, OpenBurst, PairLane, Update};
@@ -19,29 +19,25 @@ impl BurstscopeApp {
         for update in self.engine.poll() {
             match update {
                 Update::Opened(answer) => self.take_opened(answer),
-                Update::Picture(answer) => match answer.result {
-                    Ok(picture) => self.model.take_picture(picture),
-                    Err(JobError::Cancelled) => self.asked_picture = None,
-                    Err(error) => self.model.messages.error("Picture", error.to_string()),
-                },
+                Update::Picture(slot, answer) => self.take_picture(PaneId(slot.0), answer),
                 Update::Patch(answer) => match answer.result {
                     Ok(patch) => self.model.patch = Some(patch),
                     Err(JobError::Cancelled) => {}
                     Err(error) => self.model.messages.error("Patch", error.to_string()),
                 },
                 Update::Detected(answer) => {
-                    let asked = self.detecting_params.take();
+                    let asked = self.asked.detecting.take();
                     match answer.result {
                         Ok(detected) => {
                             self.model.messages.resolved("Detection");
                             self.model.take_detection(detected, answer.elapsed);
                         }
                         Err(JobError::Cancelled) => {
-                            self.failed_params = asked;
+                            self.asked.failed = asked;
                             self.model.messages.note("Detection cancelled");
                         }
                         Err(error) => {
-                            self.failed_params = asked;
+                            self.asked.failed = asked;
                             self.model.messages.error("Detection", error.to_string());
                         }
                     }
@@ -57,17 +53,17 @@ impl BurstscopeApp {
         self.model.busy = Busy {
             opening: self.engine.running(LaneKind::Open),
             detecting: self.engine.running(LaneKind::Detect),
-            picture: self.engine.running(LaneKind::Picture).is_some(),
+            picture: self.engine.makes_pictures(),
         };
         self.model.datasets.running = self.engine.datasets.running();
         self.model.trajectories.running = self.engine.poses.running();
     }
 
     fn take_opened(&mut self, answer: JobAnswer<OpenBurst>) {
-        let session = match self.restoring.take() {
+        let session = match self.asked.restoring.take() {
             Some((id, session)) if id == answer.id => Some(session),
             other => {
-                self.restoring = other;
+                self.asked.restoring = other;
                 None
             }
         };
@@ -78,10 +74,13 @@ impl BurstscopeApp {
                 self.model.messages.resolved("Open");
                 self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
                 self.model.take_burst(burst);
-                self.view = View::fit();
                 self.forget_asked();
+                (self.hands_set, self.history_set) = (true, true);
+                self.model.history.clear();
+                self.model.measure.clear();
                 if let Some(session) = session {
-                    self.view = session.apply(&mut self.model);
+                    session.apply(&mut self.model);
+                    self.forget_closed_panes();
                     self.restore_dataset(session.dataset.clone());
                     self.restore_trajectories(session.trajectories.clone());
                     if session.detected && self.model.needs_detection() {
@@ -90,12 +89,12 @@ impl BurstscopeApp {
                     if let Some(gold) = session.gold {
                         self.open_gold(gold, Side::A);
                     }
-                    self.restore_pair(session.pair);
+                    self.restore_pair(session.pair, session.panes);
                 }
             }
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
             Err(JobError::Several(_)) if session.is_none() => {
-                if let Some((_, BurstSource::Paths(paths))) = self.opening.take_if(|(id, _)| *id == answer.id) {
+                if let Some((_, BurstSource::Paths(paths))) = self.asked.opening.take_if(|(id, _)| *id == answer.id) {
                     self.open_dataset(DatasetSource::of_bursts(paths));
                 }
             }
@@ -103,10 +102,11 @@ impl BurstscopeApp {
         }
     }
 
-    /// Forgets what was asked for A's burst: another one is open.
+    /// Forgets what was asked for the open bursts: another one is open.
     pub(super) fn forget_asked(&mut self) {
-        (self.asked_picture, self.asked_patch) = (None, None);
-        (self.failed_params, self.detecting_params) = (None, None);
+        self.asked.pictures.clear();
+        self.asked.patch = None;
+        (self.asked.failed, self.asked.detecting) = (None, None);
     }
 
     /// Stops what is being opened, detected and matched.
@@ -121,14 +121,14 @@ impl BurstscopeApp {
 
     /// Whether features of the present parameters are missing, and were not looked for in vain.
     pub(super) fn wants_detection(&self) -> bool {
-        self.model.needs_detection() && self.failed_params.as_ref() != Some(&self.model.asked())
+        self.model.needs_detection() && self.asked.failed.as_ref() != Some(&self.model.asked())
     }
 
     /// Starts a detection with the present parameters.
     pub(super) fn start_detection(&mut self) {
         if let Some(burst) = self.model.burst.clone() {
             let params = self.model.asked();
-            self.detecting_params = Some(params.clone());
+            self.asked.detecting = Some(params.clone());
             self.engine.detect(DetectRequest { burst, params });
             self.model.busy.detecting = self.engine.running(LaneKind::Detect);
         }
@@ -140,44 +140,32 @@ impl BurstscopeApp {
             return;
         }
         let now = Instant::now();
-        let due = self.play_due.is_none_or(|due| now >= due);
-        let (side, step) = (self.model.active_side(), self.play_step + 1);
-        // The next slope waits for the picture of this one, so that a slow machine plays slowly and skips none.
-        let stepped = self.model.on_side(side, |model| {
-            let ready = due && model.picture_is_current();
-            if ready {
-                model.scrub.slope = played(&model.usable_params.slopes, step);
-                model.slope_chosen = true;
-                if model.scrub.kind == ViewKind::Frame {
-                    model.scrub.kind = ViewKind::Stack;
-                }
-            }
-            ready
-        });
-        if stepped {
-            (self.play_step, self.play_due) = (step, Some(now + PLAY_EVERY));
+        let due = self.play.due.is_none_or(|due| now >= due);
+        // The next slope waits for the pictures of this one, so that a slow machine plays slowly and skips none.
+        if due && self.model.pictures_are_current() {
+            let step = self.play.step + 1;
+            let slope = played(&self.model.hand_params().slopes, step);
+            let pane = self.model.focused_mut();
+            pane.cursor.slope = slope;
+            pane.show_slope();
+            (self.play.step, self.play.due) = (step, Some(now + PLAY_EVERY));
         }
         ctx.request_repaint_after(PLAY_EVERY / 4);
     }
 
     /// Asks for what is wanted and not there, and was not asked for.
     pub(super) fn request_what_is_missing(&mut self, ctx: &egui::Context) {
-        if let Some(wanted) = self.model.wanted_picture()
-            && !self.asked_picture.as_ref().is_some_and(|asked| asked.same_picture(&wanted))
-        {
-            self.engine.request_picture(wanted.clone());
-            self.asked_picture = Some(wanted);
-        }
+        self.request_pictures();
         match self.model.wanted_patch() {
-            Some(wanted) if !self.asked_patch.as_ref().is_some_and(|asked| asked.same_picture(&wanted)) => {
+            Some(wanted) if !self.asked.patch.as_ref().is_some_and(|asked| asked.same_picture(&wanted)) => {
                 self.engine.request_patch(wanted.clone());
-                self.asked_patch = Some(wanted);
+                self.asked.patch = Some(wanted);
             }
             _ => {}
         }
         // While the hand still drags a parameter, every value on the way would start a detection for nothing.
         let dragging = ctx.input(|i| i.pointer.any_down());
-        let asked = self.detecting_params.as_ref() == Some(&self.model.asked());
+        let asked = self.asked.detecting.as_ref() == Some(&self.model.asked());
         if self.model.auto_detect && !dragging && !asked && self.wants_detection() {
             self.start_detection();
         }

@@ -60,23 +60,27 @@ pub enum ExportKind {
     Tiff,
     /// The picture as shown.
     Png,
-    /// The picture with the features over it.
+    /// The panes with everything over them, as vectors.
     Svg,
     /// The matches as CSV.
     Matches,
     /// Both pictures with the matches between them.
     MatchPicture,
+    /// The values along the line.
+    Profile,
+    /// The panes with everything over them, as pixels.
+    FigurePng,
 }
 
 impl ExportKind {
     /// Its file name extension.
     pub fn extension(self) -> &'static str {
         match self {
-            Self::Csv | Self::Matches => "csv",
+            Self::Csv | Self::Matches | Self::Profile => "csv",
             Self::Colmap => "txt",
             Self::Npz => "npz",
             Self::Tiff => "tiff",
-            Self::Png | Self::MatchPicture => "png",
+            Self::Png | Self::MatchPicture | Self::FigurePng => "png",
             Self::Svg => "svg",
         }
     }
@@ -92,6 +96,8 @@ impl ExportKind {
             Self::Svg => "Export figure as SVG",
             Self::Matches => "Export matches as CSV",
             Self::MatchPicture => "Export match picture as PNG",
+            Self::Profile => "Export line profile as CSV",
+            Self::FigurePng => "Export figure as PNG",
         }
     }
 }

@@ -19,7 +19,7 @@ impl BurstscopeApp {
                 Answer::Nothing => {}
                 Answer::NoDialog(question) => {
                     let text = if question.purpose.saves() { question.suggested_name } else { String::new() };
-                    self.path_field = Some(PathField::new(question.purpose, text, true));
+                    self.overlays.path_field = Some(PathField::new(question.purpose, text, true));
                 }
             }
         }
@@ -62,7 +62,7 @@ impl BurstscopeApp {
 
     /// Asks for a path with a field to type it into.
     pub(super) fn open_path_field(&mut self, purpose: Purpose, instead_of_dialog: bool) {
-        self.path_field = Some(PathField::new(purpose, String::new(), instead_of_dialog));
+        self.overlays.path_field = Some(PathField::new(purpose, String::new(), instead_of_dialog));
     }
 
     fn suggested_name(&self, purpose: Purpose) -> String {
@@ -72,9 +72,11 @@ impl BurstscopeApp {
             Purpose::SaveSession => format!("{stem}.burstscope.toml"),
             Purpose::SaveParams => "params.toml".to_owned(),
             Purpose::Export(kind) => {
-                let what = match (kind, self.model.scrub.kind) {
+                let what = match (kind, self.model.hand().kind) {
                     (ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz, _) => "features",
                     (ExportKind::Matches | ExportKind::MatchPicture, _) => "matches",
+                    (ExportKind::Profile, _) => "profile",
+                    (ExportKind::Svg | ExportKind::FigurePng, _) => "figure",
                     (_, ViewKind::Frame) => "frame",
                     (_, ViewKind::Stack) => "stack",
                     (_, ViewKind::Dog) => "dog",
@@ -88,7 +90,7 @@ impl BurstscopeApp {
     fn folder_of_burst(&self) -> Option<PathBuf> {
         match &self.model.burst.as_ref()?.source {
             BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
-            BurstSource::Demo | BurstSource::DemoLater => None,
+            BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) => None,
         }
     }
 
@@ -117,7 +119,7 @@ impl BurstscopeApp {
             Ok(session) => {
                 self.model.messages.resolved("Open session");
                 let id = self.engine.open(session.burst.clone());
-                self.restoring = Some((id, Box::new(session)));
+                self.asked.restoring = Some((id, Box::new(session)));
             }
             Err(error) => self.model.messages.error("Open session", format!("{error}: {}", path.display())),
         }
@@ -136,7 +138,7 @@ impl BurstscopeApp {
     }
 
     fn write(&mut self, purpose: Purpose, path: PathBuf) {
-        match super::writing::prepare(purpose, &self.model, self.view, self.pair_panels.view_b) {
+        match super::writing::prepare(purpose, &self.model, &self.widgets) {
             Ok(work) => {
                 self.engine.task(purpose.title(), move || {
                     work(&path)?;

@@ -1,28 +1,25 @@
 //! What the window does for a pair of bursts: takes the engine's answers, and asks for what is wanted and not there.
 
-use super::canvas::View;
+use super::pane::SavedPanes;
 use super::session::PairSession;
 use super::state::pair::{Matches, PairBusy, Side};
 use super::state::room::Room;
-use super::state::scrub::ViewKind;
 use super::window::BurstscopeApp;
 use crate::detector::SearchParams;
 use crate::engine::{
     Answer, BurstSource, DetectRequest, JobError, JobId, MatchRequest, OpenBurst, PairLane, PairUpdate, PatchesRequest,
-    PictureRequest,
 };
 use egui::pos2;
 
 /// What was asked for and has not come, so that it is not asked for again.
 #[derive(Default)]
 pub(super) struct PairAsked {
-    picture: Option<PictureRequest>,
     patches: Option<PatchesRequest>,
     detecting: Option<SearchParams>,
     failed_detection: Option<SearchParams>,
     matching: Option<MatchRequest>,
     failed_matching: Option<MatchRequest>,
-    restoring: Option<(JobId, Box<PairSession>)>,
+    restoring: Option<(JobId, Box<PairSession>, Option<SavedPanes>)>,
 }
 
 impl BurstscopeApp {
@@ -40,15 +37,16 @@ impl BurstscopeApp {
     }
 
     /// Opens the second burst of a session, and then takes over what the session holds of the pair.
-    pub(super) fn restore_pair(&mut self, session: PairSession) {
+    pub(super) fn restore_pair(&mut self, session: PairSession, panes: Option<SavedPanes>) {
         match session.burst.clone() {
             Some(source) => {
                 let id = self.engine.pair().open(source);
-                self.pair_asked.restoring = Some((id, Box::new(session)));
+                self.pair_asked.restoring = Some((id, Box::new(session), panes));
             }
             None => {
                 self.close_second();
                 session.apply(&mut self.model);
+                self.hands_set = true;
             }
         }
     }
@@ -57,18 +55,19 @@ impl BurstscopeApp {
     pub(super) fn close_second(&mut self) {
         PairLane::ALL.into_iter().for_each(|lane| self.engine.pair().cancel(lane));
         self.model.pair.b = Default::default();
+        self.model.panes.close_side(Side::B);
+        self.forget_closed_panes();
         self.model.compare.gold[1] = None;
         self.model.pair.forget_matches();
         self.pair_asked = PairAsked::default();
         self.pair_panels.patches = None;
     }
 
-    /// Makes A of B and B of A, with their views.
+    /// Makes A of B and B of A.
     pub(super) fn swap_sides(&mut self) {
         // Work that runs is for the side that its burst was on.
         self.cancel_all();
         self.model.swap_sides();
-        std::mem::swap(&mut self.view, &mut self.pair_panels.view_b);
         self.forget_asked();
         self.pair_asked = PairAsked::default();
     }
@@ -77,11 +76,6 @@ impl BurstscopeApp {
         for update in self.engine.pair().poll() {
             match update {
                 PairUpdate::Opened(answer) => self.take_opened_second(answer),
-                PairUpdate::Picture(answer) => match answer.result {
-                    Ok(picture) => self.model.on_side(Side::B, |model| model.take_picture(picture)),
-                    Err(JobError::Cancelled) => self.pair_asked.picture = None,
-                    Err(error) => self.model.messages.error("Picture of B", error.to_string()),
-                },
                 PairUpdate::Patches(answer) => match answer.result {
                     Ok(patches) => self.pair_panels.patches = Some(patches),
                     Err(JobError::Cancelled) => self.pair_asked.patches = None,
@@ -131,7 +125,7 @@ impl BurstscopeApp {
 
     fn take_opened_second(&mut self, answer: Answer<OpenBurst>) {
         let session = match self.pair_asked.restoring.take() {
-            Some((id, session)) if id == answer.id => Some(session),
+            Some((id, session, panes)) if id == answer.id => Some((session, panes)),
             other => {
                 self.pair_asked.restoring = other;
                 None
@@ -146,11 +140,11 @@ impl BurstscopeApp {
                 self.model.messages.note(format!("Opened as B: {}", super::burst_work::describe_burst(&burst)));
                 self.model.take_second_burst(burst);
                 self.pair_asked = PairAsked::default();
-                self.pair_panels.view_b = if self.model.pair.links.views { self.view } else { View::fit() };
                 self.hands_set = true;
                 match session {
-                    Some(session) => {
-                        self.pair_panels.view_b = session.apply(&mut self.model);
+                    Some((session, panes)) => {
+                        panes.iter().for_each(|panes| panes.apply(&mut self.model.panes));
+                        session.apply(&mut self.model);
                         if let Some(gold) = session.gold {
                             self.open_gold(gold, Side::B);
                         }
@@ -160,7 +154,14 @@ impl BurstscopeApp {
             }
             Err(JobError::Cancelled) => self.model.messages.note("Opening B cancelled"),
             Err(JobError::Several(bursts)) if session.is_none() => self.choose_among(bursts, Side::B),
-            Err(error) => self.model.messages.error("Open B", error.to_string()),
+            Err(error) => {
+                if self.model.pair.b.burst.is_none() {
+                    // Panes of a session that wait for it would wait for ever.
+                    self.model.panes.close_side(Side::B);
+                    self.forget_closed_panes();
+                }
+                self.model.messages.error("Open B", error.to_string());
+            }
         }
     }
 
@@ -188,18 +189,13 @@ impl BurstscopeApp {
         let Some(matches) = self.model.pair.matches.clone() else { return };
         let Some(row) = self.model.pair.selected.and_then(|index| matches.row(index)) else { return };
         let sigma = row.a.sigma.max(row.b.sigma).max(1.0);
-        let zoom = (40.0 / sigma).max(self.view.points_per_pixel()).max(self.pair_panels.view_b.points_per_pixel());
+        let zooms = Side::BOTH.map(|side| self.model.panes.of(side).view.points_per_pixel());
+        let zoom = (40.0 / sigma).max(zooms[0]).max(zooms[1]);
         for (side, feature) in [(Side::A, row.a), (Side::B, row.b)] {
-            let slope = feature.slope;
-            self.model.on_side(side, |model| {
-                model.scrub.slope = slope;
-                model.slope_chosen = true;
-                if model.scrub.kind == ViewKind::Frame {
-                    model.scrub.kind = ViewKind::Stack;
-                }
-            });
-            let view = if side == Side::A { &mut self.view } else { &mut self.pair_panels.view_b };
-            view.look_at(pos2(feature.u, feature.v), zoom);
+            let pane = self.model.panes.of_mut(side);
+            pane.cursor.slope = feature.slope;
+            pane.show_slope();
+            pane.view.look_at(pos2(feature.u, feature.v), zoom);
         }
         (self.hands_set, self.model.playing) = (true, false);
     }
@@ -223,8 +219,6 @@ impl BurstscopeApp {
         }
         match self.model.room {
             Room::Pair => {}
-            // Of the pair only B's picture is wanted there.
-            Room::Methods => return self.model.second_picture_is_current(),
             _ => return true,
         }
         let patches = self.model.wanted_patches().is_none_or(|wanted| {
@@ -233,24 +227,12 @@ impl BurstscopeApp {
                 .as_ref()
                 .is_some_and(|p| p.a.request.same_picture(&wanted.a) && p.b.request.same_picture(&wanted.b))
         });
-        self.model.second_picture_is_current()
-            && patches
-            && !(self.model.auto_detect && self.wants_second_detection())
-            && !self.wants_matching()
+        patches && !(self.model.auto_detect && self.wants_second_detection()) && !self.wants_matching()
     }
 
     /// Asks the engine for what the pair wants and does not have. `dragging` says whether a hand still drags something.
     pub(super) fn request_for_pair(&mut self, dragging: bool) {
-        if self.model.room == Room::Burst || self.model.pair.b.burst.is_none() {
-            return;
-        }
-        if let Some(wanted) = self.model.wanted_picture_of(Side::B)
-            && !self.pair_asked.picture.as_ref().is_some_and(|asked| asked.same_picture(&wanted))
-        {
-            self.engine.pair().request_picture(wanted.clone());
-            self.pair_asked.picture = Some(wanted);
-        }
-        if self.model.room != Room::Pair {
+        if self.model.room != Room::Pair || self.model.pair.b.burst.is_none() {
             return;
         }
         if let Some(wanted) = self.model.wanted_patches()

@@ -8,7 +8,7 @@ use crate::dataset::DatasetSource;
 use crate::detector::{SearchParams, Slope};
 use crate::engine::BurstSource;
 use crate::export::{ExportError, Picture, write_png};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// What is drawn.
@@ -20,6 +20,8 @@ pub struct RenderOptions {
     pub second: Option<BurstSource>,
     /// A dataset that is drawn instead, on its first burst.
     pub dataset: Option<DatasetSource>,
+    /// A session that is drawn instead, as it was left: what is said here of parameters and the cursor has no effect then.
+    pub session: Option<PathBuf>,
     /// The detector's parameters.
     pub params: SearchParams,
     /// Columns and rows of the window, in points.
@@ -52,6 +54,7 @@ impl Default for RenderOptions {
             source: BurstSource::Demo,
             second: None,
             dataset: None,
+            session: None,
             params: SearchParams::default(),
             size_points: (1280.0, 800.0),
             scale: 1.0,
@@ -99,6 +102,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         source: Some(options.source.clone()),
         second: options.second.clone(),
         dataset: options.dataset.clone(),
+        session: options.session.clone(),
         params: options.params.clone(),
         settings,
         ..Startup::default()
@@ -115,7 +119,9 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
             app.show(ui);
             let opened = app.model.burst.is_some() && (options.second.is_none() || app.model.pair.b.burst.is_some());
             if opened && !placed {
-                place(app, options);
+                if options.session.is_none() {
+                    place(app, options);
+                }
                 placed = true;
             }
             if options.select_strongest && app.model.pair.selected.is_none() {
@@ -153,14 +159,14 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
 /// Puts the hand where the options say.
 fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     let model = &mut app.model;
-    model.scrub.kind = options.kind;
+    let pane = model.focused_mut();
+    pane.show(options.kind);
     if let Some(slope) = options.slope {
-        model.scrub.slope = slope;
-        model.slope_chosen = true;
+        (pane.cursor.slope, pane.slope_chosen) = (slope, true);
     }
-    model.scrub.frame = options.frame.unwrap_or(model.scrub.frame);
-    model.scrub.octave = options.octave.unwrap_or(options.params.detector.first_octave);
-    model.scrub.level = options.level;
+    pane.cursor.frame = options.frame.unwrap_or(pane.cursor.frame);
+    pane.cursor.octave = options.octave.unwrap_or(options.params.detector.first_octave);
+    pane.cursor.level = options.level;
     model.check_params();
     if model.pair.b.burst.is_some() {
         model.bring_hands_together();

@@ -5,6 +5,7 @@
 
 use super::canvas::{View, overlay::ColourBy};
 use super::dataset::{Dataset, Trajectories};
+use super::pane::{Content, PaneId, SavedPanes};
 use super::state::compare::CompareLook;
 use super::state::filter::{Column, Filter};
 use super::state::look::Look;
@@ -22,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// The version that this program writes; it reads this and older ones.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The dataset of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -76,12 +77,15 @@ pub struct Session {
     /// The detector's parameters, and how the slopes are chosen; older files give them.
     #[serde(default)]
     pub params: SearchParams,
-    /// Where the hand was.
+    /// Where the cursor of A's own pane was.
     #[serde(default)]
     pub scrub: Scrub,
-    /// Pan and zoom.
+    /// Its pan and zoom.
     #[serde(default)]
     pub view: View,
+    /// The panes of the inspector, since version 2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub panes: Option<SavedPanes>,
     /// Ranges, maps and overlay.
     #[serde(default)]
     pub look: Look,
@@ -147,39 +151,42 @@ pub struct PairSession {
 }
 
 impl PairSession {
-    fn of(model: &Model, view_b: View) -> Self {
-        let pair = &model.pair;
+    fn of(model: &Model) -> Self {
+        let (pair, pane) = (&model.pair, model.panes.of(Side::B));
         Self {
             burst: pair.b.burst.as_ref().map(|open| absolute(&open.source)),
             gold: gold_source(model, Side::B),
             active: pair.active,
             links: pair.links,
             params: pair.params.clone(),
-            scrub: pair.b.scrub,
-            view: view_b,
-            look: (!pair.links.ranges).then(|| pair.b.look.clone()),
+            scrub: pane.cursor,
+            view: pane.view,
+            look: pane.own_ranges.map(|ranges| Look { ranges, ..Look::default() }),
             match_look: pair.look,
             order: pair.order,
             selection: pair.saved_match(),
         }
     }
 
-    /// Puts what it holds into the model, whose second burst (if there was one) was just opened. Answers B's view.
-    pub fn apply(&self, model: &mut Model) -> View {
+    /// Puts what it holds into the model, whose second burst (if there was one) was just opened.
+    pub fn apply(&self, model: &mut Model) {
         let pair = &mut model.pair;
         (pair.active, pair.links, pair.params) = (self.active, self.links, self.params.clone());
         (pair.look, pair.order, pair.reselect) = (self.match_look.sanitised(), self.order, self.selection);
-        (pair.b.scrub, pair.b.slope_chosen) = (self.scrub, true);
-        pair.b.look = self.look.clone().unwrap_or_default();
+        model.link_ranges(self.links.ranges);
+        let pane = model.panes.of_mut(Side::B);
+        (pane.cursor, pane.slope_chosen, pane.view) = (self.scrub, true, self.view);
+        if let (Some(own), Some(look)) = (&mut pane.own_ranges, &self.look) {
+            *own = look.ranges;
+        }
         model.check_pair();
-        self.view
     }
 }
 
 impl Session {
     /// The session of what is on show; `None` without a burst.
-    pub fn of(model: &Model, view: View, view_b: View) -> Option<Self> {
-        let burst = model.burst.as_ref()?;
+    pub fn of(model: &Model) -> Option<Self> {
+        let (burst, pane) = (model.burst.as_ref()?, model.panes.of(Side::A));
         Some(Self {
             version: VERSION,
             burst: absolute(&burst.source),
@@ -187,14 +194,15 @@ impl Session {
             bottom_tab: model.bottom_tab,
             detected: model.found.is_some(),
             params: model.asked(),
-            scrub: model.scrub,
-            view,
+            scrub: pane.cursor,
+            view: pane.view,
+            panes: Some(SavedPanes::of(&model.panes)),
             look: model.look.clone(),
             filter: model.filter,
             order: model.order,
             selection: model.saved_selection(),
             room: model.room,
-            pair: PairSession::of(model, view_b),
+            pair: PairSession::of(model),
             methods: model.compare.look.clone(),
             gold: gold_source(model, Side::A),
             dataset: model.datasets.open.as_ref().map(saved_dataset),
@@ -213,26 +221,35 @@ impl Session {
     /// # Errors
     /// What is wrong and where, as TOML's reader says it, or that the file is from a newer version.
     pub fn from_toml(text: &str) -> Result<Self, String> {
-        let mut session: Self = toml::from_str(text).map_err(|e| format!("this is not a session file: {e}"))?;
-        if session.version > VERSION {
+        // The version comes first: what a newer file holds besides cannot be known here.
+        #[derive(Deserialize)]
+        struct Head {
+            version: u32,
+        }
+        if let Ok(Head { version }) = toml::from_str(text)
+            && version > VERSION
+        {
             return Err(format!(
-                "the session file has version {}, this program reads up to {VERSION}; open it with a newer Burstscope",
-                session.version
+                "the session file has version {version}, this program reads up to {VERSION}; open it with a newer Burstscope"
             ));
         }
-        session.look.intensity = session.look.intensity.sanitised();
-        session.look.response = session.look.response.sanitised();
+        let mut session: Self = toml::from_str(text).map_err(|e| format!("this is not a session file: {e}"))?;
+        session.look.ranges = session.look.ranges.sanitised();
         if let Some(look) = &mut session.pair.look {
-            (look.intensity, look.response) = (look.intensity.sanitised(), look.response.sanitised());
+            look.ranges = look.ranges.sanitised();
         }
         Ok(session)
     }
 
-    /// Puts what the session holds into the model, whose burst was just opened. Answers the view to show.
-    pub fn apply(&self, model: &mut Model) -> View {
+    /// Puts what the session holds into the model, whose burst was just opened.
+    pub fn apply(&self, model: &mut Model) {
         model.set_search(self.params.clone());
-        model.scrub = self.scrub;
-        model.slope_chosen = true;
+        let pane = model.panes.of_mut(Side::A);
+        (pane.cursor, pane.slope_chosen, pane.view, pane.content) = (self.scrub, true, self.view, Content::Cursor);
+        match &self.panes {
+            Some(panes) => panes.apply(&mut model.panes),
+            None => model.panes.show_alone(PaneId::of(Side::A)),
+        }
         model.look = self.look.clone();
         model.filter = self.filter;
         model.order = self.order;
@@ -242,7 +259,6 @@ impl Session {
         model.room = self.room;
         model.compare.look = self.methods.clone().sanitised();
         model.check_params();
-        self.view
     }
 }
 
@@ -253,7 +269,7 @@ fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
 /// The same source with absolute paths, so that the session can be opened from any folder.
 fn absolute(source: &BurstSource) -> BurstSource {
     match source {
-        BurstSource::Demo | BurstSource::DemoLater => source.clone(),
+        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) => source.clone(),
         BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
     }
 }
@@ -293,7 +309,7 @@ mod tests {
         let burst = Burst::from_planes("test", vec![Plane::zeros(64, 48), Plane::zeros(64, 48)]);
         model.take_burst(OpenBurst::new(burst, BurstSource::Paths(vec!["frames".into()])));
         model.params.peak_threshold = 0.01;
-        model.scrub.slope = Slope::new(1.25, -0.5);
+        model.focused_mut().cursor.slope = Slope::new(1.25, -0.5);
         model.filter.hide_slope_limit = true;
         model.look.motion_vectors = false;
         model
@@ -301,20 +317,20 @@ mod tests {
 
     #[test]
     fn a_session_comes_back_as_it_was() {
-        let session = Session::of(&model(), View::default(), View::default()).expect("a burst is open");
+        let session = Session::of(&model()).expect("a burst is open");
         let text = session.to_toml();
         assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
         assert!(matches!(&session.burst, BurstSource::Paths(paths) if paths[0].is_absolute()));
         let mut restored = Model::default();
         session.apply(&mut restored);
         assert_eq!(restored.params.peak_threshold, 0.01);
-        assert_eq!(restored.scrub.slope, Slope::new(1.25, -0.5));
+        assert_eq!(restored.hand().slope, Slope::new(1.25, -0.5));
         assert!(!restored.look.motion_vectors && restored.filter.hide_slope_limit);
     }
 
     #[test]
     fn without_a_burst_there_is_no_session() {
-        assert!(Session::of(&Model::default(), View::default(), View::default()).is_none());
+        assert!(Session::of(&Model::default()).is_none());
     }
 
     #[test]
@@ -334,14 +350,14 @@ mod tests {
 
         #[test]
         fn no_damaged_session_makes_it_panic(at in 0usize..2000, junk in "[a-z0-9=\\[\\]\"{}.\\-]{0,6}") {
-            let mut text = Session::of(&model(), View::default(), View::default()).expect("a burst is open").to_toml();
+            let mut text = Session::of(&model()).expect("a burst is open").to_toml();
             let mut at = at.min(text.len());
             while !text.is_char_boundary(at) { at -= 1; }
             text.insert_str(at, &junk);
             if let Ok(session) = Session::from_toml(&text) {
                 let mut model = model();
                 session.apply(&mut model);
-                prop_assert!(model.scrub.slope.u.is_finite());
+                prop_assert!(model.hand().slope.u.is_finite());
             }
         }
     }

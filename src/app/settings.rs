@@ -1,5 +1,6 @@
 //! What the window remembers from one start to the next.
 
+use super::figure::FigureChoice;
 use super::state::pair::{Links, MatchLook};
 use super::state::{Model, Panels};
 use crate::dataset::DatasetSource;
@@ -32,6 +33,8 @@ pub struct Settings {
     pub links: Links,
     /// How matches look.
     pub match_look: MatchLook,
+    /// What figures show.
+    pub figure: FigureChoice,
 }
 
 impl Default for Settings {
@@ -45,6 +48,7 @@ impl Default for Settings {
             auto_detect: true,
             links: Links::default(),
             match_look: MatchLook::default(),
+            figure: FigureChoice::default(),
         }
     }
 }
@@ -79,6 +83,7 @@ impl Settings {
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
         (self.links, self.match_look) = (model.pair.links, model.pair.look);
+        self.figure = model.figure;
     }
 }
 

@@ -23,7 +23,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar::toolbar_ui(ui, &app.model, queue));
     Panel::bottom("status bar")
         .frame(bar(ui))
-        .show(ui, |ui| panels::status::status_ui(ui, &app.model, app.readout(), queue));
+        .show(ui, |ui| panels::status::status_ui(ui, &app.model, app.readout().as_deref(), queue));
 
     if app.model.datasets.open.is_some() && app.model.panels.filmstrip {
         Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {

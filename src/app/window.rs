@@ -1,16 +1,19 @@
 //! The window: what it holds, and what it does in each pass. What goes to the engine and comes from it is in `burst_work` and its
 //! neighbours.
 
-use super::actions::{self, ActionId, Queue, palette::Palette};
-use super::canvas::{Readout, View};
+use super::actions::{self, ActionId, Queue};
+use super::canvas::{Readout, number};
 use super::compare_work::CompareAsked;
-use super::dataset::CutDialog;
 use super::dataset::thumbnails::Thumbnails;
-use super::dialogs::{Desk, FileDialogs, PathField, SystemDialogs};
+use super::dialogs::{Desk, FileDialogs, SystemDialogs};
+use super::history;
+use super::inspector::{PaneWidgets, PlaceValue};
+use super::measure::RegionCache;
+use super::overlays::Overlays;
 use super::pair_work::PairAsked;
-use super::panels::display::DisplayState;
-use super::panels::picture::PictureState;
+use super::pane::PaneId;
 use super::panels::selection::SelectionState;
+use super::panes_work::Hands;
 use super::rooms::compare::ComparePictures;
 use super::rooms::pair::PairPanels;
 use super::session::Session;
@@ -18,10 +21,10 @@ use super::settings::Settings;
 use super::state::Model;
 use super::state::pair::Side;
 use super::state::room::Room;
-use super::state::scrub::ViewKind;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::engine::{BurstSource, Engine, JobId, OnUpdate, OpenBurst, PictureRequest};
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -61,46 +64,54 @@ impl Default for Startup {
     }
 }
 
+/// What the engine is asked for and has not answered yet, so that it is not asked for again.
+#[derive(Default)]
+pub(super) struct Asked {
+    /// What is being opened.
+    pub opening: Option<(JobId, BurstSource)>,
+    pub restoring: Option<(JobId, Box<Session>)>,
+    pub pictures: HashMap<PaneId, PictureRequest>,
+    pub patch: Option<PictureRequest>,
+    pub detecting: Option<SearchParams>,
+    /// What was looked for in vain.
+    pub failed: Option<SearchParams>,
+}
+
+/// Where playing through the slopes is.
+#[derive(Default)]
+pub(super) struct Play {
+    pub step: usize,
+    /// When the next slope is due.
+    pub due: Option<Instant>,
+}
+
 /// The window.
 pub struct BurstscopeApp {
     /// What is shown.
     pub model: Model,
     /// The workers.
     pub engine: Engine,
-    /// Pan and zoom of the picture.
-    pub view: View,
-    pub(super) palette: Palette,
-    pub(super) sheet_open: bool,
-    pub(super) about_open: bool,
-    pub(super) play_step: usize,
-    pub(super) play_due: Option<Instant>,
-    pub(super) pictures: PictureState,
-    pub(super) display: DisplayState,
-    pub(super) selection: SelectionState,
+    /// What the panes' widgets keep.
+    pub widgets: PaneWidgets,
     /// What the room of two bursts keeps.
     pub pair_panels: PairPanels,
-    pub(super) pair_asked: PairAsked,
     /// What the room of methods keeps.
     pub compare_pictures: ComparePictures,
-    pub(super) compare_asked: CompareAsked,
-    /// Whether both hands were set, each to its own place, so that neither follows the other.
-    pub(super) hands_set: bool,
-    settings: Settings,
-    pub(super) desk: Desk,
-    pub(super) path_field: Option<PathField>,
-    /// Bursts of a folder, of which one is to be chosen.
-    choice: Vec<BurstSource>,
-    choice_side: Side,
-    /// How a sequence is to be cut, while that is being asked.
-    pub(super) cut: Option<CutDialog>,
+    pub(super) selection: SelectionState,
+    /// What was computed of the rectangle that is measured.
+    pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
-    /// What is being opened.
-    pub(super) opening: Option<(JobId, BurstSource)>,
-    pub(super) restoring: Option<(JobId, Box<Session>)>,
-    pub(super) asked_picture: Option<PictureRequest>,
-    pub(super) asked_patch: Option<PictureRequest>,
-    pub(super) detecting_params: Option<SearchParams>,
-    pub(super) failed_params: Option<SearchParams>,
+    pub(super) overlays: Overlays,
+    pub(super) asked: Asked,
+    pub(super) pair_asked: PairAsked,
+    pub(super) compare_asked: CompareAsked,
+    pub(super) play: Play,
+    /// Whether cursors were set on purpose, each to its own place, so that none follows another.
+    pub(super) hands_set: bool,
+    /// Whether what is set was changed otherwise than by a step that can be undone.
+    pub(super) history_set: bool,
+    pub(super) desk: Desk,
+    settings: Settings,
 }
 
 impl BurstscopeApp {
@@ -116,39 +127,28 @@ impl BurstscopeApp {
         model.set_search(startup.params);
         model.usable_params = model.params.clone();
         (model.theme, model.panels) = (startup.settings.theme, startup.settings.panels);
-        model.auto_detect = startup.settings.auto_detect;
+        (model.auto_detect, model.figure) = (startup.settings.auto_detect, startup.settings.figure);
         (model.pair.links, model.pair.look) = (startup.settings.links, startup.settings.match_look.sanitised());
+        model.link_ranges(model.pair.links.ranges);
         model.check_params();
         let mut app = Self {
             model,
             engine: Engine::new(on_update.clone(), startup.cache_bytes),
-            view: View::fit(),
-            palette: Palette::default(),
-            sheet_open: false,
-            about_open: false,
-            play_step: 0,
-            play_due: None,
-            pictures: PictureState::default(),
-            display: DisplayState::default(),
-            selection: SelectionState::default(),
+            widgets: PaneWidgets::default(),
             pair_panels: PairPanels::default(),
-            pair_asked: PairAsked::default(),
             compare_pictures: ComparePictures::default(),
-            compare_asked: CompareAsked::default(),
-            hands_set: false,
-            settings: startup.settings,
-            desk: Desk::new(startup.dialogs, on_update),
-            path_field: None,
-            choice: Vec::new(),
-            choice_side: Side::A,
-            cut: None,
+            selection: SelectionState::default(),
+            regions: RegionCache::default(),
             thumbnails: Thumbnails::default(),
-            opening: None,
-            restoring: None,
-            asked_picture: None,
-            asked_patch: None,
-            detecting_params: None,
-            failed_params: None,
+            overlays: Overlays::default(),
+            asked: Asked::default(),
+            pair_asked: PairAsked::default(),
+            compare_asked: CompareAsked::default(),
+            play: Play::default(),
+            hands_set: false,
+            history_set: false,
+            desk: Desk::new(startup.dialogs, on_update),
+            settings: startup.settings,
         };
         if let Some(path) = startup.session {
             app.restore_session(&path);
@@ -165,42 +165,40 @@ impl BurstscopeApp {
 
     /// Opens a burst in the background; the one that is open stays until the new one is there.
     pub fn open(&mut self, source: BurstSource) {
-        self.restoring = None;
-        self.opening = Some((self.engine.open(source.clone()), source));
+        self.asked.restoring = None;
+        self.asked.opening = Some((self.engine.open(source.clone()), source));
     }
 
     /// Whether everything that is wanted is there and nothing runs.
     pub fn is_settled(&self) -> bool {
         self.engine.is_idle()
             && !self.desk.is_asking()
-            && self.model.picture_is_current()
+            && self.model.pictures_are_current()
             && !self.thumbnails.is_waiting()
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
             && self.compare_is_settled()
     }
 
-    /// Bursts of which a person has to choose one before anything is opened; mostly none.
-    pub fn choice(&self) -> &[BurstSource] {
-        &self.choice
-    }
-
     /// Draws the window and answers what happened since the last time.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
-        let hands = [self.model.scrub, self.model.pair.b.scrub];
+        let hands = Hands::of(&self.model);
         self.take_updates(&ctx);
         self.take_pair_updates();
         self.take_compare_updates();
         self.take_answers();
         self.take_dropped_files(&ctx);
+        let before = history::Settings::of(&self.model);
         let mut queue = Queue::new();
-        if !self.modal_is_open() {
+        // While a dialog is open, or is being opened by the system, keys are for it alone.
+        if !self.modal_is_open() && !self.desk.is_asking() {
             actions::take_shortcuts(&ctx, &self.model, &mut queue);
-        }
-        if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
-            queue.push(ActionId::Palette);
+            if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
+                queue.push(ActionId::Palette);
+            }
+            self.take_copy(&ctx);
         }
         self.step_play(&ctx);
         super::shell::shell_ui(self, ui, &mut queue);
@@ -211,57 +209,22 @@ impl BurstscopeApp {
         self.model.check_params();
         self.model.check_pair();
         if !std::mem::take(&mut self.hands_set) {
-            self.model.follow_hand(hands);
+            hands.lead(&mut self.model);
         }
+        self.keep_history(&ctx, before);
         self.model.refresh_listed();
         self.model.pair.refresh_listed();
         self.request_what_is_missing(&ctx);
     }
 
-    fn modal_is_open(&self) -> bool {
-        self.palette.is_open()
-            || self.sheet_open
-            || self.about_open
-            || self.path_field.is_some()
-            || self.cut.is_some()
-            || !self.choice.is_empty()
-    }
-
-    fn overlays_ui(&mut self, ctx: &egui::Context, queue: &mut Queue) {
-        self.palette.ui(ctx, &self.model, queue);
-        actions::shortcuts_sheet::sheet_ui(ctx, &mut self.sheet_open);
-        super::panels::about::about_ui(ctx, &mut self.about_open);
-        if let Some(field) = &mut self.path_field {
-            let purpose = field.purpose;
-            let (path, stay) = field.ui(ctx);
-            if !stay {
-                self.path_field = None;
-            }
-            if let Some(path) = path {
-                self.use_files(purpose, vec![path]);
-            }
+    /// Adds what a person has changed in this pass to what can be undone.
+    fn keep_history(&mut self, ctx: &egui::Context, before: history::Settings) {
+        if std::mem::take(&mut self.history_set) {
+            return;
         }
-        if let Some(burst) = super::panels::chooser::chooser_ui(ctx, &mut self.choice) {
-            match self.choice_side {
-                Side::A => self.open(burst),
-                Side::B => self.open_second(burst),
-            }
-        }
-        if let Some(dialog) = &mut self.cut {
-            let (source, stay) = dialog.ui(ctx);
-            if !stay {
-                self.cut = None;
-            }
-            if let Some(source) = source {
-                self.open_dataset(source);
-            }
-        }
-        super::panels::messages::messages_ui(ctx, &mut self.model.messages);
-    }
-
-    /// Asks the person which of `bursts` is to be opened as `side`.
-    pub(super) fn choose_among(&mut self, bursts: Vec<BurstSource>, side: Side) {
-        (self.choice, self.choice_side) = (bursts, side);
+        let after = history::Settings::of(&self.model);
+        let goes_on = self.model.playing || ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
+        self.model.history.take(before, &after, goes_on);
     }
 
     /// Puts a burst at the top of the recent ones. One of the dataset is remembered with it, and has the name that it has there.
@@ -273,14 +236,16 @@ impl BurstscopeApp {
     }
 
     pub(super) fn go_to_selected(&mut self) {
-        if let Some(feature) = self.model.selected_feature().copied() {
-            self.model.scrub.slope = feature.slope;
-            (self.model.slope_chosen, self.model.playing) = (true, false);
-            if self.model.scrub.kind == ViewKind::Frame {
-                self.model.scrub.kind = ViewKind::Stack;
-            }
-            self.view.look_at(egui::pos2(feature.u, feature.v), 60.0 / feature.sigma.max(1.0));
-        }
+        let Some(feature) = self.model.selected_feature().copied() else { return };
+        self.model.focus_on_side(Side::A);
+        self.model.playing = false;
+        let pane = self.model.focused_mut();
+        pane.cursor.slope = feature.slope;
+        pane.show_slope();
+        let before = pane.view;
+        pane.view.look_at(egui::pos2(feature.u, feature.v), 60.0 / feature.sigma.max(1.0));
+        let focus = self.model.focus();
+        self.model.panes.follow_view(focus, &before);
     }
 }
 
@@ -298,13 +263,24 @@ impl eframe::App for BurstscopeApp {
 impl BurstscopeApp {
     /// Where a place of the image (in pixels) is in the window (in points), as last drawn.
     pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
-        self.pictures.ui_from_image.map(|t| t.pos(pos_image))
+        self.widgets.pos_ui(self.model.focus(), pos_image)
     }
 
-    /// The value under the pointer.
-    pub(super) fn readout(&self) -> Option<&Readout> {
-        let in_b = self.pair_panels.pictures_b.readout.as_ref().filter(|_| self.model.room == Room::Pair);
-        self.pictures.readout.as_ref().or(in_b)
+    /// The same in the pane of the burst of `side`.
+    pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
+        self.widgets.pos_ui(PaneId::of(side), pos_image)
+    }
+
+    /// The value under the pointer; with several panes those of all that are linked.
+    pub(super) fn readout(&self) -> Option<String> {
+        if self.model.room == Room::Burst && self.model.panes.are_many() {
+            let (first, rest) = self.widgets.values.split_first()?;
+            let value = |v: &PlaceValue| format!("{}: {}", v.number, number(v.readout.value, 4));
+            let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
+            return Some(format!("u {:.1}  v {:.1}   {}", first.readout.u, first.readout.v, values.join("  ")));
+        }
+        let readouts = self.model.visible_panes().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
+        readouts.into_iter().next().map(|readout: Readout| readout.to_string())
     }
 
     /// What is remembered from the last time.

@@ -1,16 +1,15 @@
 //! What is written to files from the window: prepared from what is on show, then written in the background, whole or not at all.
 
-use super::canvas::View;
-use super::canvas::overlay::{ColourBy, ColourScale};
 use super::dialogs::{ExportKind, Purpose};
-use super::panels::picture::describe;
+use super::figure::{drawing_of, rasterise};
+use super::inspector::PaneWidgets;
+use super::measure::profiles_of;
+use super::pane::PaneId;
 use super::session::Session;
-use super::state::look::RangeClass;
+use super::state::Model;
 use super::state::pair::{MatchRow, Side};
-use super::state::{Found, Model};
-use crate::detector::{Feature, Slope};
 use crate::engine::Picture;
-use crate::export::{self, ExportFormat, FigureOptions, LegendEntry};
+use crate::export::{self, ExportFormat};
 use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
 use std::io::Write;
@@ -25,11 +24,11 @@ pub type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 ///
 /// # Errors
 /// What is missing: a detection, a picture, a burst.
-pub fn prepare(purpose: Purpose, model: &Model, view: View, view_b: View) -> Result<Work, String> {
+pub fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(text_work(model.asked().to_toml())),
         Purpose::SaveSession => {
-            let session = Session::of(model, view, view_b).ok_or("no burst is open; open one first")?;
+            let session = Session::of(model).ok_or("no burst is open; open one first")?;
             Ok(text_work(session.to_toml()))
         }
         Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
@@ -37,6 +36,8 @@ pub fn prepare(purpose: Purpose, model: &Model, view: View, view_b: View) -> Res
         Purpose::Export(ExportKind::Npz) => features_work(model, ExportFormat::Npz),
         Purpose::Export(ExportKind::Matches) => matches_work(model),
         Purpose::Export(ExportKind::MatchPicture) => match_picture_work(model),
+        Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
+        Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
         Purpose::Export(kind) => picture_work(model, kind),
         _ => Err("nothing is written for this".to_owned()),
     }
@@ -59,6 +60,21 @@ fn matches_work(model: &Model) -> Result<Work, String> {
     }))
 }
 
+fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
+    let line = model.measure.line.ok_or("there is no line; draw one with Q first")?;
+    let profiles: Vec<export::PictureProfile> = profiles_of(model, widgets, &line)
+        .into_iter()
+        .map(|profile| export::PictureProfile {
+            picture: format!("{}  {}", profile.number, profile.label),
+            samples: profile.samples,
+        })
+        .collect();
+    if profiles.is_empty() {
+        return Err("the pane with the line is closed; draw another line with Q".to_owned());
+    }
+    Ok(Box::new(move |path| export::write_profiles_csv(path, &profiles).map_err(|e| e.to_string())))
+}
+
 fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
     export::MatchRow {
         features: [row.found.a, row.found.b],
@@ -76,7 +92,7 @@ fn match_picture_work(model: &Model) -> Result<Work, String> {
     let listed = model.pair.listed.clone();
     let side = |side: Side| {
         let picture = model.picture_of(side).cloned().ok_or("there is no picture; open a burst first")?;
-        let display = model.look_of(side).display(RangeClass::of(picture.request.kind));
+        let display = model.display_of(PaneId::of(side));
         Ok::<_, String>((picture, display))
     };
     let sides = [side(Side::A)?, side(Side::B)?];
@@ -99,90 +115,29 @@ fn match_picture_work(model: &Model) -> Result<Work, String> {
 }
 
 fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
-    let picture = model.picture.clone().ok_or("there is no picture; open a burst first")?;
-    let display = model.look.display(RangeClass::of(picture.request.kind));
+    let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
+    let display = model.display_of(model.focus());
     Ok(match kind {
         ExportKind::Tiff => Box::new(move |path| export::write_tiff(path, &picture.plane).map_err(|e| e.to_string())),
-        ExportKind::Png => Box::new(move |path| {
+        _ => Box::new(move |path| {
             let rgba = to_rgba8(&picture.plane, &display);
             let (width, height) = picture.plane.size();
             export::write_png(path, export::Picture::rgba(width, height, rgba.as_raw())).map_err(|e| e.to_string())
         }),
-        _ => {
-            let figure = Figure::of(model, &picture);
-            Box::new(move |path| {
-                let plane = on_image_pixels(&picture);
-                let rgba = to_rgba8(&plane, &display);
-                let (width, height) = plane.size();
-                let under = export::Picture::rgba(width, height, rgba.as_raw());
-                let colour = |f: &Feature| rgb(figure.scale.colour(f));
-                export::write_svg(path, under, &figure.features, colour, &figure.options).map_err(|e| e.to_string())
-            })
-        }
     })
 }
 
-/// What lies over the picture in a figure.
-struct Figure {
-    features: Vec<Feature>,
-    scale: ColourScale,
-    options: FigureOptions,
-}
-
-impl Figure {
-    fn of(model: &Model, picture: &Picture) -> Self {
-        let scale = ColourScale::of(model.colour_by, model.features());
-        let shown = model.look.overlay;
-        let listed: Vec<Feature> = model.listed.iter().filter_map(|&i| model.features().get(i).copied()).collect();
-        let used = model.found.as_ref().map_or(0, |f| f.detection.frames_used.len());
-        let motion_frames = if model.look.motion_vectors { used.saturating_sub(1) as f32 / 2.0 } else { 0.0 };
-        let legend = match &model.found {
-            Some(found) if shown && model.look.legend => legend(&scale, found),
-            _ => Vec::new(),
-        };
-        let options = FigureOptions {
-            orientation: model.look.orientations,
-            motion_frames,
-            title: Some(describe(picture)),
-            legend,
-            ..FigureOptions::default()
-        };
-        Self { features: if shown { listed } else { Vec::new() }, scale, options }
-    }
-}
-
-/// Entries that show the colours of the slopes of the grid that have features (at most a dozen), or of five steps through the range.
-fn legend(scale: &ColourScale, found: &Found) -> Vec<LegendEntry> {
-    const MOST: usize = 12;
-    let Some(sample) = found.detection.features.first().copied() else { return Vec::new() };
-    let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(&feature)), label };
-    if scale.by == ColourBy::SlopeDirection {
-        let grid = found.detection.slopes;
-        let mut used: Vec<usize> = found.detection.features.iter().map(|f| f.slope_index).collect();
-        used.sort_unstable();
-        used.dedup();
-        let every = used.len().div_ceil(MOST).max(1);
-        return used
-            .into_iter()
-            .step_by(every)
-            .map(|i| {
-                let slope = grid.slope(i);
-                entry(Feature { slope, ..sample }, format!("({:.2}, {:.2}) px/frame", slope.u, slope.v))
-            })
-            .collect();
-    }
-    (0..5)
-        .map(|step| {
-            let x = scale.min + (scale.max - scale.min) * step as f32 / 4.0;
-            let feature = match scale.by {
-                ColourBy::SlopeU => Feature { slope: Slope::new(x, 0.0), ..sample },
-                ColourBy::SlopeV => Feature { slope: Slope::new(0.0, x), ..sample },
-                ColourBy::Scale => Feature { sigma: x, ..sample },
-                ColourBy::Response | ColourBy::SlopeDirection => Feature { response: x, ..sample },
-            };
-            entry(feature, format!("{} {}", super::canvas::number(x, 3), scale.by.unit()))
-        })
-        .collect()
+fn figure_work(model: &Model, widgets: &PaneWidgets, kind: ExportKind) -> Result<Work, String> {
+    let drawing = drawing_of(model, widgets, &model.figure)?;
+    Ok(match kind {
+        ExportKind::FigurePng => Box::new(move |path| {
+            let image = rasterise(&drawing)?;
+            let (width, height) = image.dimensions();
+            let picture = export::Picture::rgba(width as usize, height as usize, image.as_raw());
+            export::write_png(path, picture).map_err(|e| e.to_string())
+        }),
+        _ => Box::new(move |path| export::write_drawing_svg(path, &drawing).map_err(|e| e.to_string())),
+    })
 }
 
 /// The picture on the pixels of the input image, so that features lie where they belong.
@@ -198,8 +153,4 @@ fn on_image_pixels(picture: &Picture) -> Plane {
         let nearest = |x: usize, most: usize| ((x as f32 / step).round() as usize).min(most);
         picture.plane.at(nearest(u, last_u), nearest(v, last_v))
     })
-}
-
-fn rgb(colour: egui::Color32) -> [u8; 3] {
-    [colour.r(), colour.g(), colour.b()]
 }

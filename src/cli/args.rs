@@ -1,12 +1,14 @@
 //! The arguments as they are written: names, kinds and help texts. What they mean together is checked elsewhere.
 
-use super::choices::{VIEW_KINDS, words};
+#[cfg(feature = "colmap")]
 use super::colmap_args::ColmapArgs;
 use super::evaluate_args::EvaluateArgs;
+use super::inspect_args::{ProbeArgs, SlopesArgs};
 use super::match_args::MatchArgs;
+#[cfg(feature = "app")]
+use super::render_args::RenderArgs;
 use super::search_options::{ParamsFileArg, SearchArgs};
 use super::synth_args::SynthArgs;
-use crate::app::state::scrub::ViewKind;
 use crate::detector::params::doc;
 use crate::detector::{FrameRange, Slope};
 use crate::export::ExportFormat;
@@ -14,7 +16,7 @@ use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], 'demo', or 'demo-later'";
+pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], 'demo', 'demo-later', or the examples 'demo-aliasing' and 'demo-low-contrast'";
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
 ///
@@ -32,6 +34,8 @@ pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, i
         burstscope detect night/ --out found             features of a burst as CSV\n  \
         burstscope detect nights/ --slopes-u -6:6:25 --out found --format csv,npz\n  \
         burstscope stack night/ --slope -2.1,0 --out sign.tiff\n  \
+        burstscope slopes night/                         which slopes this burst needs\n  \
+        burstscope probe night/ --at 412,230             why there is a feature there, or none\n  \
         burstscope match night/a night/b --out matched      two bursts, their matches, and a picture of them\n\n\
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
 )]
@@ -62,13 +66,19 @@ pub enum Command {
     Stack(StackArgs),
     /// Align the frames of a burst and average them into one image.
     Merge(MergeArgs),
+    /// Say which slopes a burst needs: its spectrum, what lies at the limit, and what to change.
+    Slopes(SlopesArgs),
+    /// Say why there is a feature at a place, or why there is none.
+    Probe(ProbeArgs),
     /// Make a burst with exactly known truth (16-bit PNG frames and truth.json), or noisy copies of real frames.
     Synth(SynthArgs),
     /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
     Evaluate(EvaluateArgs),
     /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
+    #[cfg(feature = "colmap")]
     Colmap(ColmapArgs),
     /// Draw the window into a PNG file, without a display.
+    #[cfg(feature = "app")]
     Render(RenderArgs),
 }
 
@@ -213,83 +223,11 @@ pub struct MergeArgs {
     pub output: OutputArgs,
 }
 
-/// Draw the window into a PNG file, without a display.
-///
-/// Of two bursts the window shows both side by side, with the matches between them; of a dataset it shows the first. The window is drawn as it is on a
-/// screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the picture is taken at the slope with the most features.
-#[derive(Debug, Args)]
-pub struct RenderArgs {
-    #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
-    #[allow(missing_docs)]
-    pub inputs: Vec<PathBuf>,
-    /// The PNG file to write.
-    #[arg(long, short, value_name = "PNG")]
-    pub out: PathBuf,
-    /// Kind of picture.
-    #[arg(long, value_name = "KIND", default_value = "stack", value_parser = words::<ViewKind>(VIEW_KINDS))]
-    pub kind: ViewKind,
-    /// The slope, pixels per frame to the right and down.
-    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope)]
-    pub slope: Option<Slope>,
-    /// The frame, counted from 0 [default: the middle one].
-    #[arg(long, value_name = "T")]
-    pub frame: Option<usize>,
-    /// Octave of the DoG response [default: the finest].
-    #[arg(long, value_name = "O", allow_hyphen_values = true)]
-    pub octave: Option<i32>,
-    /// Level of the DoG response.
-    #[arg(long, value_name = "S", allow_hyphen_values = true, default_value_t = 0)]
-    pub level: i32,
-    /// Size of the window, in points.
-    #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse_size)]
-    pub size: (f32, f32),
-    /// Pixels for each point; 2 for a HiDPI screen.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_scale)]
-    pub scale: f32,
-    /// Light colours instead of dark ones.
-    #[arg(long)]
-    pub light: bool,
-    /// Draw no features, so that nothing is searched.
-    #[arg(long)]
-    pub no_detect: bool,
-    /// Select the strongest feature, so that the side panel shows it.
-    #[arg(long, conflicts_with = "no_detect")]
-    pub select_strongest: bool,
-    /// Give up after this many seconds.
-    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
-    pub timeout: u64,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub sequence: SequenceArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub search: SearchArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
-}
-
-fn parse_slope(text: &str) -> Result<Slope, String> {
+pub(super) fn parse_slope(text: &str) -> Result<Slope, String> {
     let bad = || format!("'{text}' is not U,V in pixels per frame, such as -2.1,0");
     let (u, v) = text.split_once(',').ok_or_else(bad)?;
     let number = |s: &str| s.trim().parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
     Ok(Slope::new(number(u)?, number(v)?))
-}
-
-fn parse_size(text: &str) -> Result<(f32, f32), String> {
-    let bad = || format!("'{text}' is not WIDTHxHEIGHT from 200x150 to 16384x16384, such as 1280x800");
-    let (width, height) = text.split_once(['x', '×']).ok_or_else(bad)?;
-    let number = |s: &str, least: u32| {
-        s.trim().parse::<u32>().ok().filter(|x| (least..=16384).contains(x)).map(|x| x as f32).ok_or_else(bad)
-    };
-    Ok((number(width, 200)?, number(height, 150)?))
-}
-
-fn parse_scale(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|x| (0.5..=4.0).contains(x))
-        .ok_or_else(|| format!("'{text}' is not a factor from 0.5 to 4"))
 }
 
 #[cfg(test)]
@@ -308,10 +246,5 @@ mod tests {
         for bad in ["", "1", "1,", "a,b", "nan,0", "1,2,3"] {
             assert!(parse_slope(bad).is_err(), "{bad}");
         }
-        assert_eq!(parse_size("1280x800"), Ok((1280.0, 800.0)));
-        for bad in ["", "1280", "0x0", "-5x9", "99999x99999"] {
-            assert!(parse_size(bad).is_err(), "{bad}");
-        }
-        assert!(parse_scale("nan").is_err() && parse_scale("9").is_err());
     }
 }

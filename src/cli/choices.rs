@@ -43,26 +43,29 @@ pub(super) const INTERPOLATIONS: &[&str] = &["linear", "nearest", "truncated"];
 pub(super) const LOCALISATIONS: &[&str] = &["continuous", "quadratic"];
 /// The words of [`crate::detector::NoiseModelKind`].
 pub(super) const NOISE_MODELS: &[&str] = &["local", "white"];
+/// The words of [`crate::detector::Flicker`].
+pub(super) const FLICKERS: &[&str] = &["auto", "off"];
 /// The words of [`crate::dataset::ImageKind`].
 pub(super) const IMAGE_KINDS: &[&str] = &["middle", "merged"];
 /// The words of [`crate::matching::Geometry`].
 pub(super) const GEOMETRIES: &[&str] = &["none", "fundamental", "essential", "homography"];
 /// The words of [`crate::matching::CameraModel`].
+#[cfg(feature = "colmap")]
 pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "OPENCV"];
 /// The words of [`crate::evaluate::poses::Association`].
 pub(super) const ASSOCIATIONS: &[&str] = &["name", "time", "order"];
 /// The words of [`crate::app::state::scrub::ViewKind`].
+#[cfg(feature = "app")]
 pub(super) const VIEW_KINDS: &[&str] = &["frame", "stack", "dog"];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::state::scrub::ViewKind;
     use crate::dataset::ImageKind;
     use crate::detector::NoiseModelKind;
-    use crate::detector::{DescribeSlope, Interpolation, Localisation, Method, SlopeExtrema, SlopeNeighbours};
+    use crate::detector::{DescribeSlope, Flicker, Interpolation, Localisation, Method, SlopeExtrema, SlopeNeighbours};
     use crate::evaluate::poses::Association;
-    use crate::matching::{CameraModel, Geometry};
+    use crate::matching::Geometry;
 
     #[test]
     fn every_word_is_known_to_its_type() {
@@ -76,13 +79,26 @@ mod tests {
         assert!(INTERPOLATIONS.iter().all(|w| read_word::<Interpolation>(w).is_ok()));
         assert!(LOCALISATIONS.iter().all(|w| read_word::<Localisation>(w).is_ok()));
         assert!(NOISE_MODELS.iter().all(|w| read_word::<NoiseModelKind>(w).is_ok()));
+        assert!(FLICKERS.iter().all(|w| read_word::<Flicker>(w).is_ok()));
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
         let geometries: Vec<Geometry> = GEOMETRIES.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(geometries, Geometry::ALL);
         assert_eq!(Geometry::ALL.map(Geometry::name).as_slice(), GEOMETRIES);
+        assert!(ASSOCIATIONS.iter().all(|w| read_word::<Association>(w).is_ok()));
+    }
+
+    #[cfg(feature = "colmap")]
+    #[test]
+    fn every_camera_model_is_known() {
+        use crate::matching::CameraModel;
         let models: Vec<CameraModel> = CAMERA_MODELS.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(models, CameraModel::ALL);
-        assert!(ASSOCIATIONS.iter().all(|w| read_word::<Association>(w).is_ok()));
+    }
+
+    #[cfg(feature = "app")]
+    #[test]
+    fn every_kind_of_picture_is_known() {
+        use crate::app::state::scrub::ViewKind;
         let kinds: Vec<ViewKind> = VIEW_KINDS.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(kinds, ViewKind::ALL);
     }

@@ -31,7 +31,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let matching = args.matching.params()?;
     let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
-    if inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
+    if inputs.iter().any(super::inputs::Input::is_built_in) {
         return Err(Failure::usage(
             "colmap: a reconstruction needs bursts from several places, and the demo is one burst",
         ));
@@ -50,7 +50,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         match input.place {
             Place::Paths(paths) => bursts.push(BurstSource { name: input.name, paths }),
             Place::Broken(error) => fail(&input.name, error.to_string()),
-            Place::Demo { .. } => {}
+            Place::Demo { .. } | Place::Example(_) => {}
         }
     }
     let mut said = Ok(());

@@ -8,11 +8,11 @@ use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
 use super::search_options::SearchArgs;
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeGrid};
+use crate::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
 use crate::evaluate::figure::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
-use crate::evaluate::{AccuracyStudy, ChartStudy, NoiseStudy};
+use crate::evaluate::{AccuracyStudy, BurstMethod, ChartStudy, NoiseStudy};
 use crate::export::write_whole;
 use crate::synth::NoiseCase;
 use serde::Serialize;
@@ -44,16 +44,39 @@ impl<'a, R> Document<'a, R> {
     }
 }
 
-/// The detector's parameters, and the slopes if any were given.
-pub(super) fn searched(search: &SearchArgs) -> Result<(DetectorParams, Option<SlopeGrid>), Failure> {
+/// What a study searches with.
+pub(super) struct Searched {
+    /// The detector's parameters.
+    pub detector: DetectorParams,
+    /// The slopes, if any were given.
+    pub slopes: Option<SlopeGrid>,
+    /// The direction in which slopes are to be found, degrees from +u towards +v.
+    pub direction_deg: Option<f32>,
+}
+
+/// What a study searches with that compares searches of known ranges of slopes.
+pub(super) fn searched(search: &SearchArgs) -> Result<Searched, Failure> {
+    let remedy = "this command compares searches of known ranges; give them with --slopes-u and --slopes-v";
+    checked_slopes(search, false, remedy)
+}
+
+/// What a study of `methods` searches with. One of them may find slopes by itself.
+pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<Searched, Failure> {
+    let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
+    checked_slopes(search, methods.contains(&BurstMethod::BuffAuto), remedy)
+}
+
+fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<Searched, Failure> {
     let SearchParams { detector, slopes } = search.params()?;
     let asked = [(search.slopes.is_some(), doc::SLOPES), (search.slope_direction.is_some(), doc::SLOPE_DIRECTION)];
-    if let Some((_, doc)) = asked.iter().find(|(given, _)| *given && slopes.is_auto()) {
-        let remedy = "this command compares searches of known ranges; give them with --slopes-u and --slopes-v";
+    if let Some((_, doc)) = asked.iter().find(|(given, _)| *given && slopes.is_auto() && !may_find) {
         return Err(Failure::usage(format!("--{}: {remedy}", doc.name)));
     }
-    let given = (!slopes.is_auto()).then_some(detector.slopes);
-    Ok((detector, given))
+    let (slopes, direction_deg) = match slopes {
+        SlopeChoice::Given => (Some(detector.slopes), None),
+        SlopeChoice::Auto { direction_deg } => (None, direction_deg),
+    };
+    Ok(Searched { detector, slopes, direction_deg })
 }
 
 /// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF 2D has it on both axes.
@@ -83,7 +106,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         check_plot(path)?;
     }
-    let (detector, slopes) = searched(&args.search)?;
+    let Searched { detector, slopes, direction_deg } = searched_by(&args.search, &args.methods)?;
     let default = ChartStudy::default();
     let (slopes_1d, slopes_2d) = match slopes {
         Some(plane) if plane.is_plane() => slopes_of(plane),
@@ -99,6 +122,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
         detector,
         slopes_1d,
         slopes_2d,
+        direction_deg,
         ranking: args.ranking,
         false_fraction: args.false_fraction,
     };
@@ -129,7 +153,7 @@ fn check_plot(path: &Path) -> Result<(), Failure> {
 }
 
 fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
-    let (detector, slopes) = searched(&args.search)?;
+    let Searched { detector, slopes, .. } = searched(&args.search)?;
     let default = AccuracyStudy::with_motion(args.charts.motion);
     let study = AccuracyStudy {
         chart: args.charts.params(args.max_slope),
@@ -159,7 +183,7 @@ struct AccuracyDocument {
 }
 
 fn noise(args: &NoiseArgs) -> Result<(), Failure> {
-    let (detector, slopes) = searched(&args.search)?;
+    let Searched { detector, slopes, .. } = searched(&args.search)?;
     let one = |label: &str| {
         let detector = DetectorParams { slopes: slopes.unwrap_or(detector.slopes), ..detector.clone() };
         vec![NoiseSearch { label: label.to_owned(), detector }]

@@ -2,16 +2,16 @@
 
 use super::args::{BiasArg, OutputArgs, SequenceArgs};
 use super::console::Console;
-use super::evaluate::{Document, once_each, searched, slopes_of};
+use super::evaluate::{Document, Searched, once_each, searched_by, slopes_of};
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
 use super::search_options::SearchArgs;
 use crate::burst::{Burst, OpenOptions};
-use crate::dataset::PairSelection;
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
-use crate::evaluate::{MatchMethod, MatchReport, MatchStudy, Shot};
+use crate::evaluate::{BurstMethod, MatchMethod, MatchReport, MatchStudy, Shot};
+use crate::matching::PairSelection;
 use crate::synth::{FrameLevels, NoisyExposure, NoisyParams};
 use clap::Args;
 use serde::Serialize;
@@ -33,7 +33,7 @@ pub struct MatchesArgs {
     /// Folder of bursts (each a folder of frames), several of them, stacks, or a long sequence with --burst-length.
     #[arg(value_name = "DATASET", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Rows of the table, separated by commas: gold, sift-frame, sift-mean, sift-merge, buff-1d, buff-2d [default: gold if there is one, sift-frame, sift-merge, buff-1d, buff-2d].
+    /// Rows of the table, separated by commas: gold, sift-frame, sift-mean, sift-merge, buff-1d, buff-2d, buff-auto (each burst's slopes found) [default: gold if there is one, sift-frame, sift-merge, and buff-auto, or with given slopes buff-1d, buff-2d].
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = MatchMethod::from_str)]
     pub methods: Vec<MatchMethod>,
     /// Sharp images of the same views, in the bursts' order: a dataset as the bursts are, or with one image for each; SIFT on its middle frames is the gold standard.
@@ -72,8 +72,8 @@ pub struct MatchesArgs {
 }
 
 const MATCHES_HELP: &str = "\
-Slopes: a plane of slopes that is given is BuFF 2D's, and its u axis BuFF 1D's; a line that is given is BuFF 1D's, and BuFF 2D has it on both axes. Without any, BuFF 1D
-searches the default line.
+Slopes: where none are given, each burst's are found (buff-auto). A plane of slopes that is given is BuFF 2D's, and its u axis BuFF 1D's; a line that is given is BuFF 1D's, and
+BuFF 2D has it on both axes. Named without a range, BuFF 1D searches the default line.
 
 Columns: an image's matches with all others are added up, so that ratios may pass 1. Precision is that of all pairs together. 'on gold' counts the putative matches of an
 image that lie on the geometry that the sharp images' matches agree on; inliers lie on one that the same matches were used to find.
@@ -82,6 +82,7 @@ JSON (--json):
   {\"version\", \"command\": \"evaluate matches\", \"noise\": null or {\"snr\", \"seed\", \"gain\", \"frame_noise\"}, \"bursts\": [name], \"frames\", \"size\": [columns, rows],
    \"pairs\": [[a, b]], \"detector\": {as in the parameter file}, \"slopes_1d\", \"slopes_2d\", \"matching\", \"methods\": [{\"method\", \"keypoints_per_image\",
      \"putative_per_image\", \"inliers_per_image\", \"match_ratio\", \"match_score\", \"precision\", \"verified_pairs\", \"on_gold_geometry_per_image\",
+     \"slopes_found\": [one grid a burst, where the method finds them],
      \"by_pair\": [{\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"on_gold_geometry\"}]}]}
   frame_noise is that of a frame at the mean signal, a fraction of full scale.";
 
@@ -105,18 +106,21 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     if args.search.method.is_some() {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
-    let (detector, slopes) = searched(&args.search)?;
+    let has_gold = args.gold.is_some() || args.snr.is_some();
+    let methods = methods(args, has_gold)?;
+    let of_bursts: Vec<BurstMethod> = methods.iter().filter_map(|method| method.of_burst()).collect();
+    let Searched { detector, slopes, direction_deg } = searched_by(&args.search, &of_bursts)?;
     let (slopes_1d, slopes_2d) = match slopes {
         Some(slopes) => slopes_of(slopes),
         None => slopes_of(detector.slopes),
     };
-    let has_gold = args.gold.is_some() || args.snr.is_some();
     let study = MatchStudy {
-        methods: methods(args, has_gold),
+        methods,
         has_gold,
         detector,
         slopes_1d,
         slopes_2d,
+        direction_deg,
         matching: args.matching.params()?,
         pairs: args.pairs,
     };
@@ -157,13 +161,16 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     console.say_json(&Document::new("evaluate matches", &Answer { noise, report: &report }))
 }
 
-fn methods(args: &MatchesArgs, has_gold: bool) -> Vec<MatchMethod> {
+fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<MatchMethod>, Failure> {
     if !args.methods.is_empty() {
-        return once_each(&args.methods);
+        return Ok(once_each(&args.methods));
     }
-    use crate::evaluate::BurstMethod::{Buff1d, Buff2d, SiftFrame, SiftMerge};
+    use BurstMethod::{Buff1d, Buff2d, BuffAuto, SiftFrame, SiftMerge};
+    let finds_slopes = args.search.params()?.slopes.is_auto();
+    let buff: &[BurstMethod] = if finds_slopes { &[BuffAuto] } else { &[Buff1d, Buff2d] };
     let gold = has_gold.then_some(MatchMethod::Gold);
-    gold.into_iter().chain([SiftFrame, SiftMerge, Buff1d, Buff2d].map(MatchMethod::Burst)).collect()
+    let compared = [SiftFrame, SiftMerge].iter().chain(buff).map(|&method| MatchMethod::Burst(method));
+    Ok(gold.into_iter().chain(compared).collect())
 }
 
 /// The sharp images of each burst, where they are files of their own: cut as the bursts are, or one for each.
@@ -225,13 +232,19 @@ fn write_table(out: &mut String, report: &MatchReport, noise: Option<AddedNoise>
     if let Some(AddedNoise { snr, seed, frame_noise, .. }) = noise {
         writeln!(out, "noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}")?;
     }
-    let grid = |grid: &SlopeGrid| format!("u {} v {}", grid.u, grid.v);
-    writeln!(
-        out,
-        "slopes of BuFF 1D {}, of BuFF 2D {} (min:max:count, px/frame)\n",
-        grid(&report.slopes_1d),
-        grid(&report.slopes_2d)
-    )?;
+    let has = |method| report.methods.iter().any(|row| row.method == MatchMethod::Burst(method));
+    for (method, slopes) in [(BurstMethod::Buff1d, report.slopes_1d), (BurstMethod::Buff2d, report.slopes_2d)] {
+        if has(method) {
+            writeln!(out, "slopes of {} {} (min:max:count, px/frame)", method.label(), grid_text(&slopes))?;
+        }
+    }
+    for found in report.methods.iter().filter_map(|row| row.slopes_found.as_ref()) {
+        writeln!(out, "slopes found (min:max:count, px/frame)")?;
+        for (name, slopes) in report.bursts.iter().zip(found) {
+            writeln!(out, "  {name}: {}", grid_text(slopes))?;
+        }
+    }
+    writeln!(out)?;
     writeln!(
         out,
         "{:18}{:>11}{:>10}{:>10}{:>9}{:>8}{:>11}{:>10}{:>10}",
@@ -243,6 +256,11 @@ fn write_table(out: &mut String, report: &MatchReport, noise: Option<AddedNoise>
         "method", "image", "image", "image", "ratio", "score", "precision", "verified", "image"
     )?;
     report.methods.iter().try_for_each(|row| write_row(out, row))
+}
+
+fn grid_text(grid: &SlopeGrid) -> String {
+    let turned = if grid.direction_deg == 0.0 { String::new() } else { format!(" turned by {}°", grid.direction_deg) };
+    format!("u {} v {}{turned}", grid.u, grid.v)
 }
 
 fn write_row(out: &mut String, row: &MatchRow) -> std::fmt::Result {

@@ -8,10 +8,9 @@ use super::failure::Failure;
 use crate::burst::{
     Burst, BurstSource, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, name_among_several,
 };
-use crate::dataset::DatasetSource;
 use crate::export::make_file_names_unique;
 use crate::monitor::Monitor;
-use crate::synth::{demo_burst, later_demo_burst};
+use crate::synth::{Example, demo_burst, later_demo_burst};
 use std::path::{Path, PathBuf};
 
 /// The word that names the built-in burst; a folder of that name is `./demo`.
@@ -31,11 +30,13 @@ pub(super) struct Input {
 /// Where a burst is.
 #[derive(Debug)]
 pub(super) enum Place {
-    /// Built into the program.
+    /// Built into the program: the demo street.
     Demo {
         /// The one that is a little later.
         later: bool,
     },
+    /// Built into the program: a failure to look at.
+    Example(Example),
     /// In files.
     Paths(Vec<PathBuf>),
     /// Nowhere: it could not even be looked for.
@@ -43,10 +44,20 @@ pub(super) enum Place {
 }
 
 impl Input {
-    /// A built-in burst.
-    pub fn demo(later: bool) -> Self {
-        let name = if later { DEMO_LATER } else { DEMO };
-        Self { name: name.to_owned(), place: Place::Demo { later } }
+    /// The built-in burst that `word` names, if it names one.
+    fn built_in(word: &Path) -> Option<Self> {
+        let named = |name: &str| word.as_os_str() == name;
+        let place = match () {
+            () if named(DEMO) => Place::Demo { later: false },
+            () if named(DEMO_LATER) => Place::Demo { later: true },
+            () => Place::Example(Example::ALL.into_iter().find(|example| named(example.name()))?),
+        };
+        Some(Self { name: word.display().to_string(), place })
+    }
+
+    /// Whether it is built into the program.
+    pub fn is_built_in(&self) -> bool {
+        matches!(self.place, Place::Demo { .. } | Place::Example(_))
     }
 
     /// Opens the burst.
@@ -57,6 +68,7 @@ impl Input {
         match &self.place {
             Place::Demo { later: false } => Ok(demo_burst()),
             Place::Demo { later: true } => Ok(later_demo_burst()),
+            Place::Example(example) => Ok(example.burst()),
             Place::Paths(paths) => Burst::open_with(paths, options, monitor),
             Place::Broken(error) => Err(error.clone()),
         }
@@ -73,17 +85,17 @@ impl Input {
 
 /// The bursts that `arguments` name, in their order; files come at the place of the first one.
 pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
-    let is_demo = |path: &PathBuf| [DEMO, DEMO_LATER].iter().any(|word| path.as_os_str() == *word);
     let mut inputs = Vec::new();
     let mut files_done = false;
     for argument in arguments {
-        if is_demo(argument) {
-            inputs.push(Input::demo(argument.as_os_str() == DEMO_LATER));
+        if let Some(input) = Input::built_in(argument) {
+            inputs.push(input);
         } else if argument.is_dir() {
             inputs.extend(look(std::slice::from_ref(argument)));
         } else if !files_done {
             files_done = true;
-            let files: Vec<PathBuf> = arguments.iter().filter(|a| !is_demo(a) && !a.is_dir()).cloned().collect();
+            let files: Vec<PathBuf> =
+                arguments.iter().filter(|a| Input::built_in(a).is_none() && !a.is_dir()).cloned().collect();
             inputs.extend(resolve_files(&files));
         }
     }
@@ -102,7 +114,7 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     };
     let cut =
         SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
-    if inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
+    if inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage("--burst-length: the demo is a single burst and is not cut; leave the option out"));
     }
     let several = inputs.len() > 1;
@@ -175,15 +187,6 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
     }
 }
 
-/// The two bursts that two arguments name, one each; `None` for anything else: two files may be frames of one burst, and a folder of bursts is a dataset.
-pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
-    let [first, second] = arguments else { return None };
-    let inputs = resolve(arguments);
-    let each = |argument: &PathBuf| resolve(std::slice::from_ref(argument)).len() == 1;
-    let two: [Input; 2] = inputs.try_into().ok()?;
-    (each(first) && each(second)).then_some(two)
-}
-
 /// The bursts A and B, one each, with different names.
 ///
 /// # Errors
@@ -195,53 +198,12 @@ pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
     Ok(inputs)
 }
 
-/// What the window opens.
-#[derive(Debug)]
-pub(super) enum Opening {
-    /// One burst.
-    Burst(Input),
-    /// Two side by side.
-    Two([Input; 2]),
-    /// Many.
-    Dataset(DatasetSource),
-}
-
-/// What `arguments` name: one burst, two if each argument is one, or a dataset if there are more or a sequence is cut.
-///
-/// # Errors
-/// A cut that makes no sense; the demo among others; several bursts of which one was not found.
-pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
-    let SequenceArgs { burst_length, burst_step } = sequence;
-    let inputs = resolve(arguments);
-    if inputs.len() < 2 && burst_length.is_none() {
-        return Ok(Opening::Burst(resolve_one(arguments, "the window")?));
-    }
-    if let Some(two) = two_of(arguments).filter(|_| burst_length.is_none()) {
-        return Ok(Opening::Two(two));
-    }
-    if let Some(length) = burst_length {
-        SequenceCut::new(length, burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
-    }
-    for input in inputs {
-        match input.place {
-            Place::Paths(_) => {}
-            Place::Broken(error) => return Err(error.into()),
-            Place::Demo { .. } => {
-                return Err(Failure::usage(
-                    "the demo is a burst alone: open it without a cut, and beside one other burst at most",
-                ));
-            }
-        }
-    }
-    Ok(Opening::Dataset(DatasetSource { paths: arguments.to_vec(), burst_length, burst_step }))
-}
-
 /// How to open bursts with this bias frame.
 ///
 /// # Errors
 /// A bias frame for the demo burst.
 pub(super) fn open_options(inputs: &[Input], bias: Option<&PathBuf>) -> Result<OpenOptions, Failure> {
-    if bias.is_some() && inputs.iter().any(|i| matches!(i.place, Place::Demo { .. })) {
+    if bias.is_some() && inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage(
             "--bias: the demo burst was made without a camera and has no bias frame; leave the option out",
         ));
@@ -275,41 +237,10 @@ mod tests {
         let inputs = resolve(&[file(2), file(0), file(1)]);
         assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
         assert!(resolve_one(&[DEMO.into(), folder.clone()], "stack").is_err());
-        let names = |two: [Input; 2]| two.map(|input| input.name);
-        assert_eq!(
-            two_of(&[folder.clone(), DEMO_LATER.into()]).map(names),
-            Some(["night".into(), "demo-later".into()])
-        );
-        assert!(two_of(&[file(0), file(1)]).is_none(), "two pictures are frames of one burst");
-        assert!(two_of(std::slice::from_ref(&folder)).is_none());
         // Two pictures are two bursts of one frame each, not the frames of one.
         let pair = resolve_pair(&file(0), &folder).expect("two bursts");
         assert_eq!((pair[0].name.as_str(), pair[1].name.as_str()), ("f0", "night"));
         assert_eq!(resolve_pair(&folder, &folder).expect("two bursts")[1].name, "night_2");
-    }
-
-    #[test]
-    fn several_bursts_are_a_dataset_for_the_window() {
-        let home = tempfile::tempdir().expect("a folder");
-        let film = |name: &str| home.path().join(name);
-        for name in ["a", "b"] {
-            std::fs::create_dir(film(name)).expect("made");
-            (0..4).for_each(|t| picture(&film(name).join(format!("{t}.png"))));
-        }
-        let open =
-            |paths: &[PathBuf], burst_length| what_to_open(paths, SequenceArgs { burst_length, burst_step: None });
-        let dataset = |opening: Result<Opening, Failure>| match opening.expect("found") {
-            Opening::Dataset(source) => source.bursts().expect("bursts").into_iter().map(|b| b.name).collect(),
-            Opening::Burst(_) | Opening::Two(_) => Vec::new(),
-        };
-        assert!(matches!(open(&[film("a")], None), Ok(Opening::Burst(_))));
-        assert!(matches!(open(&[DEMO.into()], None), Ok(Opening::Burst(_))));
-        assert_eq!(dataset(open(&[home.path().into()], None)), ["a", "b"]);
-        assert_eq!(dataset(open(&[film("a")], Some(2))), ["1", "3"]);
-        assert_eq!(dataset(open(&[home.path().into()], Some(4))), ["a_2", "b_2"]);
-        assert!(matches!(open(&[DEMO.into(), film("a")], None), Ok(Opening::Two(_))));
-        assert!(open(&[DEMO.into(), home.path().into()], None).is_err() && open(&[DEMO.into()], Some(2)).is_err());
-        assert!(open(&[film("a"), film("b"), film("gone")], None).is_err() && open(&[film("a")], Some(0)).is_err());
     }
 
     #[test]

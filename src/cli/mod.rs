@@ -7,7 +7,9 @@
 
 pub mod args;
 mod choices;
+#[cfg(feature = "colmap")]
 mod colmap;
+#[cfg(feature = "colmap")]
 pub mod colmap_args;
 mod console;
 mod detect;
@@ -18,18 +20,28 @@ pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
 mod inputs;
+pub mod inspect_args;
 pub mod match_args;
 mod match_bursts;
 pub mod matching_args;
 mod merge;
+#[cfg(feature = "app")]
+mod opening;
+mod probe;
+#[cfg(feature = "app")]
 mod render;
+#[cfg(feature = "app")]
+pub mod render_args;
 mod report;
 pub mod search_options;
+mod slopes;
 mod stack;
 mod synth;
 pub mod synth_args;
+#[cfg(feature = "app")]
 mod table;
 pub mod trajectory_args;
+#[cfg(feature = "app")]
 mod window;
 
 pub use failure::Failure;
@@ -51,14 +63,21 @@ pub fn run() -> ExitCode {
         }
     };
     let result = match &cli.command {
+        #[cfg(feature = "app")]
         None => window::open(&cli),
+        #[cfg(not(feature = "app"))]
+        None => Err(Failure::usage("this program was built without its window (the feature 'app'); name a command")),
         Some(Command::Detect(args)) => detect::run(args),
         Some(Command::Match(args)) => match_bursts::run(args),
         Some(Command::Merge(args)) => merge::run(args),
+        Some(Command::Probe(args)) => probe::run(args),
+        Some(Command::Slopes(args)) => slopes::run(args),
         Some(Command::Stack(args)) => stack::run(args),
         Some(Command::Synth(args)) => synth::run(args),
         Some(Command::Evaluate(args)) => evaluate::run(args),
+        #[cfg(feature = "colmap")]
         Some(Command::Colmap(args)) => colmap::run(args),
+        #[cfg(feature = "app")]
         Some(Command::Render(args)) => render::run(args),
     };
     match result {

@@ -1,23 +1,26 @@
 //! `render`: the window, drawn into a PNG file without a display.
 
-use super::args::RenderArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{Input, Opening, Place, what_to_open};
+use super::inputs::{Input, Place};
+use super::opening::{Opening, what_to_open};
+use super::render_args::RenderArgs;
 use crate::app::{RenderOptions, render_to_png};
 use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
 use serde_json::json;
+use std::path::PathBuf;
 use std::time::Duration;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
-    let Sources { source, second, dataset } = sources_of(what_to_open(&args.inputs, args.sequence)?)?;
+    let Sources { source, second, dataset, session } = sources_of(what_to_open(&args.inputs, args.sequence)?)?;
     let options = RenderOptions {
         source: source.unwrap_or(BurstSource::Demo),
         second,
         dataset,
+        session,
         params,
         size_points: args.size,
         scale: args.scale,
@@ -47,7 +50,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console.say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": args.out }))
 }
 
-/// What the window opens: a burst, perhaps with a second one beside it, or a dataset.
+/// What the window opens: a burst, perhaps with a second one beside it, a dataset, or a session.
 pub(super) struct Sources {
     /// The burst.
     pub source: Option<BurstSource>,
@@ -55,6 +58,8 @@ pub(super) struct Sources {
     pub second: Option<BurstSource>,
     /// The dataset.
     pub dataset: Option<DatasetSource>,
+    /// A session, in place of all of these.
+    pub session: Option<PathBuf>,
 }
 
 /// Where what is to be opened is.
@@ -62,9 +67,10 @@ pub(super) struct Sources {
 /// # Errors
 /// Why a burst was not found.
 pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
-    let none = Sources { source: None, second: None, dataset: None };
+    let none = Sources { source: None, second: None, dataset: None, session: None };
     match opening {
         Opening::Dataset(source) => Ok(Sources { dataset: Some(source), ..none }),
+        Opening::Session(path) => Ok(Sources { session: Some(path), ..none }),
         Opening::Burst(input) => Ok(Sources { source: Some(source_of(input)?), ..none }),
         Opening::Two([a, b]) => Ok(Sources { source: Some(source_of(a)?), second: Some(source_of(b)?), ..none }),
     }
@@ -78,6 +84,7 @@ pub(super) fn source_of(input: Input) -> Result<BurstSource, Failure> {
     match input.place {
         Place::Demo { later: false } => Ok(BurstSource::Demo),
         Place::Demo { later: true } => Ok(BurstSource::DemoLater),
+        Place::Example(example) => Ok(BurstSource::Example(example)),
         Place::Paths(paths) => Ok(BurstSource::Paths(paths)),
         Place::Broken(error) => Err(error.into()),
     }

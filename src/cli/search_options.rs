@@ -4,13 +4,13 @@
 //! override it, one by one; the result is checked once.
 
 use super::choices::{
-    AUTO_WORDS, AutoWord, DESCRIBE_SLOPES, INTERPOLATIONS, LOCALISATIONS, METHODS, NOISE_MODELS, SLOPE_EXTREMA,
-    SLOPE_NEIGHBOURS, words,
+    AUTO_WORDS, AutoWord, DESCRIBE_SLOPES, FLICKERS, INTERPOLATIONS, LOCALISATIONS, METHODS, NOISE_MODELS,
+    SLOPE_EXTREMA, SLOPE_NEIGHBOURS, words,
 };
 use super::failure::Failure;
 use crate::detector::params::doc;
 use crate::detector::{
-    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate,
+    DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
     NoiseModelKind, ParamDoc, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeExtrema, SlopeGrid, SlopeNeighbours,
 };
 use anyhow::Context;
@@ -70,6 +70,9 @@ pub struct SearchArgs {
     #[arg(long = doc::NOISE_MODEL.name, value_name = "MODEL", help = short_help(doc::NOISE_MODEL), long_help = long_help(doc::NOISE_MODEL),
         value_parser = words::<NoiseModelKind>(NOISE_MODELS))]
     pub noise_model: Option<NoiseModelKind>,
+    #[arg(long = doc::FLICKER.name, value_name = "WHAT", help = short_help(doc::FLICKER), long_help = long_help(doc::FLICKER),
+        value_parser = words::<Flicker>(FLICKERS))]
+    pub flicker: Option<Flicker>,
     #[arg(long = doc::EDGE_THRESHOLD.name, value_name = "R", help = short_help(doc::EDGE_THRESHOLD), long_help = long_help(doc::EDGE_THRESHOLD))]
     pub edge_threshold: Option<f32>,
     #[arg(long = doc::SLOPE_EXTREMA.name, value_name = "WHICH", help = short_help(doc::SLOPE_EXTREMA),
@@ -194,6 +197,7 @@ impl SearchArgs {
         set(&mut params.peak_threshold, self.peak_threshold);
         set(&mut params.noise_gate, self.noise_gate);
         set(&mut params.noise_model, self.noise_model);
+        set(&mut params.flicker, self.flicker);
         set(&mut params.edge_threshold, self.edge_threshold);
         set(&mut params.slope_extrema, self.slope_extrema);
         set(&mut params.slope_neighbours, self.slope_neighbours);
@@ -274,6 +278,8 @@ mod tests {
             "4.5",
             "--noise-model",
             "white",
+            "--flicker",
+            "off",
             "--edge-threshold",
             "12",
             "--slope-neighbours",
@@ -309,6 +315,7 @@ mod tests {
             peak_threshold: 0.002,
             noise_gate: NoiseGate::Factor(4.5),
             noise_model: NoiseModelKind::White,
+            flicker: Flicker::Off,
             edge_threshold: 12.0,
             slope_extrema: SlopeExtrema::Joint,
             slope_neighbours: SlopeNeighbours::All,

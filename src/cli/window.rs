@@ -3,7 +3,8 @@
 use super::args::{Cli, OutputArgs};
 use super::console::{Console, print};
 use super::failure::Failure;
-use super::inputs::{DEMO, Input, Opening, what_to_open};
+use super::inputs::{DEMO, Input};
+use super::opening::{Opening, what_to_open};
 use super::render::{Sources, source_of, sources_of};
 use super::table::feature_table;
 use crate::app::{RenderOptions, Startup, render_to_png};
@@ -27,10 +28,11 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
             Opening::Burst(input) => without_display(input, None, params),
             Opening::Two([a, b]) => without_display(a, Some(b), params),
             Opening::Dataset(source) => dataset_without_display(source, params),
+            Opening::Session(path) => session_without_display(path),
         };
     }
-    let Sources { source, second, dataset } = sources_of(opening)?;
-    let startup = Startup { source, second, dataset, params, ..Startup::default() };
+    let Sources { source, second, dataset, session } = sources_of(opening)?;
+    let startup = Startup { source, second, dataset, params, session, ..Startup::default() };
     crate::app::run(startup).map_err(Failure::Failed)
 }
 
@@ -63,6 +65,13 @@ fn dataset_without_display(source: DatasetSource, params: SearchParams) -> Resul
         console.say(&format!("{}: {frames} {}\n", burst.name, if frames == 1 { "file" } else { "files" }))?;
     }
     draw(&RenderOptions { dataset: Some(source), params, ..RenderOptions::default() }, &file, &console)
+}
+
+fn session_without_display(session: PathBuf) -> Result<(), Failure> {
+    let name = session.file_name().map_or_else(|| "session".into(), |name| name.to_string_lossy());
+    let name = name.split('.').next().unwrap_or("session").to_owned();
+    let (file, console) = begin_without_display(&name, "nothing is listed")?;
+    draw(&RenderOptions { session: Some(session), ..RenderOptions::default() }, &file, &console)
 }
 
 /// The features listed are those of `input`; the picture shows `second` beside it, if there is one.

@@ -7,9 +7,10 @@
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::geometry::{database_camera, database_geometry, match_indices};
 use super::pairs::match_pairs;
-use super::{CameraChoice, DatasetError, PairSelection};
+use super::{CameraChoice, DatasetError};
 use crate::burst::BurstSource;
 use crate::export::write_colmap_database;
+use crate::matching::PairSelection;
 use crate::matching::{Camera, Geometry, MatchCounts, MatchParams, MatchResult};
 use crate::monitor::Monitor;
 use serde::Serialize;

@@ -4,9 +4,11 @@
 //! folder from which COLMAP goes on ([`colmap`]): images, feature files and its database. [`camera`] says what is known of the lens.
 
 pub mod camera;
+#[cfg(feature = "colmap")]
 pub mod colmap;
 mod error;
 pub mod features;
+#[cfg(feature = "colmap")]
 mod geometry;
 mod manifest;
 pub mod pairs;
@@ -15,10 +17,11 @@ mod source;
 mod thumbnail;
 
 pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
+#[cfg(feature = "colmap")]
 pub use colmap::{ColmapJob, ColmapReport, Event, ImageReport, PairReport, export_colmap};
 pub use error::DatasetError;
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
-pub use pairs::{PairSelection, match_pairs};
+pub use pairs::match_pairs;
 pub use picture::{BurstPicture, ImageKind, burst_picture};
 pub use source::DatasetSource;
 pub use thumbnail::{Thumbnail, thumbnail};

@@ -109,14 +109,7 @@ fn at_limit(detection: &Detection) -> Option<Advice> {
 /// The axis with half its width more below its least slope, above its largest, or both, in whole steps.
 fn widened(axis: SlopeAxis, below: bool, above: bool) -> SlopeAxis {
     let more = axis.count.saturating_sub(1).div_ceil(2).max(1);
-    let by = more as f32 * axis.step();
-    // Rounding away the last bits keeps −3 − 3·1 at −6.
-    let tidy = |x: f32| ((f64::from(x) * 1e4).round() / 1e4) as f32;
-    SlopeAxis {
-        min: if below { tidy(axis.min - by) } else { axis.min },
-        max: if above { tidy(axis.max + by) } else { axis.max },
-        count: axis.count + more * (usize::from(below) + usize::from(above)),
-    }
+    axis.with_more(more * usize::from(below), more * usize::from(above))
 }
 
 /// The share of the candidates that pass a test in a detection that finds enough. Measured without a peak threshold on a chart, the demo, two trajectories and two real scenes, all dark:

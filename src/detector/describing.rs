@@ -9,7 +9,7 @@ use super::locate::{FARTHEST_MOVE_PX, hat_reach, rim_radius};
 use super::motion::FrameOffset;
 use super::octave::Base;
 use super::orientation::{OrientationScratch, orientations};
-use super::params::DetectorParams;
+use super::params::{DetectorParams, SlopeExtrema};
 use super::patch::{Patch, PatchScratch, around};
 use super::refined_stack::OctaveFrames;
 use super::scale_peak;
@@ -74,21 +74,29 @@ pub(super) struct DescribeScratch {
     descriptor: DescriptorScratch,
 }
 
+/// A feature, its descriptor, and which of the keypoints it comes from.
+#[derive(Debug, Clone)]
+pub(super) struct Described {
+    pub feature: Feature,
+    pub descriptor: Descriptor,
+    pub keypoint: usize,
+}
+
 impl Describing<'_> {
-    /// Orientations and descriptors of the octave's keypoints, in an order that depends on the keypoints alone.
+    /// Orientations and descriptors of the octave's keypoints, in an order that depends on the keypoints alone. The first keypoint counts as number `first`.
     ///
     /// # Errors
     /// [`Cancelled`] once the monitor was cancelled.
-    pub fn describe(&self, keypoints: &[Keypoint]) -> Result<Vec<(Feature, Descriptor)>, Cancelled> {
+    pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
         let (order, kernels) = (self.in_order(keypoints), self.kernels());
         let planes = self.own_slopes.map(OctaveFrames::planes).unwrap_or_default();
-        let described: Vec<Vec<(Feature, Descriptor)>> = order
+        let described: Vec<Vec<Described>> = order
             .par_chunks(TOGETHER)
             .map_init(DescribeScratch::default, |scratch, keypoints| {
                 let mut out = Vec::with_capacity(TOGETHER + TOGETHER / 2);
-                for keypoint in keypoints {
+                for &(number, keypoint) in keypoints {
                     self.monitor.check()?;
-                    self.describe_one(keypoint, (&kernels, &planes), scratch, &mut out);
+                    self.describe_one((first + number, keypoint), (&kernels, &planes), scratch, &mut out);
                 }
                 (self.described)(keypoints.len());
                 Ok(out)
@@ -97,11 +105,11 @@ impl Describing<'_> {
         Ok(described.into_iter().flatten().collect())
     }
 
-    /// The keypoints so that those that follow one another lie close together.
-    fn in_order<'k>(&self, keypoints: &'k [Keypoint]) -> Vec<&'k Keypoint> {
-        let mut order: Vec<&Keypoint> = keypoints.iter().collect();
+    /// The keypoints and their numbers, so that those that follow one another lie close together.
+    fn in_order<'k>(&self, keypoints: &'k [Keypoint]) -> Vec<(usize, &'k Keypoint)> {
+        let mut order: Vec<(usize, &Keypoint)> = keypoints.iter().enumerate().collect();
         let strip = |keypoint: &Keypoint| (keypoint.x / STRIP_COLUMNS) as i64;
-        order.sort_by(|a, b| strip(a).cmp(&strip(b)).then(a.y.total_cmp(&b.y)).then(a.x.total_cmp(&b.x)));
+        order.sort_by(|(_, a), (_, b)| strip(a).cmp(&strip(b)).then(a.y.total_cmp(&b.y)).then(a.x.total_cmp(&b.x)));
         order
     }
 
@@ -128,13 +136,21 @@ impl Describing<'_> {
         misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope, self.params.interpolation)))
     }
 
+    /// Whether a keypoint was found on the rim of the slope grid, or, where each slope is searched for itself, at one from which its own slope leads to the rim. (A joint
+    /// extremum beside the rim is stronger than the rim.)
+    fn at_slope_limit(&self, located: &Keypoint) -> bool {
+        let (i, j) = self.grid.coordinates(located.slope_index);
+        self.grid.on_rim(i, j)
+            || (self.params.slope_extrema == SlopeExtrema::Each && self.grid.nearest_on_rim(located.slope))
+    }
+
     /// Appends the features of one keypoint: one for each of its orientations. `kernels` lead to the levels, `planes` are those of the octave's frames.
     fn describe_one(
         &self,
-        keypoint: &Keypoint,
+        (number, keypoint): (usize, &Keypoint),
         (kernels, planes): (&[GaussianKernel], &[&Plane]),
         scratch: &mut DescribeScratch,
-        out: &mut Vec<(Feature, Descriptor)>,
+        out: &mut Vec<Described>,
     ) {
         let (size, pixel) = (self.size, octave_pixel(self.octave));
         let base = (self.base)(keypoint.slope_index);
@@ -167,7 +183,7 @@ impl Describing<'_> {
             }
             raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         }
-        let (i, j) = self.grid.coordinates(located.slope_index);
+        let at_slope_limit = self.at_slope_limit(&located);
         let most = self.params.max_orientations;
         for angle in orientations(patch, size, (x, y), sigma, most, &mut scratch.orientation) {
             let feature = Feature {
@@ -181,9 +197,10 @@ impl Describing<'_> {
                 octave: self.octave,
                 level: located.level,
                 slope_index: located.slope_index,
-                at_slope_limit: self.grid.on_rim(i, j),
+                at_slope_limit,
             };
-            out.push((feature, descriptor(patch, size, (x, y), sigma, angle, &mut scratch.descriptor)));
+            let descriptor = descriptor(patch, size, (x, y), sigma, angle, &mut scratch.descriptor);
+            out.push(Described { feature, descriptor, keypoint: number });
         }
     }
 }

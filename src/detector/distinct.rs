@@ -7,6 +7,7 @@
 //! both stay, if the frames say so: who calls this judges that.
 
 use super::keypoint::Keypoint;
+use super::scale_space::ScaleSpace;
 
 /// When a weaker keypoint is taken for the same blob as a stronger one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,23 +31,42 @@ pub struct Blob {
     pub rank: f32,
 }
 
-impl From<&Keypoint> for Blob {
-    /// Ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies between them at little loss to either
-    /// (docs/MEASUREMENTS.md). Without noise by |D|.
-    fn from(keypoint: &Keypoint) -> Self {
+impl Blob {
+    /// A keypoint of a search over the scales of `space`.
+    ///
+    /// It is ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies between them at little loss to either
+    /// (docs/MEASUREMENTS.md). The noise is that at the refined scale, as 1/σ from the level's: by the level's own, a smear whose best sample is one level
+    /// coarser would win over the sharp blob, because noise falls from level to level. Without noise it is ranked by |D|.
+    pub fn of(keypoint: &Keypoint, space: &ScaleSpace) -> Self {
         let (u, v, sigma) = keypoint.in_image();
         let magnitude = keypoint.value.abs();
-        let rank = if keypoint.snr.is_finite() { keypoint.snr * magnitude.sqrt().sqrt() } else { magnitude };
+        let rank = if keypoint.snr.is_finite() {
+            let level_sigma = space.sigma_octave(f64::from(keypoint.level)) as f32;
+            keypoint.snr * (keypoint.sigma_octave / level_sigma) * magnitude.sqrt().sqrt()
+        } else {
+            magnitude
+        };
         Self { u, v, sigma, rank }
     }
-}
 
-impl Blob {
     /// Whether `weaker` is taken for the same blob as this one.
-    fn covers(&self, weaker: &Self, rule: Rule) -> bool {
+    pub fn covers(&self, weaker: &Self, rule: Rule) -> bool {
         let ratio = self.sigma.max(weaker.sigma) / self.sigma.min(weaker.sigma);
         ratio <= rule.scale_ratio && (self.u - weaker.u).hypot(self.v - weaker.v) <= rule.radius * self.sigma
     }
+}
+
+/// Of the blobs that `stay`, the strongest that would remove `blob`, which is none of them: what [`covered_by`] would answer for it if its place in the order were
+/// after all that are at least as strong. `both_stay` as there, of the stronger one.
+pub fn would_cover(
+    blob: &Blob,
+    stay: impl Iterator<Item = (usize, Blob)>,
+    rule: Rule,
+    both_stay: impl Fn(usize) -> bool,
+) -> Option<usize> {
+    stay.filter(|(index, stronger)| stronger.rank >= blob.rank && stronger.covers(blob, rule) && !both_stay(*index))
+        .max_by(|a, b| a.1.rank.total_cmp(&b.1.rank))
+        .map(|(index, _)| index)
 }
 
 /// For each blob the index of the stronger one that stayed and covers it; `None` for those that stay. Of equally strong blobs the first one goes first.

@@ -28,7 +28,7 @@ pub struct Feature {
     pub level: i32,
     /// Running index of the grid's slope at which it was found.
     pub slope_index: usize,
-    /// Whether that slope is on the rim of the grid, so that the true motion may lie outside.
+    /// Whether that slope is on the rim of the grid, or `slope` is nearest to one that is: the true motion may lie outside.
     pub at_slope_limit: bool,
 }
 

@@ -16,6 +16,8 @@ pub struct Keypoint {
     pub sigma_octave: f32,
     /// DoG level.
     pub level: i32,
+    /// The sample (column, row) that was the candidate, octave pixels. No two keypoints of one octave, level and slope share it.
+    pub sample: [u32; 2],
     /// Index in the slope grid.
     pub slope_index: usize,
     /// The slope between those of the grid.

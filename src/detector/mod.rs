@@ -12,6 +12,7 @@ pub mod blur_patch;
 mod describing;
 pub mod descriptor;
 pub mod distinct;
+mod error;
 pub mod feature;
 mod gradient;
 pub mod hat;
@@ -27,6 +28,7 @@ pub mod orientation;
 pub mod params;
 pub mod patch;
 pub mod pipeline;
+mod point_response;
 pub mod refine;
 mod refined_stack;
 pub mod revision;
@@ -44,12 +46,13 @@ pub mod view;
 mod weighted_rows;
 
 pub use advice::{Advice, explain};
+pub use error::DetectError;
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::{
-    DescribeSlope, DetectorParams, Distinct, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
+    DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
+    NoiseModelKind, ParamChange, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
-pub use pipeline::{DetectError, detect};
+pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, detect, detect_with_trail};
 pub use revision::REVISION;
 pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

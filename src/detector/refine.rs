@@ -63,18 +63,108 @@ fn solve(mut a: [[f64; 3]; 3], g: [f64; 3]) -> Option<[f64; 3]> {
     Some(x)
 }
 
+/// The quadratic fit around an extremum, before any test of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fit {
+    /// Column of the sample after the moves.
+    pub x: usize,
+    /// Row of the sample after the moves.
+    pub y: usize,
+    /// From that sample to the extremum: octave pixels along u and v, and DoG levels.
+    pub offset: [f64; 3],
+    /// DoG level index of the extremum.
+    pub level_refined: f64,
+    /// Interpolated D.
+    pub value: f64,
+    /// Second derivatives of D in the image: uu, uv, vv.
+    pub curvature: [f64; 3],
+}
+
+/// Offsets of an accepted fit are smaller than this.
+pub const MAX_OFFSET: f64 = 1.5;
+
+impl Fit {
+    /// The largest offset in magnitude, which must stay below [`MAX_OFFSET`]. Infinite where an offset is no number.
+    pub fn largest_offset(&self) -> f64 {
+        self.offset.iter().map(|d| if d.is_nan() { f64::INFINITY } else { d.abs() }).fold(0.0, f64::max)
+    }
+
+    /// (trace², determinant) of the second derivatives in the image. What the edge test compares is their ratio.
+    fn trace_and_determinant(&self) -> (f64, f64) {
+        let [xx, xy, yy] = self.curvature;
+        let (trace, determinant) = (xx + yy, xx * yy - xy * xy);
+        (trace * trace, determinant)
+    }
+
+    /// The ratio of the principal curvatures, 1 or more; infinite where they differ in sign, as on a saddle.
+    pub fn curvature_ratio(&self) -> f64 {
+        let (trace_squared, determinant) = self.trace_and_determinant();
+        if determinant <= 0.0 || determinant.is_nan() {
+            return f64::INFINITY;
+        }
+        // (r + 1)²/r = trace²/determinant, solved for the larger r.
+        let sum = (trace_squared / determinant - 2.0).max(2.0);
+        0.5 * (sum + (sum * sum - 4.0).sqrt())
+    }
+
+    /// The tests that follow the fit, each by itself, in their order: whether it passes. `size` is the octave's, `levels` the number of DoG levels.
+    pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 4] {
+        let (trace_squared, determinant) = self.trace_and_determinant();
+        let edge = f64::from(limits.edge_threshold);
+        let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
+        let (x, y) = self.place();
+        [
+            (Test::Refinement, !self.offset.iter().any(|d| d.is_nan() || d.abs() >= MAX_OFFSET)),
+            (Test::InterpolatedContrast, self.value.abs() as f32 > limits.peak_threshold),
+            (Test::Edge, determinant > 0.0 && trace_squared / determinant < (edge + 1.0).powi(2) / edge),
+            // Scales from level −1 to level S+1, as in VLFeat: one step beyond the outermost DoG levels.
+            (
+                Test::Outside,
+                inside(x, size.0) && inside(y, size.1) && (0.0..=levels as f64).contains(&self.level_refined),
+            ),
+        ]
+    }
+
+    /// (column, row) of the extremum.
+    pub fn place(&self) -> (f64, f64) {
+        (self.x as f64 + self.offset[0], self.y as f64 + self.offset[1])
+    }
+}
+
+impl From<Fit> for Refined {
+    fn from(fit: Fit) -> Self {
+        let (x_refined, y_refined) = fit.place();
+        let Fit { x, y, level_refined, value, .. } = fit;
+        Self { x, y, x_refined, y_refined, level_refined, value: value as f32 }
+    }
+}
+
 /// Refines the extremum at (x, y, level index) in place and scale, and applies the tests that follow. `size` is the octave's.
 ///
 /// # Errors
 /// The test that rejects it.
 pub fn refine(
     dog: &DogTile,
-    (mut x, mut y): (usize, usize),
+    place: (usize, usize),
     level_index: usize,
     size: (usize, usize),
     limits: Limits,
 ) -> Result<Refined, Test> {
-    let (width, height) = size;
+    let fit = fit(dog, place, level_index, size).ok_or(Test::Refinement)?;
+    match fit.tests(size, dog.levels.len(), limits).into_iter().find(|(_, passes)| !passes) {
+        Some((test, _)) => Err(test),
+        None => Ok(fit.into()),
+    }
+}
+
+/// The quadratic fit in place and scale around (x, y, level index), after up to [`MAX_MOVES`] − 1 moves of a pixel; `None` where D has no quadratic. `size` is the
+/// octave's.
+pub fn fit(
+    dog: &DogTile,
+    (mut x, mut y): (usize, usize),
+    level_index: usize,
+    (width, height): (usize, usize),
+) -> Option<Fit> {
     let (mut hessian, mut gradient, mut offset);
     let mut moves = 0;
     loop {
@@ -96,7 +186,7 @@ pub fn refine(
         let xs = cross(at(1, 0, 1), at(-1, 0, -1), at(1, 0, -1), at(-1, 0, 1));
         let ys = cross(at(0, 1, 1), at(0, -1, -1), at(0, 1, -1), at(0, -1, 1));
         hessian = [[xx, xy, xs], [xy, yy, ys], [xs, ys, ss]];
-        offset = solve(hessian, gradient).ok_or(Test::Refinement)?;
+        offset = solve(hessian, gradient)?;
         let step = |offset: f64, at: usize, end: usize| -> i32 {
             i32::from(offset > 0.6 && at + 2 < end) - i32::from(offset < -0.6 && at > 1)
         };
@@ -108,31 +198,10 @@ pub fn refine(
         y = (y as i32 + dy) as usize;
         moves += 1;
     }
-    if offset.iter().any(|d| d.is_nan() || d.abs() >= 1.5) {
-        return Err(Test::Refinement);
-    }
     let here = f64::from(dog.at(level_index, x, y));
     let value = here + 0.5 * (0..3).map(|i| gradient[i] * offset[i]).sum::<f64>();
-    if value.abs() as f32 <= limits.peak_threshold {
-        return Err(Test::InterpolatedContrast);
-    }
     let [[xx, xy, _], [_, yy, _], _] = hessian;
-    let (trace, determinant) = (xx + yy, xx * yy - xy * xy);
-    let edge = f64::from(limits.edge_threshold);
-    if !(determinant > 0.0 && trace * trace / determinant < (edge + 1.0).powi(2) / edge) {
-        return Err(Test::Edge);
-    }
-    let (x_refined, y_refined) = (x as f64 + offset[0], y as f64 + offset[1]);
-    let level_refined = level_index as f64 + offset[2];
-    let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
-    // Scales from level −1 to level S+1, as in VLFeat: one step beyond the outermost DoG levels.
-    if !(inside(x_refined, width)
-        && inside(y_refined, height)
-        && (0.0..=dog.levels.len() as f64).contains(&level_refined))
-    {
-        return Err(Test::Outside);
-    }
-    Ok(Refined { x, y, x_refined, y_refined, level_refined, value: value as f32 })
+    Some(Fit { x, y, offset, level_refined: level_index as f64 + offset[2], value, curvature: [xx, xy, yy] })
 }
 
 /// Offset of the peak of a bump from its middle sample, in steps, from three equally spaced samples of which the middle one is the largest in

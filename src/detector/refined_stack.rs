@@ -12,12 +12,13 @@ use super::scale_space::{SIGMA_INPUT, octave_size};
 use super::slope_grid::Slope;
 use crate::plane::Plane;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// The frames at the resolution of one octave.
 pub(super) struct OctaveFrames<'a> {
     octave: i32,
     /// Means of 2^octave × 2^octave pixels of each frame; empty where the frames serve as they are.
-    means: Vec<Plane>,
+    means: Cow<'a, [Plane]>,
     frames: &'a [&'a Plane],
     times: &'a FrameTimes,
 }
@@ -25,12 +26,25 @@ pub(super) struct OctaveFrames<'a> {
 impl<'a> OctaveFrames<'a> {
     /// Of `frames` of one size, taken at `times`, for `octave`, −1 or more. Octaves 0 and −1 take the frames as they are.
     pub(super) fn new(frames: &'a [&'a Plane], times: &'a FrameTimes, octave: i32) -> Self {
-        let means = if octave > 0 {
-            frames.par_iter().map(|frame| (0..octave).fold((*frame).clone(), |plane, _| halved(&plane))).collect()
-        } else {
-            Vec::new()
-        };
-        Self { octave, means, frames, times }
+        let finest = Self { octave: octave.min(0), means: Cow::Borrowed(&[]), frames, times };
+        (0..octave).fold(finest, |finer, _| finer.coarser())
+    }
+
+    /// The frames for the next octave, made from these.
+    pub(super) fn coarser(&self) -> Self {
+        let octave = self.octave + 1;
+        let means = if octave > 0 { self.planes().into_par_iter().map(halved).collect() } else { Vec::new() };
+        Self { octave, means: Cow::Owned(means), frames: self.frames, times: self.times }
+    }
+
+    /// Those of `octave` whose means were made before: see [`Self::into_means`].
+    pub(super) fn with_means(frames: &'a [&'a Plane], times: &'a FrameTimes, octave: i32, means: &'a [Plane]) -> Self {
+        Self { octave, means: Cow::Borrowed(means), frames, times }
+    }
+
+    /// The means of 2^octave × 2^octave pixels of each frame; none where the frames serve as they are.
+    pub(super) fn into_means(self) -> Vec<Plane> {
+        self.means.into_owned()
     }
 
     /// The frames, to be borrowed by [`Self::base`].

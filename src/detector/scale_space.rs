@@ -6,7 +6,7 @@
 //! DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are looked for at levels 0 … S−1.
 //! Octave −1 is the image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th pixel.
 
-use super::params::DetectorParams;
+use super::params::{DetectorParams, MIN_OCTAVE_SIDE};
 use crate::plane::bank::FilterBank;
 use crate::plane::blur::GaussianKernel;
 use std::ops::Range;
@@ -87,6 +87,16 @@ pub fn octave_size(size: (usize, usize), octave: i32) -> (usize, usize) {
 /// Input pixels per octave pixel, 2^octave.
 pub fn octave_pixel(octave: i32) -> f32 {
     2f32.powi(octave)
+}
+
+/// The octaves that a search with `params` visits in an image of `size` = (columns, rows): those asked for, as long as their shorter side
+/// has [`MIN_OCTAVE_SIDE`] pixels. At least the first one.
+pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<i32> {
+    let first = params.first_octave;
+    let side = size.0.min(size.1);
+    let fits = |o: i32| (if o < 0 { side * 2 } else { side >> o }) >= MIN_OCTAVE_SIDE;
+    let end = (first..first + params.octaves as i32).take_while(|&o| fits(o)).last().unwrap_or(first) + 1;
+    first..end
 }
 
 #[cfg(test)]

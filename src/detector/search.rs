@@ -147,37 +147,64 @@ pub fn own_slope_extrema(
     tally: &mut Tally,
     out: &mut Vec<Candidate>,
 ) {
-    let (width, height) = size;
+    let mut found = Vec::with_capacity(region.columns.len() / 2);
+    for level_index in 1..levels.len() - 1 {
+        level_extrema((levels, level_index), region, size, thresholds, tally, &mut found, out);
+    }
+}
+
+/// The same at one level, by its index. `found` is space to be reused.
+fn level_extrema(
+    (levels, level_index): (&[Tile], usize),
+    region: &Region,
+    (width, height): (usize, usize),
+    thresholds: &Thresholds,
+    tally: &mut Tally,
+    found: &mut Vec<u32>,
+    out: &mut Vec<Candidate>,
+) {
     let (first, end) = (region.columns.start.max(1), region.columns.end.min(width - 1));
     if first >= end {
         return;
     }
     let count = end - first;
-    let mut found = Vec::with_capacity(count / 2);
-    for level_index in 1..levels.len() - 1 {
-        // A sample of exactly 0 is no extremum, whatever the thresholds.
-        let limit = thresholds.peak.max(thresholds.gate[level_index]).max(f32::MIN_POSITIVE);
-        let own = &levels[level_index];
-        let left = first - 1 - own.region().columns.start;
-        let line = |v: usize| &own.row(v)[left..left + count + 2];
-        for y in region.rows.start.max(1)..region.rows.end.min(height - 1) {
-            found.clear();
-            let counts = space_extrema(line(y - 1), line(y), line(y + 1), thresholds.peak, limit, &mut found);
-            let (below_peak, below_any) = (u64::from(counts.below_peak), u64::from(counts.below_any));
-            tally.samples += count as u64;
-            tally.reject(Test::PeakThreshold, below_peak);
-            tally.reject(Test::NoiseGate, below_any - below_peak);
-            for &column in &found {
-                let x = first + column as usize;
-                let value = own.at(x, y);
-                if is_scale_extremum(value, levels, x, y, level_index) {
-                    out.push(Candidate { x, y, level_index, value });
-                } else {
-                    tally.reject(Test::ScaleExtremum, 1);
-                }
+    // A sample of exactly 0 is no extremum, whatever the thresholds.
+    let limit = thresholds.peak.max(thresholds.gate[level_index]).max(f32::MIN_POSITIVE);
+    let own = &levels[level_index];
+    let left = first - 1 - own.region().columns.start;
+    let line = |v: usize| &own.row(v)[left..left + count + 2];
+    for y in region.rows.start.max(1)..region.rows.end.min(height - 1) {
+        found.clear();
+        let counts = space_extrema(line(y - 1), line(y), line(y + 1), thresholds.peak, limit, found);
+        let (below_peak, below_any) = (u64::from(counts.below_peak), u64::from(counts.below_any));
+        tally.samples += count as u64;
+        tally.reject(Test::PeakThreshold, below_peak);
+        tally.reject(Test::NoiseGate, below_any - below_peak);
+        for &column in found.iter() {
+            let x = first + column as usize;
+            let value = own.at(x, y);
+            if is_scale_extremum(value, levels, x, y, level_index) {
+                out.push(Candidate { x, y, level_index, value });
+            } else {
+                tally.reject(Test::ScaleExtremum, 1);
             }
-            let extrema = found.len() as u64;
-            tally.reject(Test::SpaceExtremum, count as u64 - below_any - extrema);
         }
+        let extrema = found.len() as u64;
+        tally.reject(Test::SpaceExtremum, count as u64 - below_any - extrema);
     }
+}
+
+/// What the tests at its own slope say of the one sample (x, y) at `level_index`: the candidate, or the test that rejects it. `None` for a sample on the
+/// octave's border, which the search does not examine. The tiles must hold the sample and a pixel around it.
+pub fn own_slope_verdict(
+    levels: &[Tile],
+    (x, y, level_index): (usize, usize, usize),
+    size: (usize, usize),
+    thresholds: &Thresholds,
+) -> Option<Result<Candidate, Test>> {
+    let sample = Region { columns: x..x + 1, rows: y..y + 1 };
+    let (mut tally, mut out) = (Tally::default(), Vec::new());
+    level_extrema((levels, level_index), &sample, size, thresholds, &mut tally, &mut Vec::new(), &mut out);
+    let rejected = Test::ALL.into_iter().find(|test| tally.rejected_by(*test) > 0);
+    (tally.samples > 0).then(|| out.first().copied().ok_or_else(|| rejected.expect("it passes or it is rejected")))
 }

@@ -53,6 +53,18 @@ impl SlopeAxis {
         if self.count > 1 { (self.max - self.min) / (self.count - 1) as f32 } else { 0.0 }
     }
 
+    /// The axis with `below` more slopes before its first one and `above` after its last one, at the same step.
+    pub fn with_more(&self, below: usize, above: usize) -> Self {
+        // Rounding away the last bits keeps −3 − 3·1 at −6.
+        let tidy = |x: f32| ((f64::from(x) * 1e4).round() / 1e4) as f32;
+        let step = self.step();
+        Self {
+            min: if below > 0 { tidy(self.min - below as f32 * step) } else { self.min },
+            max: if above > 0 { tidy(self.max + above as f32 * step) } else { self.max },
+            count: self.count + below + above,
+        }
+    }
+
     /// The `index`-th slope of the axis; indices between the slopes are allowed.
     pub fn value(&self, index: f32) -> f32 {
         if self.count > 1 { self.min + index * self.step() } else { 0.5 * (self.min + self.max) }
@@ -187,6 +199,23 @@ impl SlopeGrid {
             || (self.v.count > 1 && (j == 0 || j + 1 == self.v.count))
     }
 
+    /// Grid coordinates (along the first axis, along the second) of any slope: the inverse of [`Self::at`]. 0 on an axis with one slope.
+    pub fn position(&self, slope: Slope) -> (f32, f32) {
+        let (sin, cos) = f64::from(self.direction_deg).to_radians().sin_cos();
+        let (u, v) = (f64::from(slope.u), f64::from(slope.v));
+        let along = |axis: &SlopeAxis, value: f64| {
+            if axis.count > 1 { ((value - f64::from(axis.min)) / f64::from(axis.step())) as f32 } else { 0.0 }
+        };
+        (along(&self.u, u * cos + v * sin), along(&self.v, v * cos - u * sin))
+    }
+
+    /// Whether the grid's slope nearest to `slope` is on the rim. What lies beyond the grid is nearest to its rim.
+    pub fn nearest_on_rim(&self, slope: Slope) -> bool {
+        let (i, j) = self.position(slope);
+        let nearest = |at: f32, axis: &SlopeAxis| at.round().clamp(0.0, (axis.count.max(1) - 1) as f32) as usize;
+        self.on_rim(nearest(i, &self.u), nearest(j, &self.v))
+    }
+
     /// The largest motion between neighbouring frames of any slope of the grid, in pixels.
     pub fn max_magnitude(&self) -> f32 {
         self.slopes().map(Slope::magnitude).fold(0.0, f32::max)
@@ -211,6 +240,26 @@ mod tests {
     fn a_turned_line_goes_down() {
         let grid = SlopeGrid::line_along(90.0, -1.0..=1.0, 3);
         assert_eq!(grid.slope(2), Slope::new(0.0, 1.0));
+    }
+
+    #[test]
+    fn positions_are_the_inverse_of_slopes_and_know_the_rim() {
+        for grid in [
+            SlopeGrid::line(-3.0..=3.0, 7),
+            SlopeGrid::line_along(30.0, -2.0..=4.0, 5),
+            SlopeGrid { direction_deg: -75.0, ..SlopeGrid::plane(-1.0..=1.5, 6, 0.0..=2.0, 5) },
+        ] {
+            for (i, j) in [(0.0, 0.0), (1.0, 0.0), (2.3, 0.0), (2.3, 2.4), (3.6, 1.6)] {
+                let j = if grid.v.count > 1 { j } else { 0.0 };
+                let (a, b) = grid.position(grid.at(i, j));
+                assert!((a - i).abs() < 1e-4 && (b - j).abs() < 1e-4, "{grid:?}: {a} {b} for {i} {j}");
+            }
+        }
+        let line = SlopeGrid::line(-3.0..=3.0, 7);
+        for (slope_u, on_rim) in [(-5.0, true), (-2.6, true), (-2.4, false), (0.0, false), (2.4, false), (2.6, true)] {
+            assert_eq!(line.nearest_on_rim(Slope::new(slope_u, 0.0)), on_rim, "{slope_u}");
+        }
+        assert!(!SlopeGrid::single(Slope::new(1.0, 0.0)).nearest_on_rim(Slope::new(1.0, 0.0)));
     }
 
     #[test]

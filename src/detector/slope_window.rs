@@ -184,20 +184,24 @@ impl SlopeWindow {
     /// The slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope `index`. An axis
     /// on which `index` is the first or last keeps the grid's slope, and so do all where other slopes are not looked at.
     pub(super) fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
-        if self.others == OtherSlopes::Unseen {
-            return self.grid.slope(index);
-        }
-        let (i, j) = self.grid.coordinates(index);
-        let around = &undecided.around;
-        let inner = |at: usize, count: usize| at > 0 && at + 1 < count;
-        let (di, dj) = match (inner(i, self.grid.u.count), inner(j, self.grid.v.count)) {
-            (false, false) => (0.0, 0.0),
-            (true, false) => (peak_offset(around[1][0], around[1][1], around[1][2]), 0.0),
-            (false, true) => (0.0, peak_offset(around[0][1], around[1][1], around[2][1])),
-            (true, true) => peak_offset_2d(*around),
-        };
-        self.grid.at(i as f32 + di, j as f32 + dj)
+        refined_slope(&self.grid, self.others, index, &undecided.around)
     }
+}
+
+/// See [`SlopeWindow::refined_slope`]; `around[dj + 1][di + 1]` is D of the refined sample at the slopes around slope `index`, 0 where there is none.
+pub(super) fn refined_slope(grid: &SlopeGrid, others: OtherSlopes, index: usize, around: &[[f32; 3]; 3]) -> Slope {
+    if others == OtherSlopes::Unseen {
+        return grid.slope(index);
+    }
+    let (i, j) = grid.coordinates(index);
+    let inner = |at: usize, count: usize| at > 0 && at + 1 < count;
+    let (di, dj) = match (inner(i, grid.u.count), inner(j, grid.v.count)) {
+        (false, false) => (0.0, 0.0),
+        (true, false) => (peak_offset(around[1][0], around[1][1], around[1][2]), 0.0),
+        (false, true) => (0.0, peak_offset(around[0][1], around[1][1], around[2][1])),
+        (true, true) => peak_offset_2d(*around),
+    };
+    grid.at(i as f32 + di, j as f32 + dj)
 }
 
 #[cfg(test)]

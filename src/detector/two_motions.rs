@@ -6,15 +6,13 @@
 //! structure that slides along itself answers on both ways, but between them too.)
 
 use super::keypoint::Keypoint;
-use super::motion::{FrameOffset, FrameTimes};
-use super::octave::Base;
+use super::motion::FrameTimes;
 use super::params::Interpolation;
-use super::patch::{Patch, PatchScratch, around};
+use super::point_response::point_response;
 use super::refined_stack::OctaveFrames;
-use super::scale_space::{ScaleSpace, octave_pixel, octave_size};
+use super::scale_space::ScaleSpace;
 use super::slope_grid::Slope;
 use crate::plane::Plane;
-use crate::plane::blur::GaussianKernel;
 use std::sync::OnceLock;
 
 /// Frames count in which the two ways are farther apart than this many σ of the stronger keypoint: there its response has passed through 0.
@@ -34,17 +32,35 @@ pub(super) struct FramesOfOctaves<'a> {
     times: &'a FrameTimes,
     first_octave: i32,
     octaves: Vec<OnceLock<OctaveFrames<'a>>>,
+    /// The octaves' means of frames, where somebody keeps them.
+    means: Option<&'a [OnceLock<Vec<Plane>>]>,
 }
 
 impl<'a> FramesOfOctaves<'a> {
     pub(super) fn new(frames: &'a [&'a Plane], times: &'a FrameTimes, octaves: std::ops::Range<i32>) -> Self {
-        Self { frames, times, first_octave: octaves.start, octaves: octaves.map(|_| OnceLock::new()).collect() }
+        let first_octave = octaves.start;
+        Self { frames, times, first_octave, octaves: octaves.map(|_| OnceLock::new()).collect(), means: None }
+    }
+
+    /// The same with means that are kept in `means`, one place an octave, and made there when they are first asked for.
+    pub(super) fn with_means(self, means: &'a [OnceLock<Vec<Plane>>]) -> Self {
+        Self { means: Some(means), ..self }
     }
 
     /// Those of `octave`, one of the octaves given.
     pub(super) fn of(&self, octave: i32) -> &OctaveFrames<'a> {
-        self.octaves[(octave - self.first_octave) as usize]
-            .get_or_init(|| OctaveFrames::new(self.frames, self.times, octave))
+        let slot = (octave - self.first_octave) as usize;
+        let make = || match slot {
+            0 => OctaveFrames::new(self.frames, self.times, octave),
+            _ => self.of(octave - 1).coarser(),
+        };
+        self.octaves[slot].get_or_init(|| match self.means {
+            None => make(),
+            Some(means) => {
+                let means = means[slot].get_or_init(|| make().into_means());
+                OctaveFrames::with_means(self.frames, self.times, octave, means)
+            }
+        })
     }
 }
 
@@ -87,35 +103,14 @@ impl Motions<'_, '_> {
 
     /// D of the mean of the `chosen` frames at the octave and level of `keypoint`, along the way through `place` (input pixels, at mid-burst) at `slope`.
     fn response(&self, keypoint: &Keypoint, place: (f32, f32), slope: Slope, chosen: &[usize]) -> f32 {
-        let frames = self.frames.of(keypoint.octave);
-        let (planes, offsets) = (frames.planes(), frames.offsets(slope, self.interpolation));
-        let planes: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
-        let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
-        let from = frames.sigma_octave(&offsets);
-        let level = |s: i32| {
-            let sigma = self.space.sigma_octave(f64::from(s));
-            GaussianKernel::new((sigma * sigma - from * from).max(0.0).sqrt())
-        };
-        let (fine, coarse) = (level(keypoint.level), level(keypoint.level + 1));
-        let size = octave_size(self.size_image, keypoint.octave);
-        let pixel = octave_pixel(keypoint.octave);
-        let inside = |x: f32, n: usize| (x / pixel).clamp(0.0, n as f32 - 1.0);
-        let (x, y) = (inside(place.0, size.0), inside(place.1, size.1));
-        let reach = coarse.radius();
-        let base: Base<'_> = frames.base(&planes, &offsets);
-        let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
-        base.patch(size, around(x, reach), around(y, reach), &mut scratch, &mut patch);
-        weighted(&patch, &coarse, reach) - weighted(&patch, &fine, reach)
+        let levels = keypoint.level..keypoint.level + 1;
+        point_response(
+            self.frames.of(keypoint.octave),
+            (self.space, keypoint.octave, levels),
+            self.size_image,
+            (place, slope),
+            self.interpolation,
+            chosen,
+        )[0]
     }
-}
-
-/// The value that `kernel` makes of the middle of `patch`, which reaches `reach` pixels from it.
-fn weighted(patch: &Patch, kernel: &GaussianKernel, reach: usize) -> f32 {
-    let radius = kernel.radius();
-    let half = kernel.half();
-    let taps: Vec<f32> = half[1..].iter().rev().chain(half).copied().collect();
-    let within = reach - radius..reach + radius + 1;
-    let row = |v: i64| -> f32 { patch.row(v)[within.clone()].iter().zip(&taps).map(|(x, w)| x * w).sum() };
-    let first = patch.rows().start + (reach - radius) as i64;
-    taps.iter().zip(first..).map(|(w, v)| w * row(v)).sum()
 }

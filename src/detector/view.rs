@@ -1,10 +1,12 @@
-//! Pictures of what the search sees: the motion-stack image and the DoG response at any slope, octave and level.
+//! Pictures of what the search sees: the motion-stack image and the DoG response at any slope, octave and level, and the noise by place.
 
+use super::error::DetectError;
 use super::motion::{frame_offsets, motion_stack};
+use super::noise_model::pyramid::sample_at;
 use super::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use super::params::{DetectorParams, ParamError, doc};
-use super::pipeline::DetectError;
-use super::scale_space::{ScaleSpace, octave_size};
+use super::pipeline::known_noise;
+use super::scale_space::{ScaleSpace, octave_size, searched_octaves};
 use super::slope_grid::Slope;
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor};
@@ -26,7 +28,8 @@ pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor:
 
 /// The DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i, j) lies at
 /// (i·2^octave, j·2^octave) of the input image. Levels −1 … levels are held; features come from 0 … levels−1. Unit: fraction of full scale.
-/// Where `slope` is on the grid these are the very numbers that the search compares.
+/// Where `slope` is on the grid these are the very numbers that the search compares, unless it searched cleaned frames (the local noise model leaves frames out and takes
+/// stripes, hot pixels and flicker off): the picture is of the frames as they are.
 ///
 /// # Errors
 /// [`DetectError::Param`] for an octave or level that the parameters do not have, [`DetectError::Cancelled`] once `monitor` was cancelled.
@@ -73,6 +76,23 @@ pub fn dog_view(
     }
     unreachable!("the octave was checked to be among those searched")
 }
+
+/// Where the noise is how strong: σ of the noise of one frame at each pixel of the image, fraction of full scale, as the search of `params` takes it at its finest
+/// octave (see [`super::noise_model`]). The same everywhere for white noise.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Plane, DetectError> {
+    params.validate_for(burst.len(), burst.size())?;
+    let noise = known_noise(burst, params, &ScaleSpace::of(params), monitor)?.model;
+    let (width, height) = burst.size();
+    let cells = noise.sigma_map((width, height), NOISE_CELL_PX);
+    let at = |u, v| sample_at(&cells, NOISE_CELL_PX, u as f32, v as f32);
+    Ok(Plane::from_fn(width, height, at))
+}
+
+/// Side of the squares between whose middles a map of the noise is interpolated, pixels: the finest squares whose brightness the gate looks up.
+const NOISE_CELL_PX: f32 = 8.0;
 
 /// Columns and rows that one thread makes at once.
 const TILE: (usize, usize) = (320, 128);
@@ -153,12 +173,33 @@ fn next_first_level(
     Ok(out)
 }
 
-/// The octaves that a search with `params` visits in an image of `size` = (columns, rows): those asked for, as long as their shorter side
-/// has [`super::params::MIN_OCTAVE_SIDE`] pixels. At least the first one.
-pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<i32> {
-    let first = params.first_octave;
-    let side = size.0.min(size.1);
-    let fits = |o: i32| (if o < 0 { side * 2 } else { side >> o }) >= super::params::MIN_OCTAVE_SIDE;
-    let end = (first..first + params.octaves as i32).take_while(|&o| fits(o)).last().unwrap_or(first) + 1;
-    first..end
+#[cfg(test)]
+mod tests {
+    use super::super::{NoiseModelKind, SlopeGrid};
+    use super::*;
+    use crate::synth::NoiseCase;
+
+    #[test]
+    fn a_map_of_the_noise_shows_where_it_is_stronger() {
+        let burst = NoiseCase::NoisyHalf.burst((640, 400), 6, 0.02, 7, &Monitor::default()).expect("not cancelled");
+        let map = |noise_model| {
+            let params =
+                DetectorParams { noise_model, slopes: SlopeGrid::line(-1.0..=1.0, 3), ..DetectorParams::default() };
+            noise_map(&burst, &params, &Monitor::default()).expect("a map")
+        };
+        let local = map(NoiseModelKind::Local);
+        assert_eq!(local.size(), burst.size());
+        for (u, sigma) in [(40, 0.02), (600, 0.06)] {
+            assert!((local.at(u, 200) / sigma - 1.0).abs() < 0.2, "{u}: {}", local.at(u, 200));
+        }
+        let white = map(NoiseModelKind::White);
+        assert!(white.data().iter().all(|x| *x == white.data()[0]) && white.at(0, 0) > 0.02);
+    }
+
+    #[test]
+    fn a_map_of_the_noise_needs_parameters_that_fit() {
+        let burst = NoiseCase::White.burst((64, 48), 3, 0.02, 1, &Monitor::default()).expect("not cancelled");
+        let params = DetectorParams { levels: 0, ..DetectorParams::default() };
+        assert!(matches!(noise_map(&burst, &params, &Monitor::default()), Err(DetectError::Param(_))));
+    }
 }

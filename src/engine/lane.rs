@@ -11,6 +11,16 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JobId(u64);
 
+impl JobId {
+    pub(super) fn new(number: u64) -> Self {
+        Self(number)
+    }
+
+    pub(super) fn number(self) -> u64 {
+        self.0
+    }
+}
+
 /// What became of a request.
 #[derive(Debug, Clone)]
 pub struct Answer<A> {
@@ -249,14 +259,14 @@ fn listening_monitor(progress: Arc<Mutex<Option<Progress>>>, on_update: OnUpdate
     })
 }
 
-fn unique_key(name: &str) -> String {
+pub(super) fn unique_key(name: &str) -> String {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     format!("{}-{name}", COUNTER.fetch_add(1, Ordering::Relaxed))
 }
 
 /// Threads for the parallel loops of one lane's work, named so that their panics are found; or `None` where the system has none to give:
 /// then the shared pool serves. Work given to the shared pool would wait behind all that a detection has queued there.
-fn pool(key: &str) -> Option<rayon::ThreadPool> {
+pub(super) fn pool(key: &str) -> Option<rayon::ThreadPool> {
     let key = key.to_owned();
     rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{key}.{i}", fault::THREAD_PREFIX)).build().ok()
 }

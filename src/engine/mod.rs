@@ -1,7 +1,8 @@
 //! Background workers: requests in, answers out, so that whoever asks never waits.
 //!
-//! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the picture on show, the patch of the selected
-//! feature, a detection; and, beside them, those of a second burst and of the matches between the two, and those of a [dataset](DatasetWorkers). A lane is
+//! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the patch of the selected
+//! feature, a detection; and, beside them, those of a second burst and of the matches between the two, and those of a [dataset](DatasetWorkers). The
+//! pictures of all panes share one [`KeyedLane`], in which each pane's latest request wins. A lane is
 //! a named thread with a single-slot mailbox: a new request replaces one that still waits, and
 //! the one that runs is cancelled. So the latest request wins, and scrubbing stays live while a detection runs. Each
 //! request is an immutable snapshot with an id. An answer is published first; only then is `on_update` called, so that
@@ -13,6 +14,7 @@ mod cache;
 mod compare;
 mod dataset;
 mod fault;
+mod keyed;
 mod lane;
 mod pair;
 mod picture;
@@ -27,9 +29,11 @@ pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
 };
 pub use fault::JobError;
+pub use keyed::KeyedLane;
 pub use lane::{Answer, JobId, Lane};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
+pub use picture_lane::PictureSlot;
 pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
@@ -37,7 +41,7 @@ pub use task::{TaskDone, TaskId};
 use crate::baseline::{Searched, search};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::monitor::Progress;
-use picture_lane::{PictureLane, SharedCache};
+use picture_lane::{PictureBoard, PictureLane, SharedCache};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -80,8 +84,6 @@ pub struct Detected {
 pub enum LaneKind {
     /// Opening a burst.
     Open,
-    /// The picture on show.
-    Picture,
     /// The motion-stack image for the selected feature's patch.
     Patch,
     /// A detection.
@@ -93,8 +95,8 @@ pub enum LaneKind {
 pub enum Update {
     /// A burst was opened, or could not be.
     Opened(Answer<OpenBurst>),
-    /// A picture is there. It may be one that was superseded while it was made: compare [`Picture::request`].
-    Picture(Answer<Picture>),
+    /// A pane's picture is there. It may be one that was superseded while it was made: compare [`Picture::request`].
+    Picture(PictureSlot, Answer<Picture>),
     /// The picture for the patch is there.
     Patch(Answer<Picture>),
     /// A detection ended.
@@ -121,7 +123,7 @@ pub struct Running {
 /// The workers of one window.
 pub struct Engine {
     open: Lane<BurstSource, OpenBurst>,
-    picture: PictureLane,
+    pictures: PictureBoard,
     patch: PictureLane,
     detect: Lane<DetectRequest, Detected>,
     pair: PairWorkers,
@@ -147,7 +149,7 @@ impl Engine {
         let cache = SharedCache::new(cache_bytes);
         Self {
             open: open_lane("open", &on_update),
-            picture: PictureLane::new("picture", &cache, on_update.clone()),
+            pictures: PictureBoard::new(&cache, on_update.clone()),
             patch: PictureLane::new("patch", &cache, on_update.clone()),
             detect: detect_lane("detect", &on_update),
             pair: PairWorkers::new(&cache, &on_update),
@@ -174,9 +176,19 @@ impl Engine {
         self.open.submit(source)
     }
 
-    /// Asks for the picture on show. One that is still in the cache is there at the next [`Self::poll`].
-    pub fn request_picture(&self, request: PictureRequest) -> JobId {
-        self.picture.request(request)
+    /// Asks for the picture of a pane. One that is still in the cache is there at the next [`Self::poll`].
+    pub fn request_picture(&self, slot: PictureSlot, request: PictureRequest) -> JobId {
+        self.pictures.request(slot, request)
+    }
+
+    /// The pane is gone: its picture is not made, and no answer comes.
+    pub fn forget_picture(&self, slot: PictureSlot) {
+        self.pictures.lane.forget(slot);
+    }
+
+    /// Whether pictures are being made.
+    pub fn makes_pictures(&self) -> bool {
+        !self.pictures.lane.is_idle()
     }
 
     /// Asks for the motion-stack image from which the selected feature's patch is cut.
@@ -200,11 +212,12 @@ impl Engine {
 
     /// What was published since the last call, in no particular order between lanes. Never waits.
     pub fn poll(&self) -> Vec<Update> {
-        self.picture.lane.enforce_grace();
+        self.pictures.lane.enforce_grace();
         self.patch.lane.enforce_grace();
         let mut updates = Vec::new();
         updates.extend(self.open.take_answer().map(Update::Opened));
-        updates.extend(self.picture.lane.take_answer().map(Update::Picture));
+        updates
+            .extend(self.pictures.lane.take_answers().into_iter().map(|(slot, answer)| Update::Picture(slot, answer)));
         updates.extend(self.patch.lane.take_answer().map(Update::Patch));
         updates.extend(self.detect.take_answer().map(Update::Detected));
         updates.extend(self.datasets.poll().into_iter().map(Update::Dataset));
@@ -217,7 +230,6 @@ impl Engine {
     pub fn running(&self, lane: LaneKind) -> Option<Running> {
         match lane {
             LaneKind::Open => self.open.running(),
-            LaneKind::Picture => self.picture.lane.running(),
             LaneKind::Patch => self.patch.lane.running(),
             LaneKind::Detect => self.detect.running(),
         }
@@ -227,7 +239,6 @@ impl Engine {
     pub fn cancel(&self, lane: LaneKind) {
         match lane {
             LaneKind::Open => self.open.cancel(),
-            LaneKind::Picture => self.picture.lane.cancel(),
             LaneKind::Patch => self.patch.lane.cancel(),
             LaneKind::Detect => self.detect.cancel(),
         }
@@ -236,7 +247,7 @@ impl Engine {
     /// Whether nothing runs and nothing waits. Answers may still be there to be polled.
     pub fn is_idle(&self) -> bool {
         self.open.is_idle()
-            && self.picture.lane.is_idle()
+            && self.pictures.lane.is_idle()
             && self.patch.lane.is_idle()
             && self.detect.is_idle()
             && self.pair.is_idle()

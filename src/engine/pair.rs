@@ -5,7 +5,7 @@
 use super::fault::JobError;
 use super::lane::{Answer, JobId, Lane};
 use super::picture::{Picture, PictureRequest};
-use super::picture_lane::{PictureLane, SharedCache};
+use super::picture_lane::SharedCache;
 use super::source::{BurstSource, OpenBurst};
 use super::{DetectRequest, Detected, OnUpdate, PICTURE_GRACE, Running, detect_lane, open_lane};
 use crate::detector::Detection;
@@ -71,8 +71,6 @@ pub struct Patches {
 pub enum PairLane {
     /// Opening B.
     Open,
-    /// B's picture on show.
-    Picture,
     /// The pictures of the selected match's patches.
     Patches,
     /// B's detection.
@@ -83,7 +81,7 @@ pub enum PairLane {
 
 impl PairLane {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Open, Self::Picture, Self::Patches, Self::Detect, Self::Match];
+    pub const ALL: [Self; 4] = [Self::Open, Self::Patches, Self::Detect, Self::Match];
 }
 
 /// Something that was published since the last [`PairWorkers::poll`].
@@ -91,8 +89,6 @@ impl PairLane {
 pub enum PairUpdate {
     /// B was opened, or could not be.
     Opened(Answer<OpenBurst>),
-    /// A picture of B is there.
-    Picture(Answer<Picture>),
     /// The pictures of the patches are there.
     Patches(Answer<Patches>),
     /// B's detection ended.
@@ -104,7 +100,6 @@ pub enum PairUpdate {
 /// The workers of a second burst and of the matches.
 pub struct PairWorkers {
     open: Lane<BurstSource, OpenBurst>,
-    picture: PictureLane,
     patches: Lane<PatchesRequest, Patches>,
     detect: Lane<DetectRequest, Detected>,
     matching: Lane<MatchRequest, Matched>,
@@ -115,7 +110,6 @@ impl PairWorkers {
         let its = cache.clone();
         Self {
             open: open_lane("open-b", on_update),
-            picture: PictureLane::new("picture-b", cache, on_update.clone()),
             patches: Lane::new("patches", PICTURE_GRACE, on_update.clone(), move |request: PatchesRequest, monitor| {
                 let (a, b) = (its.get_or_make(&request.a, monitor)?, its.get_or_make(&request.b, monitor)?);
                 Ok(Patches { a, b })
@@ -128,11 +122,6 @@ impl PairWorkers {
     /// Opens B in the background.
     pub fn open(&self, source: BurstSource) -> JobId {
         self.open.submit(source)
-    }
-
-    /// Asks for B's picture on show.
-    pub fn request_picture(&self, request: PictureRequest) -> JobId {
-        self.picture.request(request)
     }
 
     /// Asks for the pictures from which a match's patches are cut.
@@ -152,11 +141,9 @@ impl PairWorkers {
 
     /// What was published since the last call, in no particular order between lanes. Never waits.
     pub fn poll(&self) -> Vec<PairUpdate> {
-        self.picture.lane.enforce_grace();
         self.patches.enforce_grace();
         let mut updates = Vec::new();
         updates.extend(self.open.take_answer().map(PairUpdate::Opened));
-        updates.extend(self.picture.lane.take_answer().map(PairUpdate::Picture));
         updates.extend(self.patches.take_answer().map(PairUpdate::Patches));
         updates.extend(self.detect.take_answer().map(PairUpdate::Detected));
         updates.extend(self.matching.take_answer().map(PairUpdate::Matched));
@@ -167,7 +154,6 @@ impl PairWorkers {
     pub fn running(&self, lane: PairLane) -> Option<Running> {
         match lane {
             PairLane::Open => self.open.running(),
-            PairLane::Picture => self.picture.lane.running(),
             PairLane::Patches => self.patches.running(),
             PairLane::Detect => self.detect.running(),
             PairLane::Match => self.matching.running(),
@@ -178,7 +164,6 @@ impl PairWorkers {
     pub fn cancel(&self, lane: PairLane) {
         match lane {
             PairLane::Open => self.open.cancel(),
-            PairLane::Picture => self.picture.lane.cancel(),
             PairLane::Patches => self.patches.cancel(),
             PairLane::Detect => self.detect.cancel(),
             PairLane::Match => self.matching.cancel(),

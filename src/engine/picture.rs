@@ -1,12 +1,13 @@
-//! What can be shown of a burst: a frame, a motion-stack image, or a DoG response.
+//! What can be shown of a burst: a frame, a motion-stack image, a DoG response, the merged frames, or the difference of two of these.
 
 use super::fault::JobError;
 use super::source::{BurstId, OpenBurst};
-use crate::baseline::prepare;
+use crate::baseline::{merge_burst, prepare};
 use crate::detector::view::{dog_view, stack_view};
 use crate::detector::{DetectError, DetectorParams, Interpolation, Method, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
+use crate::plane::sample::difference;
 use std::sync::Arc;
 
 /// Which picture.
@@ -28,6 +29,8 @@ pub enum PictureKind {
         /// Pixels per frame.
         slope: Slope,
     },
+    /// The frames that are used, aligned tile by tile and merged into one.
+    Merge,
 }
 
 impl PictureKind {
@@ -35,7 +38,7 @@ impl PictureKind {
     pub fn input_px_per_pixel(self) -> f32 {
         match self {
             Self::Dog { octave, .. } => (octave as f32).exp2(),
-            Self::Frame(_) | Self::Stack { .. } => 1.0,
+            Self::Frame(_) | Self::Stack { .. } | Self::Merge => 1.0,
         }
     }
 }
@@ -49,6 +52,7 @@ pub struct PictureRequest {
     pub kind: PictureKind,
     /// The parameters; only those that decide the picture make two requests differ.
     pub params: DetectorParams,
+    minus: Option<Box<PictureRequest>>,
 }
 
 /// What decides a picture. Two requests with one key give the same picture.
@@ -56,6 +60,7 @@ pub struct PictureRequest {
 pub(super) struct PictureKey {
     burst: BurstId,
     kind: KindKey,
+    minus: Option<(BurstId, KindKey)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -63,6 +68,7 @@ enum KindKey {
     Frame(usize),
     Stack(StackKey),
     Dog { stack: StackKey, octave: i32, level: i32, levels: u32, first_octave: i32, kernel_cut_bits: u32 },
+    Merge { frames: (usize, usize) },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -74,9 +80,36 @@ struct StackKey {
 }
 
 impl PictureRequest {
+    /// Picture `kind` of `burst`, made with `params`.
+    pub fn new(burst: OpenBurst, kind: PictureKind, params: DetectorParams) -> Self {
+        Self { burst, kind, params, minus: None }
+    }
+
+    /// The difference: this picture minus `other`, on this picture's pixels. Differences of differences are not made: of each request its first picture counts.
+    #[must_use]
+    pub fn less(self, other: &Self) -> Self {
+        Self { minus: Some(Box::new(other.alone())), ..self }
+    }
+
+    /// What is subtracted, if this is a difference.
+    pub fn minus(&self) -> Option<&Self> {
+        self.minus.as_deref()
+    }
+
+    /// The picture without what is subtracted from it.
+    #[must_use]
+    pub fn alone(&self) -> Self {
+        Self { minus: None, ..self.clone() }
+    }
+
     pub(super) fn key(&self) -> PictureKey {
+        let minus = self.minus().map(|minus| (minus.burst.id, minus.kind_key()));
+        PictureKey { burst: self.burst.id, kind: self.kind_key(), minus }
+    }
+
+    fn kind_key(&self) -> KindKey {
+        let used = self.params.used_frames(self.burst.burst.len());
         let stack = |slope: Slope| {
-            let used = self.params.used_frames(self.burst.burst.len());
             // Adding 0 makes −0 and 0 one slope.
             let slope_bits = ((slope.u + 0.0).to_bits(), (slope.v + 0.0).to_bits());
             StackKey {
@@ -86,7 +119,7 @@ impl PictureRequest {
                 merged: self.params.method == Method::Merge,
             }
         };
-        let kind = match self.kind {
+        match self.kind {
             PictureKind::Frame(index) => KindKey::Frame(index),
             PictureKind::Stack { slope } => KindKey::Stack(stack(slope)),
             PictureKind::Dog { octave, level, slope } => KindKey::Dog {
@@ -97,8 +130,8 @@ impl PictureRequest {
                 first_octave: self.params.first_octave,
                 kernel_cut_bits: self.params.kernel_cut.to_bits(),
             },
-        };
-        PictureKey { burst: self.burst.id, kind }
+            PictureKind::Merge => KindKey::Merge { frames: (used.start, used.end) },
+        }
     }
 
     /// Whether both ask for the same pixels.
@@ -111,6 +144,9 @@ impl PictureRequest {
     /// # Errors
     /// [`JobError::Failed`] for a frame that the burst has not, [`JobError::Cancelled`] once `monitor` was cancelled.
     pub fn compute(&self, monitor: &Monitor) -> Result<Picture, JobError> {
+        if let Some(minus) = self.minus() {
+            return Ok(self.alone().compute(monitor)?.minus(&minus.compute(monitor)?));
+        }
         let burst = &self.burst.burst;
         let plane = match self.kind {
             PictureKind::Frame(index) => burst.frames.get(index).cloned().ok_or_else(|| {
@@ -123,6 +159,15 @@ impl PictureRequest {
             PictureKind::Dog { octave, level, slope } => {
                 let (burst, params) = prepare(burst, &self.params, monitor).map_err(job_error)?;
                 Arc::new(dog_view(&burst, &params, slope, octave, level, monitor).map_err(job_error)?)
+            }
+            PictureKind::Merge => {
+                let used = self.params.used_frames(burst.len());
+                if used.is_empty() || used.end > burst.len() {
+                    let wrong =
+                        format!("frames {}..{} cannot be merged; the burst has {}", used.start, used.end, burst.len());
+                    return Err(JobError::Failed(wrong));
+                }
+                merge_burst(burst, used, monitor)?.frames[0].clone()
             }
         };
         Ok(Picture { request: self.clone(), plane })
@@ -152,7 +197,16 @@ impl Picture {
         std::mem::size_of_val(self.plane.data())
     }
 
+    /// This picture minus `other`, on this picture's pixels: between its pixels `other` is taken linearly; beside it the difference is NaN.
+    pub(super) fn minus(&self, other: &Self) -> Self {
+        let (step, step_other) = (self.request.kind.input_px_per_pixel(), other.request.kind.input_px_per_pixel());
+        Self {
+            request: self.request.alone().less(&other.request),
+            plane: Arc::new(difference(&self.plane, &other.plane, step / step_other)),
+        }
+    }
+
     pub(super) fn is_frame(&self) -> bool {
-        matches!(self.request.kind, PictureKind::Frame(_))
+        matches!(self.request.kind, PictureKind::Frame(_)) && self.request.minus.is_none()
     }
 }

@@ -1,7 +1,8 @@
-//! A lane that makes pictures and keeps them: what is still in the cache is answered at once.
+//! Lanes that make pictures and keep them: what is still in the cache is answered at once.
 
 use super::cache::PictureCache;
 use super::fault::JobError;
+use super::keyed::KeyedLane;
 use super::lane::{JobId, Lane};
 use super::picture::{Picture, PictureRequest};
 use super::{OnUpdate, PICTURE_GRACE};
@@ -27,7 +28,14 @@ impl SharedCache {
         if let Some(picture) = self.lock().get(request) {
             return Ok(picture);
         }
-        let picture = request.compute(monitor)?;
+        let picture = match request.minus() {
+            None => request.compute(monitor)?,
+            // Both pictures are kept too: they are mostly on show beside their difference.
+            Some(minus) => {
+                let picture = self.get_or_make(&request.alone(), monitor)?;
+                picture.minus(&self.get_or_make(minus, monitor)?)
+            }
+        };
         self.lock().insert(&picture);
         Ok(picture)
     }
@@ -53,6 +61,34 @@ impl PictureLane {
         match hit {
             Some(picture) => self.lane.publish(picture),
             None => self.lane.submit(request),
+        }
+    }
+}
+
+/// Who wants a picture: each pane has a number of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PictureSlot(pub u32);
+
+/// The pictures of many panes, of each the latest that was asked for.
+pub(super) struct PictureBoard {
+    pub(super) lane: KeyedLane<PictureSlot, PictureRequest, Picture>,
+    cache: SharedCache,
+}
+
+impl PictureBoard {
+    pub(super) fn new(cache: &SharedCache, on_update: OnUpdate) -> Self {
+        let its = cache.clone();
+        let lane = KeyedLane::new("picture", PICTURE_GRACE, on_update, move |request: PictureRequest, monitor| {
+            its.get_or_make(&request, monitor)
+        });
+        Self { lane, cache: cache.clone() }
+    }
+
+    pub(super) fn request(&self, slot: PictureSlot, request: PictureRequest) -> JobId {
+        let hit = self.cache.lock().get(&request);
+        match hit {
+            Some(picture) => self.lane.publish(slot, picture),
+            None => self.lane.submit(slot, request),
         }
     }
 }

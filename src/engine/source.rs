@@ -3,6 +3,7 @@
 use super::fault::JobError;
 use crate::burst::{Burst, find_bursts};
 use crate::monitor::Monitor;
+use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,6 +17,8 @@ pub enum BurstSource {
     Demo,
     /// The demo street a little later: another burst that is built into the program.
     DemoLater,
+    /// A failure to look at, built into the program.
+    Example(Example),
     /// A folder of frames, image files, a multi-page TIFF, or a `.npy` stack.
     Paths(Vec<PathBuf>),
 }
@@ -53,6 +56,7 @@ impl BurstSource {
         let burst = match self {
             Self::Demo => crate::synth::demo::demo_burst(),
             Self::DemoLater => crate::synth::demo::later_demo_burst(),
+            Self::Example(example) => example.burst(),
             Self::Paths(paths) => {
                 let found = bursts_at(paths);
                 if found.len() > 1 {
@@ -71,6 +75,7 @@ impl BurstSource {
         match self {
             Self::Demo => "Demo burst".to_owned(),
             Self::DemoLater => "Later demo burst".to_owned(),
+            Self::Example(example) => example.label().to_owned(),
             Self::Paths(paths) => match paths.as_slice() {
                 [] => "nothing".to_owned(),
                 [one] => one.file_name().unwrap_or(one.as_os_str()).to_string_lossy().into_owned(),

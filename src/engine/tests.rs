@@ -161,7 +161,7 @@ fn small_burst() -> OpenBurst {
 
 fn stack_request(burst: &OpenBurst, slope_u: f32) -> PictureRequest {
     let kind = PictureKind::Stack { slope: Slope::new(slope_u, 0.0) };
-    PictureRequest { burst: burst.clone(), kind, params: DetectorParams::default() }
+    PictureRequest::new(burst.clone(), kind, DetectorParams::default())
 }
 
 #[test]
@@ -195,7 +195,7 @@ fn only_what_decides_a_picture_makes_it_another() {
     assert!(request.same_picture(&other));
     other.params.frames = Some(crate::detector::FrameRange { start: 0, end: 2 });
     assert!(!request.same_picture(&other));
-    let reopened = PictureRequest { burst: small_burst(), ..request.clone() };
+    let reopened = PictureRequest::new(small_burst(), request.kind, request.params.clone());
     assert!(!request.same_picture(&reopened), "another opening may have other pixels");
 }
 
@@ -206,18 +206,52 @@ fn a_picture_asked_for_again_comes_from_the_cache() {
     let picture = |engine: &Engine| {
         wait_for(|| {
             engine.poll().into_iter().find_map(|u| match u {
-                Update::Picture(answer) => Some(answer),
+                Update::Picture(PictureSlot(3), answer) => Some(answer),
                 _ => None,
             })
         })
     };
-    engine.request_picture(stack_request(&burst, 0.5));
+    engine.request_picture(PictureSlot(3), stack_request(&burst, 0.5));
     let first = picture(&engine).result.expect("valid");
-    engine.request_picture(stack_request(&burst, 0.5));
+    engine.request_picture(PictureSlot(3), stack_request(&burst, 0.5));
     let second = picture(&engine);
     assert_eq!(second.elapsed, Duration::ZERO);
     assert!(Arc::ptr_eq(&first.plane, &second.result.expect("valid").plane));
     assert!(engine.wait_idle(PATIENCE));
+}
+
+#[test]
+fn a_difference_is_one_picture_less_the_other_on_the_pixels_of_the_first() {
+    let (burst, monitor) = (small_burst(), Monitor::default());
+    let (a, b) = (stack_request(&burst, 0.5), stack_request(&burst, -1.0));
+    let wanted = a.clone().less(&b);
+    assert!(!wanted.same_picture(&a) && !wanted.same_picture(&b.clone().less(&a)));
+    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    engine.request_picture(PictureSlot(9), wanted.clone());
+    let answer = wait_for(|| {
+        engine.poll().into_iter().find_map(|u| match u {
+            Update::Picture(PictureSlot(9), answer) => Some(answer.result.expect("valid")),
+            _ => None,
+        })
+    });
+    assert!(answer.request.same_picture(&wanted));
+    let planes = [&a, &b].map(|request| request.compute(&monitor).expect("not cancelled").plane);
+    for (i, value) in answer.plane.data().iter().enumerate() {
+        assert_eq!(*value, planes[0].data()[i] - planes[1].data()[i]);
+    }
+    // Half the pixels: the first picture's, whichever it is.
+    let dog = PictureKind::Dog { octave: 1, level: 0, slope: Slope::new(0.5, 0.0) };
+    let coarse = PictureRequest::new(burst, dog, DetectorParams::default());
+    let size = coarse.compute(&monitor).expect("not cancelled").plane.size();
+    assert_eq!(coarse.less(&a).compute(&monitor).expect("not cancelled").plane.size(), size);
+}
+
+#[test]
+fn the_merged_frames_are_those_of_the_baseline() {
+    let burst = small_burst();
+    let request = PictureRequest::new(burst.clone(), PictureKind::Merge, DetectorParams::default());
+    let merged = crate::baseline::merge_burst(&burst.burst, 0..3, &Monitor::default()).expect("merged");
+    assert_eq!(request.compute(&Monitor::default()).expect("merged").plane, merged.frames[0]);
 }
 
 #[test]
@@ -245,8 +279,8 @@ fn a_detection_can_be_cancelled_while_pictures_go_on() {
     let params = DetectorParams { slopes, ..DetectorParams::default() };
     engine.detect(DetectRequest { burst: burst.clone(), params: params.into() });
     wait_for(|| engine.running(LaneKind::Detect));
-    engine.request_picture(stack_request(&burst, 0.25));
-    wait_for(|| engine.poll().into_iter().find(|u| matches!(u, Update::Picture(a) if a.result.is_ok())));
+    engine.request_picture(PictureSlot(3), stack_request(&burst, 0.25));
+    wait_for(|| engine.poll().into_iter().find(|u| matches!(u, Update::Picture(_, a) if a.result.is_ok())));
     engine.cancel(LaneKind::Detect);
     let answer = wait_for(|| {
         engine.poll().into_iter().find_map(|u| match u {

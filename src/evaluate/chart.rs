@@ -33,6 +33,8 @@ pub struct ChartStudy {
     pub slopes_1d: SlopeGrid,
     /// The slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
+    /// The direction in which a method that finds slopes looks for them, degrees from +u towards +v; `None`: anywhere in the plane.
+    pub direction_deg: Option<f32>,
     /// By what features are ranked.
     pub ranking: Ranking,
     /// The share of false detections at which methods are compared, 0 … 1.
@@ -47,10 +49,11 @@ impl Default for ChartStudy {
             snrs: vec![0.2, 0.35, 0.6],
             first_seed: 1,
             seeds: 5,
-            methods: BurstMethod::ALL.to_vec(),
+            methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(),
             detector: DetectorParams::default(),
             slopes_1d: SlopeGrid::line(-3.0..=3.0, 13),
             slopes_2d: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7),
+            direction_deg: None,
             ranking: Ranking::Strength,
             false_fraction: 0.10,
         }
@@ -192,7 +195,12 @@ impl ChartStudy {
     }
 
     fn searches(&self) -> Searches<'_> {
-        Searches { detector: &self.detector, slopes_1d: self.slopes_1d, slopes_2d: self.slopes_2d }
+        Searches {
+            detector: &self.detector,
+            slopes_1d: self.slopes_1d,
+            slopes_2d: self.slopes_2d,
+            direction_deg: self.direction_deg,
+        }
     }
 
     /// Makes the charts, runs the methods and scores what they find.
@@ -207,7 +215,7 @@ impl ChartStudy {
         let scores = run_jobs(&jobs, self.methods.len(), monitor, |&(snr, seed), monitor, steps| {
             let (burst, truth) = synth_chart(&ChartParams { snr, seed, ..self.chart.clone() }, monitor)?;
             let score = |&method: &BurstMethod| {
-                let detection = self.searches().detect(method, &burst, monitor)?;
+                let detection = self.searches().search(method, &burst, monitor)?.detection;
                 steps.done();
                 Ok(self.score(method, seed, &detection, &truth))
             };

@@ -16,6 +16,7 @@ fn style(method: BurstMethod) -> (&'static str, &'static str, f64) {
         BurstMethod::SiftMerge => ("#cc79a7", "5 3", 2.0),
         BurstMethod::Buff1d => ("#0072b2", "", 2.4),
         BurstMethod::Buff2d => ("#007a58", "7 4", 2.4),
+        BurstMethod::BuffAuto => ("#5b4bb5", "10 3", 2.4),
     }
 }
 

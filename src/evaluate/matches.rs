@@ -11,8 +11,8 @@
 use super::EvaluateError;
 use super::methods::{BurstMethod, Searches};
 use crate::burst::Burst;
-use crate::dataset::PairSelection;
 use crate::detector::{Descriptor, Detection, DetectorParams, SlopeGrid};
+use crate::matching::PairSelection;
 use crate::matching::{
     Geometry, ImageCounts, MatchCounts, MatchError, MatchParams, MatchResult, MatchSide, TwoViewModel, match_features,
 };
@@ -36,6 +36,14 @@ impl MatchMethod {
         match self {
             Self::Gold => "gold",
             Self::Burst(method) => method.name(),
+        }
+    }
+
+    /// The way from the burst to features, if the burst is what it searches.
+    pub fn of_burst(self) -> Option<BurstMethod> {
+        match self {
+            Self::Gold => None,
+            Self::Burst(method) => Some(method),
         }
     }
 
@@ -87,6 +95,8 @@ pub struct MatchStudy {
     pub slopes_1d: SlopeGrid,
     /// The slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
+    /// The direction in which a method that finds slopes looks for them, degrees from +u towards +v; `None`: anywhere in the plane.
+    pub direction_deg: Option<f32>,
     /// How features are matched and verified.
     pub matching: MatchParams,
     /// Which bursts are matched with which.
@@ -126,6 +136,9 @@ pub struct MatchRow {
     pub counts: ImageCounts,
     /// Putative matches of an image that lie on the geometry of the sharp images; `None` without these.
     pub on_gold_geometry_per_image: Option<f64>,
+    /// For each burst the slopes that were found and searched, where the method finds them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slopes_found: Option<Vec<SlopeGrid>>,
     /// Each pair, in the report's order.
     pub by_pair: Vec<PairCounts>,
 }
@@ -215,15 +228,16 @@ impl MatchStudy {
             monitor.report(Stage::Evaluate, done as f32 / steps as f32);
         };
         let mut features: Vec<Vec<Features>> = methods.iter().map(|_| Vec::with_capacity(names.len())).collect();
+        let mut slopes: Vec<Vec<Option<SlopeGrid>>> = methods.iter().map(|_| Vec::with_capacity(names.len())).collect();
         let (mut frames, mut size) = (0, (0, 0));
         for k in 0..names.len() {
             let burst = open(k, Shot::Burst)?;
             if k == 0 {
                 (frames, size) = (burst.len(), burst.size());
             }
-            for (method, features) in methods.iter().zip(&mut features) {
+            for ((method, features), slopes) in methods.iter().zip(&mut features).zip(&mut slopes) {
                 let found = match method {
-                    MatchMethod::Burst(method) => self.searches().detect(*method, &burst, &monitor.silent())?,
+                    MatchMethod::Burst(method) => self.searches().search(*method, &burst, &monitor.silent())?,
                     MatchMethod::Gold => {
                         let sharp = open(k, Shot::Gold)?;
                         // The frames asked for are those of bursts; a sharp image may be the only one.
@@ -233,10 +247,11 @@ impl MatchStudy {
                             DetectorParams { frames: None, ..self.detector.clone() }
                         };
                         let searches = Searches { detector: &detector, ..self.searches() };
-                        searches.detect(BurstMethod::SiftFrame, &sharp, &monitor.silent())?
+                        searches.search(BurstMethod::SiftFrame, &sharp, &monitor.silent())?
                     }
                 };
-                features.push(found.into());
+                slopes.push(found.finding.map(|finding| finding.grid));
+                features.push(found.detection.into());
                 step();
             }
         }
@@ -264,7 +279,8 @@ impl MatchStudy {
                 }
             });
             let keypoints: Vec<usize> = features[m].iter().map(|f| f.places.len()).collect();
-            row(method, &keypoints, &pairs, by_pair.collect())
+            let slopes_found = slopes[m].iter().copied().collect();
+            row(method, &keypoints, slopes_found, &pairs, by_pair.collect())
         });
         Ok(MatchReport {
             methods: rows.collect(),
@@ -280,7 +296,12 @@ impl MatchStudy {
     }
 
     fn searches(&self) -> Searches<'_> {
-        Searches { detector: &self.detector, slopes_1d: self.slopes_1d, slopes_2d: self.slopes_2d }
+        Searches {
+            detector: &self.detector,
+            slopes_1d: self.slopes_1d,
+            slopes_2d: self.slopes_2d,
+            direction_deg: self.direction_deg,
+        }
     }
 
     /// How many of the putative matches lie on `judge`.
@@ -292,7 +313,13 @@ impl MatchStudy {
 }
 
 /// The numbers of a method from those of its pairs.
-fn row(method: MatchMethod, keypoints: &[usize], pairs: &[(usize, usize)], by_pair: Vec<PairCounts>) -> MatchRow {
+fn row(
+    method: MatchMethod,
+    keypoints: &[usize],
+    slopes_found: Option<Vec<SlopeGrid>>,
+    pairs: &[(usize, usize)],
+    by_pair: Vec<PairCounts>,
+) -> MatchRow {
     let counts: Vec<_> = pairs.iter().zip(&by_pair).map(|(&pair, counted)| (pair, counted.counts)).collect();
     let judged = by_pair.iter().any(|pair| pair.on_gold_geometry.is_some());
     // Each match is one of both images.
@@ -301,6 +328,7 @@ fn row(method: MatchMethod, keypoints: &[usize], pairs: &[(usize, usize)], by_pa
         method,
         counts: ImageCounts::of(keypoints, &counts).expect("pairs are matched of images that are there"),
         on_gold_geometry_per_image: judged.then(|| on_gold as f64 / keypoints.len() as f64),
+        slopes_found,
         by_pair,
     }
 }
@@ -311,7 +339,7 @@ mod tests {
 
     #[test]
     fn methods_are_read_as_they_are_written() {
-        for word in ["gold", "sift-frame", "sift-mean", "sift-merge", "buff-1d", "buff-2d"] {
+        for word in ["gold", "sift-frame", "sift-mean", "sift-merge", "buff-1d", "buff-2d", "buff-auto"] {
             assert_eq!(word.parse::<MatchMethod>().map(MatchMethod::name), Ok(word));
         }
         assert!("surf".parse::<MatchMethod>().expect_err("unknown").contains("give gold, sift-frame"));
@@ -325,7 +353,7 @@ mod tests {
         };
         // Three images of 10, 20 and 0 features.
         let by_pair = vec![pair(10, 20, 8, 6, Some(5)), pair(10, 0, 0, 0, None), pair(20, 0, 0, 0, Some(0))];
-        let row = row(MatchMethod::Gold, &[10, 20, 0], &[(0, 1), (0, 2), (1, 2)], by_pair);
+        let row = row(MatchMethod::Gold, &[10, 20, 0], None, &[(0, 1), (0, 2), (1, 2)], by_pair);
         let counts = &row.counts;
         assert_eq!(
             (counts.keypoints_per_image, counts.putative_per_image, counts.inliers_per_image),

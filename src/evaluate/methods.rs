@@ -1,9 +1,10 @@
-//! The ways from a burst to features that are compared: one frame, two merges, and the burst search over a line and over a plane of slopes.
+//! The ways from a burst to features that are compared: one frame, two merges, and the burst search over a line of slopes, over a plane of them, and over those that it
+//! finds for each burst.
 
 use super::EvaluateError;
-use crate::baseline::{detect, plain_mean};
+use crate::baseline::{Searched, detect, plain_mean, search};
 use crate::burst::Burst;
-use crate::detector::{Detection, DetectorParams, Method, SlopeGrid};
+use crate::detector::{DetectorParams, Method, SearchParams, SlopeChoice, SlopeGrid};
 use crate::monitor::Monitor;
 use serde::Serialize;
 
@@ -23,11 +24,17 @@ pub enum BurstMethod {
     /// The burst search over a plane of slopes.
     #[serde(rename = "buff-2d")]
     Buff2d,
+    /// The burst search over the slopes that are found from each burst.
+    BuffAuto,
 }
 
 impl BurstMethod {
     /// All methods, in the order of tables.
-    pub const ALL: [Self; 5] = [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
+    pub const ALL: [Self; 6] =
+        [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d, Self::BuffAuto];
+    /// Those that find no slopes by themselves, in the same order.
+    pub const WITH_GIVEN_SLOPES: [Self; 5] =
+        [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
 
     /// The word for it on the command line.
     pub fn name(self) -> &'static str {
@@ -37,6 +44,7 @@ impl BurstMethod {
             Self::SiftMerge => "sift-merge",
             Self::Buff1d => "buff-1d",
             Self::Buff2d => "buff-2d",
+            Self::BuffAuto => "buff-auto",
         }
     }
 
@@ -48,6 +56,7 @@ impl BurstMethod {
             Self::SiftMerge => "SIFT, merge",
             Self::Buff1d => "BuFF 1D",
             Self::Buff2d => "BuFF 2D",
+            Self::BuffAuto => "BuFF, slopes found",
         }
     }
 }
@@ -57,7 +66,7 @@ impl std::str::FromStr for BurstMethod {
 
     fn from_str(text: &str) -> Result<Self, String> {
         Self::ALL.into_iter().find(|method| method.name() == text).ok_or_else(|| {
-            format!("'{text}' is not a method; give sift-frame, sift-mean, sift-merge, buff-1d or buff-2d")
+            format!("'{text}' is not a method; give sift-frame, sift-mean, sift-merge, buff-1d, buff-2d or buff-auto")
         })
     }
 }
@@ -71,6 +80,8 @@ pub(super) struct Searches<'a> {
     pub slopes_1d: SlopeGrid,
     /// The slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
+    /// The direction in which slopes are found, degrees from +u towards +v; `None`: anywhere in the plane.
+    pub direction_deg: Option<f32>,
 }
 
 impl Searches<'_> {
@@ -81,6 +92,7 @@ impl Searches<'_> {
             BurstMethod::SiftMerge => (Method::Merge, self.detector.slopes),
             BurstMethod::Buff1d => (Method::Buff, self.slopes_1d),
             BurstMethod::Buff2d => (Method::Buff, self.slopes_2d),
+            BurstMethod::BuffAuto => (Method::Buff, self.detector.slopes),
         };
         DetectorParams { method, slopes, ..self.detector.clone() }
     }
@@ -89,17 +101,24 @@ impl Searches<'_> {
     ///
     /// # Errors
     /// [`EvaluateError::Detector`] for parameters that make no sense, [`EvaluateError::Cancelled`].
-    pub fn detect(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Detection, EvaluateError> {
-        let params = self.params(method);
+    pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched, EvaluateError> {
+        let detector = self.params(method);
+        let slopes = match method {
+            BurstMethod::BuffAuto => SlopeChoice::Auto { direction_deg: self.direction_deg },
+            _ => SlopeChoice::Given,
+        };
+        let params = SearchParams { detector, slopes };
         if method != BurstMethod::SiftMean {
-            return Ok(detect(burst, &params, monitor)?);
+            return Ok(search(burst, &params, monitor)?);
         }
+        let params = params.detector;
         // SIFT uses one frame; the mean is of all those that the burst search would use.
         params.validate_for(burst.len(), burst.size())?;
         let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
         let used = Burst { frames: burst.frames[all].to_vec(), ..burst.clone() };
         let params = DetectorParams { frames: None, ..params };
-        Ok(detect(&plain_mean(&used, monitor)?, &params, monitor)?)
+        let detection = detect(&plain_mean(&used, monitor)?, &params, monitor)?;
+        Ok(Searched { detection, params, finding: None, slopes_secs: 0.0 })
     }
 }
 
@@ -133,8 +152,9 @@ mod tests {
             let frames = frames.map(|f| f.parse().expect("a range"));
             let detector = DetectorParams { frames, ..DetectorParams::default() };
             let line = SlopeGrid::line(-1.0..=1.0, 3);
-            let searches = Searches { detector: &detector, slopes_1d: line, slopes_2d: line };
-            f64::from(searches.detect(method, &burst, &Monitor::default()).expect("detected").frame_noise)
+            let searches = Searches { detector: &detector, slopes_1d: line, slopes_2d: line, direction_deg: None };
+            let found = searches.search(method, &burst, &Monitor::default()).expect("searched");
+            f64::from(found.detection.frame_noise)
         };
         let one = noise(BurstMethod::SiftFrame, None);
         // Ten frames have a √10 lower noise, four of them half of it. The merge keeps a little more of the middle frame's.

@@ -1,5 +1,6 @@
 //! Base64 (RFC 4648), for pictures inside SVG. Fifteen lines, so no library.
 
+use super::png::Picture;
 use std::io::{self, Write};
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -15,6 +16,18 @@ pub(super) fn write_base64(bytes: &[u8], out: &mut impl Write) -> io::Result<()>
         out.write_all(&text)?;
     }
     Ok(())
+}
+
+/// A picture of three bytes a pixel (red, green, blue) as a PNG inside a URL, for figures.
+///
+/// # Panics
+/// When `rgb` are not `width × height × 3`, or the picture is empty: mistakes of the caller.
+pub fn picture_as_data_url(width: usize, height: usize, rgb: &[u8]) -> String {
+    let mut png = Vec::new();
+    Picture::rgb(width, height, rgb).encode_png(&mut png).expect("a picture with pixels is encoded in memory");
+    let mut url = b"data:image/png;base64,".to_vec();
+    write_base64(&png, &mut url).expect("memory can be written");
+    String::from_utf8(url).expect("Base64 is text")
 }
 
 #[cfg(test)]

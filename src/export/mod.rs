@@ -9,26 +9,33 @@ mod colmap;
 mod columns;
 mod csv;
 mod error;
+mod figure;
 mod format;
 mod match_picture;
 mod matches;
 mod npz;
 mod png;
-mod svg;
+mod profile;
 mod tiff;
 
 pub use atomic::{FileWriter, write_whole};
+pub use base64::picture_as_data_url;
+pub use colmap::{ColmapKeypoint, read_colmap, write_colmap, write_colmap_keypoints};
+#[cfg(feature = "colmap")]
 pub use colmap::{
-    ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, read_colmap,
-    write_colmap, write_colmap_database, write_colmap_keypoints,
+    DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
 pub use columns::{COLUMNS, FeatureRow};
 pub use csv::{read_features_csv, write_csv};
 pub use error::ExportError;
+pub use figure::{
+    Colour, ColourBar, Drawing, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke,
+    LegendEntry, lay_out, write_drawing_svg,
+};
 pub use format::{ExportFormat, UnknownFormat, make_file_names_unique, safe_file_name, write_detection};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use matches::{MATCH_COLUMNS, MatchRow, write_matches_csv};
 pub use npz::write_npz;
 pub use png::{Picture, write_png};
-pub use svg::{FigureOptions, LegendEntry, write_svg};
+pub use profile::{PROFILE_COLUMNS, PictureProfile, write_profiles_csv};
 pub use tiff::write_tiff;

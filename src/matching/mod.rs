@@ -7,18 +7,20 @@
 //!
 //! The way of the data: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check) → [`geometry`] (robust estimation,
 //! inliers) → [`counts`] (the numbers of the paper). [`match_detections`] is the composition, [`params`] holds everything that decides its result,
-//! [`camera`] the intrinsics where they are known.
+//! [`camera`] the intrinsics where they are known, [`pairs`] says which images are matched with which.
 
 pub mod camera;
 pub mod counts;
 pub mod geometry;
 pub mod nearest;
+pub mod pairs;
 pub mod params;
 pub mod putative;
 
 pub use camera::{Camera, CameraModel};
 pub use counts::{ImageCounts, MatchCounts};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
+pub use pairs::PairSelection;
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 

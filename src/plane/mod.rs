@@ -9,6 +9,7 @@ pub mod blocks;
 pub mod blur;
 pub mod colour_map;
 pub mod display;
+pub mod profile;
 pub mod rows;
 pub mod sample;
 pub mod statistics;

@@ -22,6 +22,18 @@ pub fn bilinear(plane: &Plane, u: f32, v: f32) -> Option<f32> {
     Some(mix(mix(top[u0], top[u1], fu), mix(bottom[u0], bottom[u1], fu), fv))
 }
 
+/// `a` minus `b`, on the pixels of `a`. Pixel (i, j) of `a` lies at (i, j)·`b_px_per_a_px` of `b`, whose values are taken linearly between its pixels; where `b`
+/// has none the difference is NaN, which is shown in its own colour.
+pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
+    if a.size() == b.size() && b_px_per_a_px == 1.0 {
+        return Plane::from_fn(a.width(), a.height(), |u, v| a.at(u, v) - b.at(u, v));
+    }
+    Plane::from_fn(a.width(), a.height(), |u, v| {
+        let other = bilinear(b, u as f32 * b_px_per_a_px, v as f32 * b_px_per_a_px);
+        a.at(u, v) - other.unwrap_or(f32::NAN)
+    })
+}
+
 /// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side, upright.
 ///
 /// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`: the samples are the centres of `size²`
@@ -54,6 +66,18 @@ mod tests {
 
     fn ramp() -> Plane {
         Plane::from_fn(9, 6, |u, v| 2.0 * u as f32 - 0.5 * v as f32 + 1.0)
+    }
+
+    #[test]
+    fn a_difference_is_taken_at_the_same_places_of_the_image() {
+        let (fine, coarse) = (ramp(), Plane::from_fn(5, 3, |u, v| 4.0 * u as f32 - v as f32 + 1.0));
+        assert!(difference(&fine, &fine, 1.0).data().iter().all(|x| *x == 0.0));
+        // The coarse plane is the same ramp on every other pixel.
+        assert!(difference(&coarse, &fine, 2.0).data().iter().all(|x| x.abs() < 1e-5));
+        let back = difference(&fine, &coarse, 0.5);
+        assert!(back.at(3, 2).abs() < 1e-5);
+        let beside = difference(&fine, &Plane::zeros(4, 4), 1.0);
+        assert!(beside.at(8, 5).is_nan() && !beside.at(3, 3).is_nan());
     }
 
     #[test]

@@ -23,6 +23,7 @@
 mod capture;
 pub mod chart;
 pub mod demo;
+pub mod examples;
 mod folder;
 pub mod layer;
 mod leaves;
@@ -39,6 +40,7 @@ pub mod write;
 
 pub use chart::{ChartParams, synth_chart};
 pub use demo::{demo_burst, demo_truth, later_demo_burst};
+pub use examples::Example;
 pub use noise::Camera;
 pub use noise_case::NoiseCase;
 pub use noisy::{FrameLevels, NoisyExposure, NoisyParams, NoisyTruth, write_noisy};

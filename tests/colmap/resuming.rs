@@ -3,7 +3,8 @@
 use crate::support::{SIZE, export, job, walk};
 use burstscope::Monitor;
 use burstscope::burst::BurstSource;
-use burstscope::dataset::{CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, PairSelection, export_colmap};
+use burstscope::dataset::{CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, export_colmap};
+use burstscope::matching::PairSelection;
 use burstscope::matching::{Camera, Geometry, MatchParams};
 use std::fs;
 use std::path::Path;

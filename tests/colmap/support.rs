@@ -2,10 +2,11 @@
 
 use burstscope::burst::{BurstSource, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use burstscope::dataset::{
-    CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, PairSelection, export_colmap,
+    CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, export_colmap,
 };
 use burstscope::detector::DetectorParams;
 use burstscope::matching::MatchParams;
+use burstscope::matching::PairSelection;
 use burstscope::synth::{SceneParams, synth_scene, write_burst};
 use burstscope::{Monitor, SlopeGrid};
 use std::path::Path;

@@ -262,9 +262,9 @@ fn help_and_version_are_answers_not_errors() {
     }
     // Only commands that exist are offered.
     let commands = run_well(home.path(), &["--help"]);
-    for command in ["detect", "match", "merge", "stack", "synth", "evaluate", "colmap", "render"] {
+    for command in ["detect", "match", "merge", "stack", "slopes", "probe", "synth", "evaluate", "colmap", "render"] {
         assert!(commands.contains(&format!("\n  {command} ")), "{command}");
         run_well(home.path(), &[command, "--help"]);
     }
-    assert!(!commands.contains("\n  probe "));
+    assert!(!commands.contains("\n  figures "));
 }

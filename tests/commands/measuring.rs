@@ -80,7 +80,10 @@ fn wrong_use_says_what_would_be_right() {
         (vec!["evaluate"], "accuracy"),
         (vec!["evaluate", "chart", "--plot", "roc.png"], "name a file that ends in .svg"),
         (vec!["evaluate", "chart", "--method", "sift"], "name them with --methods"),
-        (vec!["evaluate", "chart", "--methods", "surf"], "sift-frame, sift-mean, sift-merge, buff-1d or buff-2d"),
+        (
+            vec!["evaluate", "chart", "--methods", "surf"],
+            "sift-frame, sift-mean, sift-merge, buff-1d, buff-2d or buff-auto",
+        ),
         (vec!["evaluate", "chart", "--snr", "-1"], "--snr"),
         (vec!["evaluate", "chart", "--discs", "9000", "--snr", "1"], "--discs: only"),
         (vec!["evaluate", "chart", "--false-fraction", "2"], "--false-fraction: 2; give a share"),

@@ -108,3 +108,30 @@ fn wrong_use_says_what_would_be_right() {
     assert!(run_badly(home.path(), &SMALL, 1).contains("way"));
     assert_eq!(names(&home.path().join("way")), ["thesis.txt"]);
 }
+
+#[test]
+fn methods_are_compared_on_a_trajectory() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(home.path(), &[&SMALL[..], &["--snr", "1"]].concat());
+    let study = ["evaluate", "matches", "way/bursts", "--gold", "way/gold"];
+    let report: Value =
+        serde_json::from_str(&run_well(home.path(), &[&study[..], &["--json"]].concat())).expect("JSON");
+    let rows = report["methods"].as_array().expect("rows");
+    let methods: Vec<&str> = rows.iter().filter_map(|row| row["method"].as_str()).collect();
+    // Without a range of slopes each burst's are found.
+    assert_eq!(methods, ["gold", "sift-frame", "sift-merge", "buff-auto"]);
+    let found = rows[3]["slopes_found"].as_array().expect("a grid for each burst");
+    assert_eq!(found.len(), 3);
+    assert!(found.iter().all(|grid| grid["u"]["count"].as_u64().is_some_and(|n| n > 1)), "{found:?}");
+    assert!(rows[..3].iter().all(|row| row["slopes_found"].is_null()));
+    let inliers = |row: usize| rows[row]["inliers_per_image"].as_f64().expect("a number");
+    assert!(inliers(3) > 2.0 * inliers(1), "{} and {} of one frame", inliers(3), inliers(1));
+
+    let text = run_well(home.path(), &[&study[..], &["--slopes", "auto", "--methods", "buff-auto"]].concat());
+    assert!(text.contains("slopes found (min:max:count, px/frame)\n  burst_000: u "), "{text}");
+    let text = run_well(home.path(), &[&study[..], &["--slopes-u", "-2:2:5", "--methods", "buff-1d"]].concat());
+    assert!(text.contains("slopes of BuFF 1D u -2:2:5 v 0:0:1") && !text.contains("BuFF 2D"), "{text}");
+    let error =
+        run_badly(home.path(), &[&study[..], &["--slopes", "auto", "--methods", "sift-merge,buff-1d"]].concat(), 2);
+    assert!(error.contains("--slopes: ") && error.contains("buff-auto"), "{error}");
+}

@@ -7,7 +7,7 @@ use burstscope::detector::scale_space::SIGMA_BASE;
 use burstscope::detector::{Detection, Interpolation, Localisation, Slope};
 use burstscope::plane::blur::{GaussianKernel, gaussian_blur};
 use burstscope::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};
-use ndarray::{Array3, Array4, s};
+use ndarray::{Array3, Array4, Axis};
 use std::path::PathBuf;
 
 /// The authors' input: contrast stretched between the bounds, then every pixel doubled.
@@ -70,16 +70,16 @@ fn authors_1d_stages() {
         let ours = motion_stack(&doubled, slope, Interpolation::Nearest, &Monitor::default()).expect("not cancelled");
         // Where a frame does not reach, theirs leaves it out but still divides by N.
         let inner = 16..640 - 16;
-        let values = stacks.slice(s![index, .., ..]);
+        let values = stacks.index_axis(Axis(0), index);
         let inside = values.indexed_iter().filter(|((v, _), _)| inner.contains(v)).map(|((v, u), x)| (u, v, x));
         assert_close("motion stack", &ours, inside, 1e-5);
         // The later stages start from their own stack, so that its border does not matter.
         let theirs = Plane::from_fn(512, 640, |u, v| stacks[[index, v, u]]);
         let levels = authors_levels(&theirs, 3);
-        let values = gauss.slice(s![index, .., ..]);
+        let values = gauss.index_axis(Axis(0), index);
         assert_close("Gaussian", &levels[0], values.indexed_iter().map(|((v, u), x)| (u, v, x)), 1e-5);
         let difference = Plane::from_fn(256, 320, |u, v| levels[2].at(u, v) - levels[1].at(u, v));
-        let values = dog.slice(s![index, .., ..]);
+        let values = dog.index_axis(Axis(0), index);
         assert_close("DoG", &difference, values.indexed_iter().map(|((v, u), x)| (u, v, x)), 1e-5);
     }
 }
@@ -103,7 +103,7 @@ fn authors_2d_stages() {
             let slope = Slope::new(1.25 * (i as f32 - 1.0), 1.25 * (j as f32 - 1.0));
             let ours =
                 motion_stack(&doubled, slope, Interpolation::Linear, &Monitor::default()).expect("not cancelled");
-            let values = stacks.slice(s![i, j, .., ..]);
+            let values = stacks.index_axis(Axis(0), i).index_axis_move(Axis(0), j);
             let inside = values
                 .indexed_iter()
                 .filter(|((v, u), _)| (8..392).contains(v) && (8..392).contains(u))
@@ -111,10 +111,10 @@ fn authors_2d_stages() {
             assert_close("motion stack", &ours, inside, 1e-5);
             let theirs = Plane::from_fn(400, 400, |u, v| stacks[[i, j, v, u]]);
             let levels = authors_levels(&theirs, 3);
-            let values = gauss.slice(s![i, j, .., ..]);
+            let values = gauss.index_axis(Axis(0), i).index_axis_move(Axis(0), j);
             assert_close("Gaussian", &levels[0], values.indexed_iter().map(|((v, u), x)| (u, v, x)), 1e-5);
             let difference = Plane::from_fn(200, 200, |u, v| levels[2].at(u, v) - levels[1].at(u, v));
-            let values = dog.slice(s![i, j, .., ..]);
+            let values = dog.index_axis(Axis(0), i).index_axis_move(Axis(0), j);
             assert_close("DoG", &difference, values.indexed_iter().map(|((v, u), x)| (u, v, x)), 1e-5);
         }
     }

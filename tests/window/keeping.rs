@@ -1,8 +1,14 @@
 //! Saving and loading parameters and sessions, exporting, remembering.
 
 use crate::support::{Start, noisy_stack};
+use burstscope::app::Startup;
+use burstscope::app::canvas::View;
+use burstscope::app::pane::SavedPanes;
 use burstscope::app::settings::Settings;
+use burstscope::app::state::pair::Side;
 use burstscope::detector::{DetectorParams, Slope};
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
 
 #[test]
 fn parameters_are_saved_and_loaded() {
@@ -52,7 +58,7 @@ fn a_session_brings_everything_back() {
     window.run_action("zoom in");
     window.run_action("motion vectors");
     window.settle();
-    let (view, scrub) = (window.app().view, window.app().model.scrub);
+    let (view, scrub) = (window.app().model.focused().view, *window.app().model.hand());
     window.dialogs.will_choose(&file);
     window.run_action("save session");
     window.settle();
@@ -63,12 +69,56 @@ fn a_session_brings_everything_back() {
     other.settle();
     let model = &other.app().model;
     assert_eq!(model.size(), (128, 96));
-    assert_eq!(model.scrub, scrub);
-    assert_eq!(model.scrub.slope, Slope::new(1.25, 0.0));
+    assert_eq!(*model.hand(), scrub);
+    assert_eq!(model.hand().slope, Slope::new(1.25, 0.0));
     assert_eq!(model.features(), features, "the same burst and parameters give the same bits");
     assert_eq!(model.selected, Some(1));
     assert!(!model.look.motion_vectors);
-    assert_eq!(other.app().view.zoom, view.zoom);
+    assert_eq!(other.app().model.focused().view.zoom, view.zoom);
+}
+
+#[test]
+fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("panes.burstscope.toml");
+    let mut window = Start::without_auto_detect().open();
+    window.run_action("later demo burst as b");
+    window.settle();
+    window.click("One burst");
+    window.key(egui::Key::Num9);
+    window.key(egui::Key::S);
+    window.app_mut().model.focused_mut().side = Side::B;
+    window.settle();
+    window.click("Link view of pane 1");
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    let startup = Startup { source: None, session: Some(file), ..Start::without_auto_detect().startup };
+    let mut other = Start { startup, ..Start::default() }.open();
+    other.settle();
+    let saved = |window: &crate::support::Window| {
+        let mut saved = SavedPanes::of(&window.app().model.panes);
+        // What a fitted view calls its middle is found anew.
+        saved.panes.iter_mut().for_each(|pane| pane.view = View::default());
+        saved
+    };
+    assert_eq!(saved(&other), saved(&window));
+    let model = &other.app().model;
+    let sides: Vec<Side> = model.panes.shown().iter().map(|id| model.panes.get(*id).unwrap().side).collect();
+    assert_eq!(sides.iter().filter(|side| **side == Side::B).count(), 1);
+    assert!(model.pictures_are_current() && model.burst_of(Side::B).is_some());
+}
+
+#[test]
+fn a_session_of_a_newer_version_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("new.burstscope.toml");
+    std::fs::write(&file, "version = 77\nburst = \"demo\"\nsomething_new = true\n").unwrap();
+    let mut window = Start::without_auto_detect().open();
+    window.dialogs.will_choose(&file);
+    window.run_action("open session");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows("version 77") && window.shows("open it with a newer Burstscope"));
 }
 
 #[test]
@@ -114,12 +164,50 @@ fn features_pictures_and_figures_are_exported() {
     let colmap = std::fs::read_to_string(folder.path().join("f.txt")).unwrap();
     assert!(colmap.starts_with(&format!("{count} 128\n")));
     let tiff = burstscope::Burst::open(folder.path().join("p.tiff")).unwrap();
-    assert_eq!(tiff.frames[0].data(), window.app().model.picture.as_ref().unwrap().plane.data());
+    assert_eq!(tiff.frames[0].data(), window.app().model.picture().unwrap().plane.data());
     let png = burstscope::Burst::open(folder.path().join("p.png")).unwrap();
     assert_eq!(png.size(), (480, 360));
     let svg = std::fs::read_to_string(folder.path().join("p.svg")).unwrap();
-    let circles = svg.matches("<circle").count();
-    assert!(circles >= count, "{circles} circles for {count} features");
+    assert_eq!(svg.matches("<circle").count(), count, "a circle for each feature");
+    assert!(svg.contains("px/frame") && svg.contains("of full scale") && svg.contains("50 px"));
+}
+
+#[test]
+fn figures_show_what_the_panes_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let (svg, png) = (folder.path().join("f.svg"), folder.path().join("f.png"));
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    window.key(egui::Key::Num6);
+    window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
+    window.settle();
+    let listed = window.app().model.listed.len();
+    assert!(listed > 0 && listed < window.app().model.features().len());
+    // Zoomed in, so that a part of the picture is seen.
+    window.run_action("zoom in");
+    window.run_action("zoom in");
+    window.settle();
+    window.run_action("figure options");
+    window.harness.get_by_role_and_label(Role::SpinButton, "Scale").set_value_accesskit(3.0);
+    window.harness.get_by_role_and_label(Role::CheckBox, "Colour bar").click();
+    window.harness.run_steps(2);
+    window.dialogs.will_choose(&svg);
+    window.click("Export SVG…");
+    window.settle();
+    let text = std::fs::read_to_string(&svg).unwrap();
+    assert_eq!(text.matches("<image").count(), 2);
+    assert_eq!(text.matches("<circle").count(), 2 * listed, "the filter holds in both pictures");
+    assert!(text.contains("(a)  Frame 5") && text.contains("(b)  Motion stack") && !text.contains("of full scale"));
+    window.dialogs.will_choose(&png);
+    window.run_action("export figure as png");
+    window.settle();
+    let image = image::open(&png).unwrap().to_rgb8();
+    let model = &window.app().model;
+    let seen = window.app().widgets.get(model.focus()).unwrap().picture.visible_image.unwrap();
+    // Two pictures of what is seen, three pixels for each of theirs, and what is around them.
+    let wide = 2.0 * 3.0 * seen.width();
+    assert!((wide..wide + 60.0).contains(&(image.width() as f32)), "{} {wide}", image.width());
+    let coloured = image.pixels().filter(|p| p.0.iter().max().unwrap() - p.0.iter().min().unwrap() > 60).count();
+    assert!(coloured > 500, "{coloured} pixels of features");
 }
 
 #[test]

@@ -89,7 +89,7 @@ fn plane_of_slopes() {
     let mut start = Start { size: [1280.0, 720.0], ..Start::default() };
     start.startup.params.detector.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
     let mut window = start.open();
-    window.app_mut().model.scrub.slope = Slope::new(1.6, -1.2);
+    window.app_mut().model.focused_mut().cursor.slope = Slope::new(1.6, -1.2);
     window.snapshot("plane_of_slopes");
 }
 
@@ -115,9 +115,9 @@ fn open_pair(size: [f32; 2]) -> Window {
     let mut window = start.open();
     // The range of values is that of the picture that came first, which may be one before or after A's slope was found.
     let model = &mut window.app_mut().model;
-    let picture = model.picture.clone().expect("A is on show");
-    model.look.forget_ranges();
-    model.look.fix_range_once(&picture);
+    let picture = model.picture().cloned().expect("A is on show");
+    model.look.ranges.forget();
+    model.look.ranges.fix_once(&picture);
     window
 }
 

@@ -11,7 +11,11 @@ fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
     let model = &window.app().model;
     assert_eq!(model.frame_count(), 10);
     assert!(model.features().len() > 5, "{}", model.features().len());
-    assert!(model.scrub.slope.magnitude() > 0.5, "the slope with the most features is shown: {:?}", model.scrub.slope);
+    assert!(
+        model.hand().slope.magnitude() > 0.5,
+        "the slope with the most features is shown: {:?}",
+        model.hand().slope
+    );
     assert!(window.shows("features in"));
     assert!(window.shows("10 frames"));
 }
@@ -45,13 +49,13 @@ fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     std::fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
     let mut window = Start::without_auto_detect().open();
     let before = window.app().model.burst.as_ref().unwrap().id;
-    let plane = window.app().model.picture.clone().unwrap().plane;
+    let plane = window.app().model.picture().cloned().unwrap().plane;
     window.dialogs.will_choose(&path);
     window.click("Open…");
     window.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(window.shows("broken-frame.png"));
     assert_eq!(window.app().model.burst.as_ref().unwrap().id, before);
-    assert_eq!(window.app().model.picture.as_ref().unwrap().plane, plane);
+    assert_eq!(window.app().model.picture().unwrap().plane, plane);
     window.click("Dismiss: Open");
     assert!(!window.shows("broken-frame.png"));
 }
@@ -88,4 +92,21 @@ pub fn type_path(window: &mut crate::support::Window, text: &str) {
     field.type_text(text);
     window.harness.run_steps(2);
     window.key(egui::Key::Enter);
+}
+
+#[test]
+fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
+    use burstscope::synth::Example;
+    for example in Example::ALL {
+        let mut window = Start::without_auto_detect().open();
+        window.run_action(example.label());
+        window.settle();
+        let source = BurstSource::Example(example);
+        assert_eq!(window.app().model.burst.as_ref().map(|open| &open.source), Some(&source));
+        assert_eq!(window.app().model.frame_count(), burstscope::synth::examples::EXAMPLE_FRAMES);
+        assert!(window.shows(example.name()), "the status line names it");
+        let text = toml::to_string(&std::collections::BTreeMap::from([("source", &source)])).expect("TOML");
+        let read: std::collections::BTreeMap<String, BurstSource> = toml::from_str(&text).expect("the same");
+        assert_eq!(read["source"], source);
+    }
 }

@@ -23,8 +23,8 @@ fn pair() -> Window {
 fn middle_of(window: &Window, index: usize) -> egui::Pos2 {
     let app = window.app();
     let row = app.model.pair.matches.as_ref().unwrap().row(index).unwrap();
-    let a = app.ui_from_image(egui::pos2(row.a.u, row.a.v)).unwrap();
-    let b = app.pair_panels.ui_from_image_b().unwrap().pos(egui::pos2(row.b.u, row.b.v));
+    let a = app.ui_from_image_of(Side::A, egui::pos2(row.a.u, row.a.v)).unwrap();
+    let b = app.ui_from_image_of(Side::B, egui::pos2(row.b.u, row.b.v)).unwrap();
     a + 0.5 * (b - a)
 }
 
@@ -90,7 +90,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     window.settle();
     let model = &window.app().model;
     let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
-    assert_eq!((model.scrub.slope, model.pair.b.scrub.slope), (row.a.slope, row.b.slope));
+    assert_eq!((model.hand_of(Side::A).slope, model.hand_of(Side::B).slope), (row.a.slope, row.b.slope));
     window.key(Key::Escape);
     assert_eq!(window.app().model.pair.selected, None);
 }
@@ -165,7 +165,7 @@ fn hands_move_together_or_each_its_own() {
     window.settle();
     assert_eq!(slopes(&window), [1.25, -0.5]);
     assert_eq!(Side::BOTH.map(|side| window.app().model.hand_of(side).kind), [ViewKind::Stack, ViewKind::Dog]);
-    assert!(window.app().model.second_picture_is_current());
+    assert!(window.app().model.pictures_are_current());
     assert!(window.shows("slope (1.25, 0.00) px/frame") && window.shows("slope (-0.50, 0.00) px/frame"));
     window.key(Key::T);
     window.key(Key::K);
@@ -178,7 +178,7 @@ fn both_pictures_zoom_and_pan_together_when_asked() {
     let mut window = pair();
     let views = |window: &Window| {
         let app = window.app();
-        [app.view, app.pair_panels.view_b].map(|view| (view.zoom, view.centre_image))
+        Side::BOTH.map(|side| app.model.panes.of(side).view).map(|view| (view.zoom, view.centre_image))
     };
     // Zooms as the wheel does, at a place of A.
     let pos = window.app().ui_from_image(egui::pos2(120.0, 90.0)).unwrap();
@@ -259,7 +259,7 @@ fn a_session_brings_the_pair_back() {
     assert_eq!(model.room, Room::Pair);
     assert_eq!(model.burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
     assert_eq!(model.pair.params.ratio, 0.7);
-    assert_eq!(model.pair.b.scrub.slope, Slope::new(0.75, 0.0));
+    assert_eq!(model.hand_of(Side::B).slope, Slope::new(0.75, 0.0));
     assert_eq!((model.pair.active, model.pair.links.hands), (Side::B, false));
     assert_eq!(model.pair.saved_match(), Some(saved), "the same match is selected");
 }

@@ -59,7 +59,7 @@ fn presets_give_ranges_and_reset_all_finds_them() {
 fn sessions_keep_the_switch_and_older_ones_their_ranges() {
     let mut window = Start::automatic().open();
     let model = &window.app().model;
-    let session = Session::of(model, Default::default(), Default::default()).unwrap();
+    let session = Session::of(model).unwrap();
     let text = session.to_toml();
     assert!(text.contains("slopes = \"auto\""), "{text}");
     let mut restored = Start::without_auto_detect().open();

@@ -219,6 +219,17 @@ impl Window {
     /// Compares the window with the picture of this name.
     pub fn snapshot(&mut self, name: &str) {
         self.harness.remove_cursor();
+        self.compare(name);
+    }
+
+    /// The same with the pointer at a place of the window.
+    pub fn snapshot_with_pointer(&mut self, name: &str, pos: egui::Pos2) {
+        self.harness.hover_at(pos);
+        self.harness.run_steps(30);
+        self.compare(name);
+    }
+
+    fn compare(&mut self, name: &str) {
         self.settle();
         // Of the answers for two bursts, or for several methods, which comes last differs from run to run.
         if matches!(self.app().model.room, Room::Pair | Room::Methods) {

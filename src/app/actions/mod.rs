@@ -69,6 +69,8 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
         with_keys.sort_by_key(|(_, s)| {
             std::cmp::Reverse(u8::from(s.modifiers.shift) + u8::from(s.modifiers.command) + u8::from(s.modifiers.alt))
         });
+        let opens =
+            |id: ActionId| id.action().label.ends_with('…') || matches!(id, ActionId::Shortcuts | ActionId::About);
         for (id, shortcut) in with_keys {
             let plain = !shortcut.modifiers.command && !shortcut.modifiers.alt;
             if (plain && typing) || !enabled(id, model) {
@@ -77,6 +79,10 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
             // A key that repeats faster than the window draws is pressed several times in one pass.
             let presses = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
             queue.extend(std::iter::repeat_n(id, presses));
+        }
+        // Keys that come in the same pass as the one that opens a dialog are meant for the dialog.
+        if let Some(opener) = queue.iter().copied().find(|id| opens(*id)) {
+            *queue = vec![opener];
         }
     });
 }

@@ -7,8 +7,12 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 pub enum Menu {
     /// Opening, keeping, exporting.
     File,
+    /// Taking steps back, and the clipboard.
+    Edit,
     /// What is shown and how.
     View,
+    /// Panes: how many, and what they show together.
+    Panes,
     /// Moving through frames, slopes and scales.
     Scrub,
     /// The detector and its parameters.
@@ -25,14 +29,26 @@ pub enum Menu {
 
 impl Menu {
     /// All menus.
-    pub const ALL: [Self; 8] =
-        [Self::File, Self::View, Self::Scrub, Self::Detect, Self::Features, Self::Pair, Self::Dataset, Self::Help];
+    pub const ALL: [Self; 10] = [
+        Self::File,
+        Self::Edit,
+        Self::View,
+        Self::Panes,
+        Self::Scrub,
+        Self::Detect,
+        Self::Features,
+        Self::Pair,
+        Self::Dataset,
+        Self::Help,
+    ];
 
     /// Its name.
     pub fn label(self) -> &'static str {
         match self {
             Self::File => "File",
+            Self::Edit => "Edit",
             Self::View => "View",
+            Self::Panes => "Panes",
             Self::Scrub => "Scrub",
             Self::Detect => "Detection",
             Self::Features => "Features",
@@ -68,6 +84,7 @@ impl ActionId {
 }
 
 const NONE: Modifiers = Modifiers::NONE;
+const SHIFT: Modifiers = Modifiers::SHIFT;
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
@@ -110,10 +127,21 @@ actions! {
     ExportNpz, File 3, "Export features as NPZ…", [], "Write features and descriptors as NumPy arrays";
     ExportTiff, File 4, "Export picture as 32-bit TIFF…", [], "Write the picture's values as they are";
     ExportPng, File 4, "Export picture as PNG…", [CTRL_SHIFT E], "Write the picture as it is shown, in its range and colours";
-    ExportSvg, File 4, "Export figure as SVG…", [], "Write the picture with the features over it as vectors, for papers";
+    ExportSvg, File 4, "Export figure as SVG…", [], "Write what the panes show, with everything over them as vectors, for papers";
+    ExportFigurePng, File 4, "Export figure as PNG…", [], "Write what the panes show, with everything over them, as pixels at any scale";
+    FigureOptions, File 4, "Figure options…", [], "Choose what figures show: panes, part of the picture, legend, colour bar, scale bar, lines";
+    ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line, of all linked panes";
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
     ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";
     Quit, File 6, "Quit", [CTRL Q], "Close the window";
+
+    Undo, Edit 0, "Undo", [CTRL Z], "Take back the last change of a parameter or a slope";
+    Redo, Edit 0, "Redo", [CTRL_SHIFT Z], "Make the change again that was taken back";
+    CopyRow, Edit 1, "Copy row or value", [], "Copy the selected feature or match, or else the value under the pointer (also Ctrl+C)";
+    CopyPicture, Edit 1, "Copy picture", [], "Copy the picture in focus as it is shown, in its range and colours";
+    MeasureLine, Edit 2, "Line profile", [NONE Q], "Let the pointer draw a line: the values along it, in all linked panes";
+    MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Let the pointer draw a rectangle: mean, deviation, range and noise in it";
+    ClearMeasure, Edit 2, "Clear line and region", [], "Forget the line and the rectangle, and let the pointer pan again";
 
     RoomBurst, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
     RoomPair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
@@ -123,6 +151,7 @@ actions! {
     ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
+    ShowMerge, View 1, "Show merged frames", [NONE Num4], "Show the frames aligned tile by tile and merged into one image";
     Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
@@ -139,6 +168,23 @@ actions! {
     ThemeSystem, View 5, "Theme as the system", [], "Follow the system's light or dark theme";
     ThemeLight, View 5, "Light theme", [], "Dark text on a light ground";
     ThemeDark, View 5, "Dark theme", [], "Light text on a dark ground";
+
+    SplitRight, Panes 0, "Split right", [NONE S], "Open a second pane on the right of the one in focus";
+    SplitDown, Panes 0, "Split down", [SHIFT S], "Open a second pane below the one in focus";
+    ClosePane, Panes 0, "Close pane", [CTRL W], "Close the pane in focus";
+    NextPane, Panes 0, "Next pane", [NONE J], "Let sliders and keys move the next pane";
+    PreviousPane, Panes 0, "Previous pane", [SHIFT J], "Let sliders and keys move the previous pane";
+    LayoutSingle, Panes 1, "Layout: single pane", [NONE Num5], "Show the pane in focus alone";
+    LayoutFrameAndStack, Panes 1, "Layout: frame and motion stack", [NONE Num6], "Show one frame beside the motion stack";
+    LayoutTwoSlopes, Panes 1, "Layout: two slopes", [NONE Num7], "Show the slope beside the grid's next one, each moved on its own";
+    LayoutThreeSlopes, Panes 1, "Layout: strip of 3 slopes", [], "Show three neighbouring slopes of the grid, which move together";
+    LayoutFiveSlopes, Panes 1, "Layout: strip of 5 slopes", [NONE Num8], "Show five neighbouring slopes of the grid, which move together";
+    LayoutSevenSlopes, Panes 1, "Layout: strip of 7 slopes", [], "Show seven neighbouring slopes of the grid, which move together";
+    LayoutNineSlopes, Panes 1, "Layout: strip of 9 slopes", [], "Show nine neighbouring slopes of the grid, which move together";
+    LayoutScales, Panes 1, "Layout: strip of scales", [], "Show the DoG responses of all levels of the octave";
+    LayoutTwoByTwo, Panes 1, "Layout: 2 × 2", [NONE Num9], "Show frame, motion stack, DoG response and merged frames of the same place";
+    NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one as a wipe, a flip or not at all; of methods: panes, a wipe, a flip, rows of matches";
+    Flip, Panes 2, "Flip", [NONE Y], "Show the other of two pictures in the same place";
 
     SlopeULess, Scrub 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis";
     SlopeUMore, Scrub 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis";
@@ -161,8 +207,6 @@ actions! {
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame";
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search 7 × 7 slopes over ±3 px/frame in both directions";
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline";
-    NextLayout, Detect 2, "Next layout of methods", [NONE W], "Lay the methods out as panes, a wipe, a flip or rows of matches in turn";
-    Flip, Detect 2, "Flip", [NONE Y], "Show the other of two methods in the same place";
     CompareAgain, Detect 2, "Compare again", [], "Run the methods again that failed or were cancelled";
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light";
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light";
@@ -211,7 +255,9 @@ actions! {
 
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show all actions with their keys";
-    About, Help 0, "About Burstscope", [], "What this is and which version";
+    OpenAliasing, Help 1, "Example: aliasing", [], "Open a burst of garlands that repeat themselves every 8 px: slopes 8 px/frame apart look alike";
+    OpenLowContrast, Help 1, "Example: low contrast", [], "Open a burst of discs of falling contrast: the noise gate takes those that the noise could have made";
+    About, Help 2, "About Burstscope", [], "What this is and which version";
 }
 
 /// A second pair of keys for the command palette, as other programs have it.
@@ -250,7 +296,11 @@ mod tests {
             let asks =
                 ["Open ", "Save ", "Load ", "Export ", "Choose ", "Cut "].iter().any(|p| action.label.starts_with(p))
                     && action.id != ActionId::OpenDemo;
-            let asks = asks || matches!(action.id, ActionId::Palette | ActionId::OpenGoldA | ActionId::OpenGoldB);
+            let asks = asks
+                || matches!(
+                    action.id,
+                    ActionId::Palette | ActionId::OpenGoldA | ActionId::OpenGoldB | ActionId::FigureOptions
+                );
             assert_eq!(action.label.ends_with('…'), asks, "{}", action.label);
         }
     }

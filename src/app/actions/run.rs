@@ -3,7 +3,11 @@
 use super::ActionId;
 use crate::app::canvas::View;
 use crate::app::canvas::overlay::ColourBy;
+use crate::app::clipboard;
 use crate::app::dialogs::{ExportKind, Purpose};
+use crate::app::inspector::Change;
+use crate::app::measure::Tool;
+use crate::app::pane::{Content, Direction, Link, Preset};
 use crate::app::state::Model;
 use crate::app::state::pair::Side;
 use crate::app::state::room::Room;
@@ -11,6 +15,7 @@ use crate::app::state::scrub::{ViewKind, play_step_of, snapped, stepped};
 use crate::app::window::BurstscopeApp;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::BurstSource;
+use crate::synth::Example;
 
 impl BurstscopeApp {
     /// Does an action, as if it had been chosen from a menu. One that cannot be done now does nothing.
@@ -25,6 +30,8 @@ impl BurstscopeApp {
             A::OpenDataset => self.ask(Purpose::OpenDataset),
             A::OpenPath => self.open_path_field(Purpose::OpenPath, false),
             A::OpenDemo => self.open(BurstSource::Demo),
+            A::OpenAliasing => self.open(BurstSource::Example(Example::Aliasing)),
+            A::OpenLowContrast => self.open(BurstSource::Example(Example::LowContrast)),
             A::RestoreSession => self.ask(Purpose::RestoreSession),
             A::SaveSession => self.ask(Purpose::SaveSession),
             A::LoadParams => self.ask(Purpose::LoadParams),
@@ -35,6 +42,8 @@ impl BurstscopeApp {
             A::ExportTiff => self.ask(Purpose::Export(ExportKind::Tiff)),
             A::ExportPng => self.ask(Purpose::Export(ExportKind::Png)),
             A::ExportSvg => self.ask(Purpose::Export(ExportKind::Svg)),
+            A::ExportFigurePng => self.ask(Purpose::Export(ExportKind::FigurePng)),
+            A::FigureOptions => self.overlays.figure_open = true,
             A::ExportMatches => self.ask(Purpose::Export(ExportKind::Matches)),
             A::ExportMatchPicture => self.ask(Purpose::Export(ExportKind::MatchPicture)),
             A::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
@@ -44,8 +53,8 @@ impl BurstscopeApp {
             A::ZoomOut => self.change_views(|view| view.zoom_by(0.8)),
             A::Play => {
                 self.model.playing = !self.model.playing;
-                self.play_step = play_step_of(&self.model.usable_params.slopes, self.model.hand().slope);
-                self.play_due = None;
+                self.play.step = play_step_of(&self.model.hand_params().slopes, self.model.hand().slope);
+                self.play.due = None;
             }
             A::Detect => {
                 self.start_detection();
@@ -81,22 +90,61 @@ impl BurstscopeApp {
             A::CloseB => self.close_second(),
             A::SwapSides => self.swap_sides(),
             A::Match => self.start_matching(),
-            A::Palette => self.palette.open(),
-            A::Shortcuts => self.sheet_open = !self.sheet_open,
-            A::About => self.about_open = true,
+            A::SplitRight => self.change_panes(Change::Split(self.model.focus(), Direction::Right)),
+            A::SplitDown => self.change_panes(Change::Split(self.model.focus(), Direction::Down)),
+            A::ClosePane => self.change_panes(Change::Close(self.model.focus())),
+            A::LayoutSingle => self.lay_out(Preset::Single),
+            A::LayoutFrameAndStack => self.lay_out(Preset::FrameAndStack),
+            A::LayoutTwoSlopes => self.lay_out(Preset::TwoSlopes),
+            A::LayoutThreeSlopes => self.lay_out(Preset::Slopes(3)),
+            A::LayoutFiveSlopes => self.lay_out(Preset::Slopes(5)),
+            A::LayoutSevenSlopes => self.lay_out(Preset::Slopes(7)),
+            A::LayoutNineSlopes => self.lay_out(Preset::Slopes(9)),
+            A::LayoutScales => self.lay_out(Preset::Scales),
+            A::LayoutTwoByTwo => self.lay_out(Preset::TwoByTwo),
+            A::Undo | A::Redo => {
+                let mut history = std::mem::take(&mut self.model.history);
+                if id == A::Undo {
+                    history.undo(&mut self.model);
+                } else {
+                    history.redo(&mut self.model);
+                }
+                self.model.history = history;
+                // Every pane goes to where it was, and none follows another.
+                (self.hands_set, self.history_set) = (true, true);
+            }
+            A::CopyRow => self.copy_row(ctx),
+            A::CopyPicture => {
+                if let Some(image) = clipboard::picture_of(&self.model, self.model.focus()) {
+                    ctx.copy_image(image);
+                    self.model.messages.note("Copied the picture");
+                }
+            }
+            A::ExportProfile => self.ask(Purpose::Export(ExportKind::Profile)),
+            A::Palette => self.overlays.palette.open(),
+            A::Shortcuts => self.overlays.sheet_open = !self.overlays.sheet_open,
+            A::About => self.overlays.about_open = true,
             _ => change_model(&mut self.model, id),
         }
     }
 
-    /// Changes the view of the picture; with two bursts that of the one that the hand moves, and of the other where they zoom together.
+    /// Lays out a preset, made from the pane in focus.
+    fn lay_out(&mut self, preset: Preset) {
+        self.change_panes(Change::LayOut(self.model.focus(), preset));
+    }
+
+    /// Changes the view of the pane in focus, and of those that are linked to it.
     fn change_views(&mut self, change: impl Fn(&mut View)) {
-        let (side, linked) = (self.model.active_side(), self.model.pair.links.views);
-        let both = linked && self.model.room == Room::Pair;
-        if both || side == Side::A {
-            change(&mut self.view);
-        }
-        if both || side == Side::B {
-            change(&mut self.pair_panels.view_b);
+        let linked = match self.model.room {
+            Room::Pair | Room::Methods if self.model.pair.links.views => self.model.visible_panes(),
+            Room::Burst if self.model.focused().links.has(Link::View) => self.model.visible_panes(),
+            _ => Vec::new(),
+        };
+        let (focus, in_burst) = (self.model.focus(), self.model.room == Room::Burst);
+        for (id, pane) in self.model.panes.iter_mut() {
+            if id == focus || (linked.contains(&id) && (!in_burst || pane.links.has(Link::View))) {
+                change(&mut pane.view);
+            }
         }
     }
 }
@@ -110,6 +158,14 @@ fn change_model(model: &mut Model, id: ActionId) {
         A::RoomMatches => model.room = Room::Matches,
         A::RoomTrajectories => model.room = Room::Trajectories,
         A::RoomMethods => model.room = Room::Methods,
+        A::MeasureLine => model.measure.toggle(Tool::Line),
+        A::MeasureRegion => model.measure.toggle(Tool::Region),
+        A::ClearMeasure => model.measure.clear(),
+        A::ClearSelection if model.measure.tool != Tool::Pan => model.measure.toggle(model.measure.tool),
+        A::NextPane => model.panes.focus_next(true),
+        A::PreviousPane => model.panes.focus_next(false),
+        A::NextLayout if model.room == Room::Burst => model.panes.next_over(),
+        A::Flip if model.room == Room::Burst => model.panes.flip(),
         A::NextLayout => model.compare.look.layout = model.compare.look.layout.next(),
         A::Flip => model.compare.look.flipped ^= true,
         A::CompareAgain => model.compare.forget_failures(),
@@ -159,70 +215,59 @@ fn change_model(model: &mut Model, id: ActionId) {
         }
         A::LinkViews => model.pair.links.views ^= true,
         A::LinkRanges => {
-            model.pair.links.ranges ^= true;
-            model.pair.b.look = model.look.clone();
+            model.link_ranges(!model.ranges_are_linked());
         }
         A::ResetMatching => model.pair.params = Default::default(),
         A::ToggleInliers => model.pair.look.inliers ^= true,
         A::ToggleOutliers => model.pair.look.outliers ^= true,
         A::ToggleAlone => model.pair.look.alone ^= true,
         A::ToggleEpipolar => model.pair.look.geometry ^= true,
-        _ => {
-            let side = model.active_side();
-            model.on_side(side, |model| move_hand(model, id));
-        }
+        _ => move_hand(model, id),
     }
 }
 
-/// The actions that move the hand.
+/// The actions that move the hand: the cursor of the pane in focus.
 fn move_hand(model: &mut Model, id: ActionId) {
     use ActionId as A;
-    let grid = model.usable_params.slopes;
-    let scrub = &mut model.scrub;
+    let grid = model.hand_params().slopes;
+    let slope = model.hand().slope;
     let slope = match id {
-        A::SlopeULess => Some(stepped(&grid, scrub.slope, false, false)),
-        A::SlopeUMore => Some(stepped(&grid, scrub.slope, false, true)),
-        A::SlopeVLess => Some(stepped(&grid, scrub.slope, true, false)),
-        A::SlopeVMore => Some(stepped(&grid, scrub.slope, true, true)),
+        A::SlopeULess => Some(stepped(&grid, slope, false, false)),
+        A::SlopeUMore => Some(stepped(&grid, slope, false, true)),
+        A::SlopeVLess => Some(stepped(&grid, slope, true, false)),
+        A::SlopeVMore => Some(stepped(&grid, slope, true, true)),
         A::SlopeZero => Some(Slope::default()),
-        A::SnapSlope => Some(snapped(&grid, scrub.slope)),
+        A::SnapSlope => Some(snapped(&grid, slope)),
         _ => None,
     };
     if let Some(slope) = slope {
-        scrub.slope = slope;
-        (model.slope_chosen, model.playing) = (true, false);
+        model.playing = false;
+        let pane = model.focused_mut();
+        pane.cursor.slope = slope;
+        pane.show_slope();
     }
+    if id == A::BusiestSlope {
+        model.playing = false;
+        model.go_to_busiest_slope(model.focus());
+        model.focused_mut().show_slope();
+    }
+    let pane = model.focused_mut();
+    let cursor = &mut pane.cursor;
     match id {
-        A::ShowFrame => model.show_kind(ViewKind::Frame),
-        A::ShowStack => model.show_kind(ViewKind::Stack),
-        A::ShowDog => model.show_kind(ViewKind::Dog),
-        A::BusiestSlope => {
-            model.go_to_busiest_slope();
-            (model.slope_chosen, model.playing) = (true, false);
-        }
-        A::FramePrevious => model.scrub.frame = model.scrub.frame.saturating_sub(1),
-        A::FrameNext => model.scrub.frame += 1,
-        A::OctaveFiner => model.scrub.octave -= 1,
-        A::OctaveCoarser => model.scrub.octave += 1,
-        A::LevelDown => model.scrub.level -= 1,
-        A::LevelUp => model.scrub.level += 1,
+        A::FramePrevious => cursor.frame = cursor.frame.saturating_sub(1),
+        A::FrameNext => cursor.frame += 1,
+        A::OctaveFiner => cursor.octave -= 1,
+        A::OctaveCoarser => cursor.octave += 1,
+        A::LevelDown => cursor.level -= 1,
+        A::LevelUp => cursor.level += 1,
         _ => {}
     }
     // A key that moves through frames or scales is meant to be seen.
     match id {
-        A::FramePrevious | A::FrameNext => model.scrub.kind = ViewKind::Frame,
-        A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => model.scrub.kind = ViewKind::Dog,
-        A::SlopeULess
-        | A::SlopeUMore
-        | A::SlopeVLess
-        | A::SlopeVMore
-        | A::SlopeZero
-        | A::SnapSlope
-        | A::BusiestSlope
-            if model.scrub.kind == ViewKind::Frame =>
-        {
-            model.scrub.kind = ViewKind::Stack;
-        }
+        A::ShowFrame | A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
+        A::ShowStack => pane.show(ViewKind::Stack),
+        A::ShowDog | A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show(ViewKind::Dog),
+        A::ShowMerge => pane.content = Content::Merge,
         _ => {}
     }
     model.check_params();

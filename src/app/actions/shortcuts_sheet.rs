@@ -21,9 +21,9 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
             });
         });
         ui.separator();
-        egui::ScrollArea::vertical().max_height(room.y - 130.0).min_scrolled_height(room.y - 130.0).show(ui, |ui| {
+        egui::ScrollArea::vertical().max_height(room.y - 110.0).min_scrolled_height(room.y - 110.0).show(ui, |ui| {
             ui.spacing_mut().item_spacing = egui::vec2(24.0, 1.0);
-            ui.spacing_mut().interact_size.y = 18.0;
+            ui.spacing_mut().interact_size.y = 16.0;
             // In a narrow window two columns stand below the two others.
             let beside = if room.x > 1150.0 { COLUMNS.len() } else { COLUMNS.len() / 2 };
             ui.columns(beside, |columns| {
@@ -42,14 +42,14 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
 
 /// Which menus go into which column: about the same number of rows in each.
 const COLUMNS: [&[Menu]; 4] = [
-    &[Menu::File, Menu::Help],
-    &[Menu::View, Menu::Features],
-    &[Menu::Scrub, Menu::Detect, Menu::Dataset],
-    &[Menu::Pair],
+    &[Menu::File, Menu::Scrub],
+    &[Menu::View, Menu::Detect],
+    &[Menu::Panes, Menu::Pair],
+    &[Menu::Edit, Menu::Dataset, Menu::Features, Menu::Help],
 ];
 
 fn menu_ui(ui: &mut egui::Ui, menu: Menu) {
-    ui.add_space(4.0);
+    ui.add_space(2.0);
     ui.label(RichText::new(menu.label()).strong());
     for action in ACTIONS.iter().filter(|a| a.menu == menu) {
         ui.horizontal(|ui| {
@@ -61,7 +61,7 @@ fn menu_ui(ui: &mut egui::Ui, menu: Menu) {
             });
         });
     }
-    ui.add_space(6.0);
+    ui.add_space(4.0);
 }
 
 fn key_ui(ui: &mut egui::Ui, keys: &str) {

@@ -1,8 +1,11 @@
 //! Which actions can be done now, and which of the switches are on.
 
 use super::registry::ActionId;
+use crate::app::measure::Tool;
+use crate::app::pane::{Content, MAX_PANES, Over};
 use crate::app::state::Model;
 use crate::app::state::compare::Layout;
+use crate::app::state::pair::Side;
 use crate::app::state::room::Room;
 use crate::app::state::scrub::ViewKind;
 use crate::detector::{Method, SearchParams};
@@ -15,12 +18,35 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     let has_burst = model.burst.is_some();
     let in_pair = model.room == Room::Pair;
     let in_methods = model.room == Room::Methods;
+    let (in_inspect, many_panes) = (model.room == Room::Burst, model.panes.are_many());
     let has_second = model.pair.b.burst.is_some();
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
         A::GoToFeature | A::ClearSelection if in_pair => model.pair.selected.is_some(),
+        A::Undo => model.history.can_undo(),
+        A::Redo => model.history.can_redo(),
+        A::CopyRow => has_burst,
+        A::CopyPicture => model.picture().is_some(),
+        A::MeasureLine | A::MeasureRegion => has_burst && in_inspect,
+        A::ClearMeasure => !model.measure.is_empty(),
+        A::ExportProfile => model.measure.line.is_some() && in_inspect,
+        A::ClearSelection if in_inspect && model.measure.tool != Tool::Pan => true,
+        A::NextLayout if in_inspect => many_panes,
         A::NextLayout => in_methods,
+        A::Flip if in_inspect => matches!(model.focused().over, Some(Over::Flip { .. })),
         A::Flip => in_methods && model.compare.look.layout == Layout::Flip,
+        A::SplitRight | A::SplitDown => has_burst && in_inspect && model.panes.shown().len() < MAX_PANES,
+        A::ClosePane | A::NextPane | A::PreviousPane => has_burst && in_inspect && many_panes,
+        A::LayoutSingle
+        | A::LayoutFrameAndStack
+        | A::LayoutTwoSlopes
+        | A::LayoutThreeSlopes
+        | A::LayoutFiveSlopes
+        | A::LayoutSevenSlopes
+        | A::LayoutNineSlopes
+        | A::LayoutScales
+        | A::LayoutTwoByTwo => has_burst && in_inspect,
+        A::ShowMerge => has_burst,
         A::CompareAgain => in_methods,
         A::OpenGoldA => has_burst,
         A::OpenGoldB => has_burst && has_second,
@@ -36,11 +62,13 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         }
         A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => model.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
-        A::ExportMatchPicture => model.pair.matches.is_some() && model.pair.b.picture.is_some(),
-        A::ExportTiff | A::ExportPng | A::ExportSvg => model.picture.is_some(),
+        A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),
+        A::ExportTiff | A::ExportPng | A::ExportSvg | A::ExportFigurePng | A::FigureOptions => {
+            model.picture().is_some()
+        }
         A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope => has_burst,
-        A::Play => has_burst && model.usable_params.slopes.len() > 1,
-        A::FramePrevious | A::FrameNext => model.burst_of(model.active_side()).is_some_and(|open| open.burst.len() > 1),
+        A::Play => has_burst && model.hand_params().slopes.len() > 1,
+        A::FramePrevious | A::FrameNext => has_burst && model.hand_frame_count() > 1,
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => has_burst,
         A::Detect => {
             has_burst
@@ -84,7 +112,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
 /// Whether a switch is on; `None` for what is not a switch.
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
-    let kind = |kind: ViewKind| Some(model.hand().kind == kind);
+    let kind = |kind: ViewKind| Some(model.focused().shows(kind));
     let (links, matches) = (&model.pair.links, &model.pair.look);
     match id {
         A::RoomBurst => Some(model.room == Room::Burst),
@@ -96,9 +124,10 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ShowFrame => kind(ViewKind::Frame),
         A::ShowStack => kind(ViewKind::Stack),
         A::ShowDog => kind(ViewKind::Dog),
+        A::ShowMerge => Some(model.focused().content == Content::Merge),
         A::LinkHands => Some(links.hands),
         A::LinkViews => Some(links.views),
-        A::LinkRanges => Some(links.ranges),
+        A::LinkRanges => Some(model.ranges_are_linked()),
         A::ToggleInliers => Some(matches.inliers),
         A::ToggleOutliers => Some(matches.outliers),
         A::ToggleAlone => Some(matches.alone),
@@ -116,6 +145,8 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
         A::Play => Some(model.playing),
+        A::MeasureLine => Some(model.measure.tool == Tool::Line),
+        A::MeasureRegion => Some(model.measure.tool == Tool::Region),
         A::AutoDetect => Some(model.auto_detect),
         A::Preset1d => Some(
             !model.slopes.is_auto()

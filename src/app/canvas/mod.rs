@@ -48,6 +48,7 @@ pub struct Canvas<'a> {
     values: bool,
     pixel_grid: bool,
     empty_text: &'a str,
+    primary_pans: bool,
 }
 
 /// What a canvas tells about this frame, and what overlays draw with.
@@ -83,6 +84,7 @@ impl<'a> Canvas<'a> {
             values: true,
             pixel_grid: false,
             empty_text: "No picture",
+            primary_pans: true,
         }
     }
 
@@ -128,6 +130,12 @@ impl<'a> Canvas<'a> {
         self
     }
 
+    /// Whether dragging with the primary button pans; yes by default. Where it draws something instead, the middle button still pans.
+    pub fn primary_pans(mut self, primary_pans: bool) -> Self {
+        self.primary_pans = primary_pans;
+        self
+    }
+
     /// What to say where there is no picture.
     pub fn empty_text(mut self, text: &'a str) -> Self {
         self.empty_text = text;
@@ -143,7 +151,7 @@ impl<'a> Canvas<'a> {
         let image_size = self.picture.map_or((1, 1), |p| p.image_size);
         if self.picture.is_some() {
             view.settle(rect, image_size, pixels_per_point);
-            navigate(ui, &response, rect, view);
+            navigate(ui, &response, rect, view, self.primary_pans);
         }
         let mut settled = *view;
         let ui_from_image = settled.settle(rect, image_size, pixels_per_point);
@@ -171,7 +179,8 @@ impl<'a> Canvas<'a> {
         let enabled = ui.is_enabled();
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, enabled, self.name));
         if self.picture.is_some() {
-            let cursor = if response.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
+            let cursor =
+                if response.dragged() && self.primary_pans { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
             response = response.on_hover_and_drag_cursor(cursor);
         }
         CanvasOutput { response, ..output }
@@ -255,12 +264,12 @@ pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
     painter.galley(pos, galley, ui.visuals().weak_text_color());
 }
 
-/// Lets the pointer move the view.
-pub fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View) {
+/// Lets the pointer move the view; with the primary button only if `primary_pans`.
+pub fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View, primary_pans: bool) {
     if response.double_clicked() {
         view.set_fit();
     }
-    if response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle) {
+    if (primary_pans && response.dragged_by(PointerButton::Primary)) || response.dragged_by(PointerButton::Middle) {
         view.pan(response.drag_delta());
     }
     // `contains_pointer` looks at layers too: a window above the canvas keeps its wheel.

@@ -3,6 +3,7 @@
 use super::model::{BurstState, Dataset, Datasets};
 use super::thumbnails::{Shown, Thumbnails};
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::inspector::copy_ui;
 use crate::app::state::Model;
 use crate::app::style;
 use egui::{
@@ -61,10 +62,34 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails,
             if response.clicked() {
                 asked.open = Some(place);
             }
+            response.context_menu(|ui| {
+                if menu_ui(ui, dataset, place) {
+                    asked.open = Some(place);
+                }
+            });
         }
     });
     ui.data_mut(|d| d.insert_temp(scroll_id, shown));
     asked
+}
+
+/// What can be done with one burst; answers whether it is to be opened.
+fn menu_ui(ui: &mut Ui, dataset: &mut Dataset, place: usize) -> bool {
+    ui.set_min_width(150.0);
+    let open = ui.button("Open").clicked();
+    for (side, name) in SIDES.into_iter().enumerate() {
+        if ui.button(format!("Use as {name}")).on_hover_text("Of a pair to be matched").clicked() {
+            dataset.choose(side, place);
+        }
+    }
+    ui.separator();
+    let burst = &dataset.bursts[place];
+    copy_ui(ui, "Copy name", || burst.name.clone());
+    copy_ui(ui, "Copy path", || burst.paths.first().map_or_else(String::new, |path| path.display().to_string()));
+    if let BurstState::Failed(why) = &dataset.states[place] {
+        copy_ui(ui, "Copy why it failed", || why.clone());
+    }
+    open
 }
 
 fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {

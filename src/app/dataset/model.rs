@@ -2,10 +2,11 @@
 
 use super::matches::{Pair, PairTable, pair_of};
 use crate::burst::BurstSource;
-use crate::dataset::{DatasetSource, FinishedBurst, PairSelection, image_name};
+use crate::dataset::{DatasetSource, FinishedBurst, image_name};
 use crate::detector::SearchParams;
 use crate::engine::{Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset, Running};
 use crate::matching::ImageCounts;
+use crate::matching::PairSelection;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -369,9 +370,9 @@ mod tests {
         open.begin_detection(&SearchParams::default());
         assert_eq!((open.counts().done, open.counts().failed), (2, 0));
         let mut other = SearchParams::default();
-        other.detector.levels = 5;
+        other.detector.levels = 2;
         open.begin_detection(&other);
-        assert_eq!((open.counts().done, open.params.detector.levels), (0, 5));
+        assert_eq!((open.counts().done, open.params.detector.levels), (0, 2));
     }
 
     #[test]

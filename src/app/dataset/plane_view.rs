@@ -35,7 +35,7 @@ pub fn plane_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let pixels_per_point = ui.ctx().pixels_per_point();
     trajectories.view.settle(rect, scene.size, pixels_per_point);
     let before = trajectories.view;
-    navigate(ui, &response, rect, &mut trajectories.view);
+    navigate(ui, &response, rect, &mut trajectories.view, true);
     let ui_from_plane = trajectories.view.settle(rect, scene.size, pixels_per_point);
     let pointed = response.hover_pos().and_then(|pos| nearest(&scene, &ui_from_plane, pos));
     if response.hovered() {

@@ -59,7 +59,7 @@ impl BurstscopeApp {
         if let Some(open) = &self.model.burst
             && let BurstSource::Paths(paths) = &open.source
         {
-            self.cut = Some(CutDialog::new(paths.clone(), open.burst.len(), self.burst_length()));
+            self.overlays.cut = Some(CutDialog::new(paths.clone(), open.burst.len(), self.burst_length()));
         }
     }
 
@@ -211,7 +211,7 @@ impl BurstscopeApp {
         match open.frames_of_one {
             // A lone burst of many files is a sequence that is yet to be cut.
             Some(frames) if frames > 1 && open.source.burst_length.is_none() => {
-                self.cut = Some(CutDialog::new(open.source.paths, frames, self.burst_length()));
+                self.overlays.cut = Some(CutDialog::new(open.source.paths, frames, self.burst_length()));
                 return;
             }
             Some(1) if open.source.burst_length.is_none() => {

@@ -1,15 +1,27 @@
-//! Below the picture: the table of features, the tally and the noise, as tabs.
+//! Below the pictures: the table of features, the tally, the noise, and what was measured on the pictures, as tabs.
 
 use crate::app::actions::Queue;
+use crate::app::inspector::PaneWidgets;
+use crate::app::measure::{RegionCache, profile_ui, region_ui};
 use crate::app::state::{BottomTab, Model};
 use egui::{Align, Label, Layout, RichText, Ui};
 
+/// Where there is less room than this, in points, the tabs stand closer.
+const ROOMY: f32 = 600.0;
+
 /// Draws the tabs and the one that is open.
-pub fn bottom_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
     ui.horizontal(|ui| {
+        if ui.available_width() < ROOMY {
+            (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (4.0, 3.0);
+        }
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Table, "Table");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Tally, "Tally");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Noise, "Noise");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Profile, "Profile")
+            .on_hover_text("The values along a line: draw one with Q");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Region, "Region")
+            .on_hover_text("The values in a rectangle: draw one with Shift+Q");
         ui.separator();
         match model.bottom_tab {
             BottomTab::Table => super::filter_bar::filter_bar_ui(ui, model, queue),
@@ -19,16 +31,19 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             BottomTab::Noise => {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| super::noise::summary_ui(ui, model));
             }
+            BottomTab::Profile | BottomTab::Region => {}
         }
     });
     ui.separator();
     match model.bottom_tab {
         BottomTab::Table => {
             advice_ui(ui, model);
-            super::table::table_ui(ui, model);
+            super::table::table_ui(ui, model, queue);
         }
         BottomTab::Tally => super::tally::tally_ui(ui, model),
         BottomTab::Noise => super::noise::noise_ui(ui, model),
+        BottomTab::Profile => profile_ui(ui, model, widgets, queue),
+        BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
     }
 }
 

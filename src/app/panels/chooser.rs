@@ -36,7 +36,7 @@ fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
     // Stacks of one name in several folders are told apart by their folder.
     let folder = match burst {
         BurstSource::Paths(paths) => paths.first().and_then(|p| p.parent()?.file_name()),
-        BurstSource::Demo | BurstSource::DemoLater => None,
+        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) => None,
     };
     let folder = folder.map_or_else(String::new, |f| f.to_string_lossy().into_owned());
     let name = format!("{} in {folder}", burst.label());

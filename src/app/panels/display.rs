@@ -1,9 +1,9 @@
 //! How values become colours: histogram, range, gamma, colour map; and what is drawn over the picture.
 
-use super::picture::PictureState;
 use super::widgets::section_ui;
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::histogram::HistogramPanel;
+use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::state::Model;
 use crate::app::state::look::RangeClass;
 use egui::Ui;
@@ -13,12 +13,13 @@ use egui::Ui;
 pub struct DisplayState {
     intensity: HistogramPanel,
     response: HistogramPanel,
+    difference: HistogramPanel,
 }
 
 /// Draws the section.
-pub fn display_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state: &mut DisplayState) {
+pub fn display_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     section_ui(ui, "Display", |ui| {
-        range_ui(ui, model, pictures, state);
+        range_ui(ui, model, widgets);
         ui.add_space(4.0);
         overlay_ui(ui, model);
         colouring_ui(ui, model);
@@ -26,20 +27,25 @@ pub fn display_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state
 }
 
 /// Draws the section without what concerns features.
-pub fn ranges_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state: &mut DisplayState) {
-    section_ui(ui, "Display", |ui| range_ui(ui, model, pictures, state));
+pub fn ranges_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
+    section_ui(ui, "Display", |ui| range_ui(ui, model, widgets));
 }
 
-fn range_ui(ui: &mut Ui, model: &mut Model, pictures: &PictureState, state: &mut DisplayState) {
-    let kind = model.picture.as_ref().map_or(model.scrub.picture_kind(), |p| p.request.kind);
-    let class = RangeClass::of(kind);
-    ui.weak(format!("One range for all {}", class.label()))
+/// The range of the pane in focus.
+fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
+    let PaneWidget { picture: pictures, display: state, .. } = widgets.of(model.focus());
+    pictures.refresh(model.picture());
+    let class = model.range_class(model.focus());
+    let own = model.focused().own_ranges.is_some();
+    let whose = if own { "This pane's range for" } else { "One range for all" };
+    ui.weak(format!("{whose} {}", class.label()))
         .on_hover_text("The range is fixed until you change it, so that pictures can be compared");
     let panel = match class {
         RangeClass::Intensity => &mut state.intensity,
         RangeClass::Response => &mut state.response,
+        RangeClass::Difference => &mut state.difference,
     };
-    panel.ui(ui, pictures.shown(), pictures.visible_image, model.look.display_mut(class));
+    panel.ui(ui, pictures.shown(), pictures.visible_image, model.hand_ranges_mut().display_mut(class));
 }
 
 /// What of the features is drawn.

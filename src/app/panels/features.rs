@@ -2,59 +2,111 @@
 
 use super::picture::PictureState;
 use crate::app::canvas::{CanvasOutput, overlay};
+use crate::app::pane::PaneId;
 use crate::app::state::Model;
-use crate::detector::{Detection, Feature, SlopeGrid};
+use crate::app::state::pair::Side;
+use crate::detector::{Detection, Feature, Slope, SlopeGrid};
 use crate::engine::{Picture, PictureKind};
-use egui::{Color32, Frame, Margin, Rect, RichText, Ui, UiBuilder, vec2};
+use egui::{Color32, Frame, Margin, Pos2, Rect, RichText, Ui, UiBuilder, vec2};
+use std::sync::Arc;
 
-/// Draws the features over the canvas that answered `output`, and lets the pointer choose among them.
-pub fn features_ui(ui: &mut Ui, model: &mut Model, state: &mut PictureState, output: &CanvasOutput) {
-    if !model.look.overlay {
-        return;
+/// How features are drawn over one picture.
+#[derive(Debug, Clone, Copy)]
+pub struct FeatureOptions {
+    /// Whether there is room for the legend.
+    pub legend: bool,
+}
+
+/// The features of a pane as they lie over its picture: what the canvas draws, and what a figure shows.
+#[derive(Debug, Clone)]
+pub struct FeatureLayer {
+    /// The features, where they are at mid-burst.
+    pub detection: Arc<Detection>,
+    /// Where they are in the picture: in a frame at its time, everywhere else at mid-burst.
+    pub placed: Vec<Feature>,
+    /// Whether the picture is a frame.
+    pub in_frame: bool,
+    /// For each feature whether it is shown at all.
+    pub shown: Vec<bool>,
+    /// The slope by which the picture was shifted; `None` if it was not, or by several.
+    pub slope: Option<Slope>,
+    /// The selected feature.
+    pub selected: Option<usize>,
+    /// The feature under the pointer.
+    pub hovered: Option<usize>,
+    /// Whether they are not those of what is set now.
+    pub stale: bool,
+}
+
+impl FeatureLayer {
+    /// Those of pane `id`; `None` while none are drawn. Those of B are only drawn: the table, the filter and the selection are A's.
+    pub fn of(model: &Model, id: PaneId) -> Option<Self> {
+        let pane = model.panes.get(id).filter(|_| model.look.overlay)?;
+        let found = model.found_of(pane.side)?;
+        let (detection, is_first) = (found.detection.clone(), pane.side == Side::A);
+        let dt = frames_from_middle(pane.picture.as_ref(), &detection);
+        let placed = match dt {
+            Some(dt) => detection.features.iter().map(|f| at_time(f, dt)).collect(),
+            None => detection.features.clone(),
+        };
+        let shown = if is_first { model.listed_flags() } else { vec![true; detection.features.len()] };
+        Some(Self {
+            placed,
+            in_frame: dt.is_some(),
+            shown,
+            slope: model.slope_in_picture(id),
+            selected: model.selected.filter(|_| is_first),
+            hovered: model.hovered.filter(|_| is_first),
+            stale: found.asked != model.asked_of(pane.side),
+            detection,
+        })
     }
-    let Some(found) = &model.found else { return };
-    let detection = found.detection.clone();
-    // In a frame, features are drawn where they are at its time; everywhere else where they are at mid-burst.
-    let in_frame = frames_from_middle(model.picture.as_ref(), &detection);
-    let placed: Vec<Feature> = match in_frame {
-        Some(dt) => detection.features.iter().map(|f| at_time(f, dt)).collect(),
-        None => detection.features.clone(),
-    };
-    let features = &placed;
-    let scale = state.colour_scale(model);
-    let shown = model.listed_flags();
+
+    /// The colours of the features.
+    pub fn scale(&self, by: overlay::ColourBy) -> overlay::ColourScale {
+        overlay::ColourScale::of(by, &self.detection.features)
+    }
+
+    /// In a picture that was shifted by a slope, what moves that way is sharp and the rest is smeared: whether the feature is one of the rest.
+    pub fn is_faint(&self, index: usize) -> bool {
+        let Some(slope) = self.slope else { return false };
+        let f = &self.placed[index];
+        let far = (f.slope.u - slope.u).hypot(f.slope.v - slope.v) > near_slope(&self.detection.slopes);
+        far && ![self.selected, self.hovered].contains(&Some(index))
+    }
+}
+
+/// Draws the features of pane `id` over the canvas that answered `output`, and lets the pointer choose among A's.
+pub fn features_ui(
+    ui: &mut Ui,
+    model: &mut Model,
+    id: PaneId,
+    state: &mut PictureState,
+    output: &CanvasOutput,
+    options: FeatureOptions,
+) {
+    let Some(mut layer) = FeatureLayer::of(model, id) else { return };
+    let is_first = model.panes.get(id).is_some_and(|pane| pane.side == Side::A);
+    let scale = state.colour_scale(model.colour_by, &layer.detection);
+    let pointer = output.pointer_ui.filter(|pos| is_first && output.painter.clip_rect().contains(*pos));
     let pointed =
-        output.pointer_ui.and_then(|pos| overlay::feature_at(features, Some(&shown), output.ui_from_image, pos));
-    if output.pointer_ui.is_some() {
+        pointer.and_then(|pos| overlay::feature_at(&layer.placed, Some(&layer.shown), output.ui_from_image, pos));
+    if pointer.is_some() {
         model.hovered = pointed;
+        layer.hovered = pointed;
     }
-    let style = overlay::OverlayStyle {
-        shown: Some(&shown),
-        selected: model.selected,
-        hovered: model.hovered,
-        stale: model.stale().is_some(),
-        orientations: model.look.orientations,
-        motion: model.look.motion_vectors,
-        ..overlay::OverlayStyle::new(&scale, detection.frames_used.len())
-    };
-    if in_frame.is_some() {
-        // The way over the whole burst stays where it is; the circles move along it.
-        let ways = overlay::OverlayStyle { circles: false, orientations: false, ..style };
-        overlay::draw_features(output, &detection.features, &ways);
-        overlay::draw_features(output, features, &overlay::OverlayStyle { motion: false, ..style });
-    } else {
-        draw(model, features, &shown, &style, output, near_slope(&detection.slopes));
-    }
-    if output.response.clicked() {
+    draw(model, &layer, &scale, output);
+    let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
+    if is_first && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
         model.selected = pointed;
     }
     if let Some(i) = pointed
         && !output.response.dragged()
     {
-        tip_ui(ui, i, &features[i]);
+        tip_ui(ui, i, &layer.placed[i]);
     }
-    if model.look.legend && !features.is_empty() {
-        legend_ui(ui, &scale, model.slope_in_picture().is_some(), output.response.rect);
+    if options.legend && model.look.legend && !layer.placed.is_empty() {
+        legend_ui(ui, &scale, layer.slope.is_some(), output.response.rect);
     }
 }
 
@@ -65,7 +117,7 @@ pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &
             let used = &detection.frames_used;
             Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
         }
-        PictureKind::Stack { .. } | PictureKind::Dog { .. } => None,
+        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge => None,
     }
 }
 
@@ -74,23 +126,27 @@ pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
     Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }
 
-/// In a picture that was shifted by a slope, what moves that way is sharp and the rest is smeared: features of other slopes are drawn faintly.
-fn draw(
-    model: &Model,
-    features: &[Feature],
-    shown: &[bool],
-    style: &overlay::OverlayStyle<'_>,
-    output: &CanvasOutput,
-    reach: f32,
-) {
-    let slope = model.slope_in_picture().unwrap_or(model.scrub.slope);
-    let belongs = |i: usize, f: &Feature| {
-        (f.slope.u - slope.u).hypot(f.slope.v - slope.v) <= reach || [model.selected, model.hovered].contains(&Some(i))
+fn draw(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput) {
+    let style = overlay::OverlayStyle {
+        shown: Some(&layer.shown),
+        selected: layer.selected,
+        hovered: layer.hovered,
+        stale: layer.stale,
+        orientations: model.look.orientations,
+        motion: model.look.motion_vectors,
+        ..overlay::OverlayStyle::new(scale, layer.detection.frames_used.len())
     };
-    let flags = |wanted: bool| -> Vec<bool> {
-        features.iter().enumerate().map(|(i, f)| shown[i] && belongs(i, f) == wanted).collect()
+    if layer.in_frame {
+        // The way over the whole burst stays where it is; the circles move along it.
+        let ways = overlay::OverlayStyle { circles: false, orientations: false, ..style };
+        overlay::draw_features(output, &layer.detection.features, &ways);
+        overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { motion: false, ..style });
+        return;
+    }
+    let flags = |faint: bool| -> Vec<bool> {
+        layer.shown.iter().enumerate().map(|(i, shown)| *shown && layer.is_faint(i) == faint).collect()
     };
-    let (faint, full) = (flags(false), flags(true));
+    let (faint, full) = (flags(true), flags(false));
     let below = overlay::OverlayStyle {
         shown: Some(&faint),
         stale: true,
@@ -98,10 +154,10 @@ fn draw(
         motion: false,
         selected: None,
         hovered: None,
-        ..*style
+        ..style
     };
-    overlay::draw_features(output, features, &below);
-    overlay::draw_features(output, features, &overlay::OverlayStyle { shown: Some(&full), ..*style });
+    overlay::draw_features(output, &layer.placed, &below);
+    overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { shown: Some(&full), ..style });
 }
 
 /// Features within this distance in slope belong to the picture, in pixels per frame: half-way to the grid's next slope, and a little.

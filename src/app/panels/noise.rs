@@ -24,7 +24,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
         return;
     };
     let noise = &found.detection.noise;
-    ui.label(if noise.is_local {
+    let text = if noise.is_local {
         let kept = noise.frames.iter().filter(|f| f.left_out.is_none()).count();
         format!(
             "Measured in {kept} of {} frames  ·  σ {} of full scale at middle brightness",
@@ -33,7 +33,8 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
         )
     } else {
         format!("White noise  ·  σ {} of full scale", number(noise.frame_noise))
-    });
+    };
+    ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
 }
 
 /// Draws the curve, the map and the warnings.

@@ -6,8 +6,8 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::state::Model;
 use crate::detector::params::doc;
 use crate::detector::{
-    DescribeSlope, DetectorParams, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind, SlopeChoice,
-    SlopeExtrema, SlopeFinding, SlopeNeighbours,
+    DescribeSlope, DetectorParams, Flicker, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
+    SlopeChoice, SlopeExtrema, SlopeFinding, SlopeNeighbours,
 };
 use egui::{Align, Layout, RichText, Ui};
 
@@ -161,6 +161,15 @@ fn all_rows_ui(
         |p| &mut p.noise_model,
         |ui, value, label| {
             rows::choice_ui(ui, value, label, &[(NoiseModelKind::Local, "Local"), (NoiseModelKind::White, "White")]);
+        },
+    );
+    table.row(
+        ui,
+        &doc::FLICKER,
+        p,
+        |p| &mut p.flicker,
+        |ui, value, label| {
+            rows::choice_ui(ui, value, label, &[(Flicker::Auto, "Auto"), (Flicker::Off, "Off")]);
         },
     );
     table.row(

@@ -1,13 +1,12 @@
-//! The middle of the window: the picture, the features over it, and what says what is on show.
+//! A pane's picture as the canvas knows it, in words, and the warning over it where its features are stale.
 
-use super::features::features_ui;
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::{self, Canvas, Readout, View, overlay};
-use crate::app::state::look::RangeClass;
+use crate::app::canvas::{self, Readout, overlay};
 use crate::app::state::{Model, Stale};
 use crate::app::style;
-use crate::engine::{Picture, PictureKind};
-use egui::{Align, Frame, Label, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
+use crate::detector::Detection;
+use crate::engine::{Picture, PictureKind, PictureRequest};
+use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
 /// What the picture's widget keeps from pass to pass.
@@ -20,7 +19,7 @@ pub struct PictureState {
     /// From image pixels to points of the window, as last drawn.
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
-    scale: Option<(usize, overlay::ColourBy, overlay::ColourScale)>,
+    scale: Option<(Arc<Detection>, overlay::ColourScale)>,
 }
 
 impl PictureState {
@@ -42,14 +41,13 @@ impl PictureState {
         self.shown.as_ref()
     }
 
-    /// The colours of the features, the same until the next detection or another choice.
-    pub fn colour_scale(&mut self, model: &Model) -> overlay::ColourScale {
-        let detection = model.found.as_ref().map_or(0, |f| Arc::as_ptr(&f.detection) as usize);
+    /// The colours of the features of `detection`, the same until the next detection or another choice.
+    pub fn colour_scale(&mut self, by: overlay::ColourBy, detection: &Arc<Detection>) -> overlay::ColourScale {
         match &self.scale {
-            Some((of, by, scale)) if (*of, *by) == (detection, model.colour_by) => scale.clone(),
+            Some((of, scale)) if Arc::ptr_eq(of, detection) && scale.by == by => scale.clone(),
             _ => {
-                let scale = overlay::ColourScale::of(model.colour_by, model.features());
-                self.scale = Some((detection, model.colour_by, scale.clone()));
+                let scale = overlay::ColourScale::of(by, &detection.features);
+                self.scale = Some((detection.clone(), scale.clone()));
                 scale
             }
         }
@@ -63,14 +61,22 @@ pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
         PictureKind::Dog { octave, .. } => {
             canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
         }
-        PictureKind::Frame(_) | PictureKind::Stack { .. } => canvas::Picture::new(plane, label),
+        PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => canvas::Picture::new(plane, label),
     }
 }
 
 /// What a picture shows, in one line.
 pub fn describe(picture: &Picture) -> String {
-    let burst = &picture.request.burst.burst;
-    match picture.request.kind {
+    let first = describe_request(&picture.request);
+    match picture.request.minus() {
+        Some(minus) => format!("{first}  −  {}", describe_request(minus)),
+        None => first,
+    }
+}
+
+fn describe_request(request: &PictureRequest) -> String {
+    let burst = &request.burst.burst;
+    match request.kind {
         PictureKind::Frame(index) => {
             let name = burst.frame_names.get(index).map_or("", String::as_str);
             let place = format!("Frame {index} of {} (0 … {})", burst.len(), burst.len() - 1);
@@ -81,55 +87,15 @@ pub fn describe(picture: &Picture) -> String {
         PictureKind::Dog { octave, level, slope } => {
             format!("DoG  ·  octave {octave}, level {level}  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v)
         }
+        PictureKind::Merge => {
+            let used = request.params.used_frames(burst.len());
+            format!("Merged frames  ·  {} … {}", used.start, used.end - 1)
+        }
     }
 }
 
-/// Draws the picture with everything over it.
-pub fn picture_ui(ui: &mut Ui, model: &mut Model, view: &mut View, state: &mut PictureState, queue: &mut Queue) {
-    state.refresh(model.picture.as_ref());
-    let class = RangeClass::of(model.picture.as_ref().map_or(model.scrub.picture_kind(), |p| p.request.kind));
-    let display = model.look.display(class);
-    let header = Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(ui.visuals().panel_fill);
-    let current = model.picture_is_current();
-    ui.spacing_mut().item_spacing.y = 0.0;
-    header.show(ui, |ui| header_ui(ui, state.shown.as_ref(), current, view, (display.min, display.max)));
-    let full_scale = model.burst.as_ref().map_or(1.0, |b| b.burst.full_scale);
-    let output = Canvas::new("Picture")
-        .picture(state.shown.as_ref())
-        .display(&display)
-        .dim(!current)
-        .full_scale(full_scale)
-        .empty_text("The picture is being made…")
-        .show(ui, view);
-    state.readout = match (&state.shown, output.hover_image) {
-        (Some(shown), Some(pos)) => canvas::readout(shown, pos, full_scale),
-        _ => None,
-    };
-    state.ui_from_image = Some(output.ui_from_image);
-    state.visible_image = state.shown.is_some().then_some(output.visible_image);
-    features_ui(ui, model, state, &output);
-    stale_ui(ui, model, output.response.rect, queue);
-}
-
-fn header_ui(ui: &mut Ui, shown: Option<&canvas::Picture>, current: bool, view: &View, range: (f32, f32)) {
-    ui.horizontal(|ui| {
-        let label = shown.map_or("", |s| s.label.as_str());
-        ui.add(Label::new(RichText::new(label).strong()).truncate());
-        if shown.is_some() && !current {
-            ui.label(RichText::new("updating…").small().color(style::warning(ui)));
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let percent = 100.0 * view.points_per_pixel() * ui.ctx().pixels_per_point();
-            ui.weak(format!("{percent:.0} %")).on_hover_text("Zoom: screen pixels per image pixel");
-            ui.weak("·");
-            let (min, max) = (canvas::number(range.0, 3), canvas::number(range.1, 3));
-            ui.weak(format!("{min} … {max}"))
-                .on_hover_text("The value range that is shown, as a fraction of full scale; fixed until you change it");
-        });
-    });
-}
-
-fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
+/// Says over a picture that the features on it are not those of what is set now.
+pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
     if !model.look.overlay || model.busy.detecting.is_some() {
         return;

@@ -14,7 +14,7 @@ pub fn scrub_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         frame_row(ui, model);
         slope_rows(ui, model);
         buttons_ui(ui, model, queue);
-        if model.usable_params.slopes.is_plane() {
+        if model.hand_params().slopes.is_plane() {
             slope_pad_ui(ui, model);
         }
         scale_rows(ui, model);
@@ -22,8 +22,8 @@ pub fn scrub_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 }
 
 fn frame_row(ui: &mut Ui, model: &mut Model) {
-    let last = model.frame_count().saturating_sub(1) as f32;
-    let mut frame = model.scrub.frame as f32;
+    let last = model.hand_frame_count().saturating_sub(1) as f32;
+    let mut frame = model.hand().frame as f32;
     let row = ScrubRow {
         label: "Frame",
         help: "The frame on show, counted from 0. Moving it shows the frame.",
@@ -33,13 +33,14 @@ fn frame_row(ui: &mut Ui, model: &mut Model) {
         suffix: "",
     };
     if row.ui(ui, &mut frame) {
-        model.scrub.frame = frame.max(0.0) as usize;
-        model.scrub.kind = ViewKind::Frame;
+        let pane = model.focused_mut();
+        pane.cursor.frame = frame.max(0.0) as usize;
+        pane.show(ViewKind::Frame);
     }
 }
 
 fn slope_rows(ui: &mut Ui, model: &mut Model) {
-    let grid = model.usable_params.slopes;
+    let grid = model.hand_params().slopes;
     let limit = slope_limit(&grid);
     // A turned grid's slopes are marked where they fall on each axis.
     let marks = |of: fn(crate::detector::Slope) -> f32| {
@@ -48,7 +49,8 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
         marks.dedup();
         marks
     };
-    let before = model.scrub.slope;
+    let before = model.hand().slope;
+    let mut slope = before;
     let (marks_u, marks_v) = (marks(|s| s.u), marks(|s| s.v));
     fn row<'a>(label: &'a str, help: &'a str, limit: f32, marks: &'a [f32]) -> ScrubRow<'a> {
         ScrubRow { label, help, range: -limit..=limit, marks, whole: false, suffix: "" }
@@ -59,19 +61,19 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
         limit,
         &marks_u,
     )
-    .ui(ui, &mut model.scrub.slope.u);
+    .ui(ui, &mut slope.u);
     row(
         "Slope v",
         "Apparent motion downwards, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
         limit,
         &marks_v,
     )
-    .ui(ui, &mut model.scrub.slope.v);
-    if model.scrub.slope != before {
-        (model.slope_chosen, model.playing) = (true, false);
-        if model.scrub.kind == ViewKind::Frame {
-            model.scrub.kind = ViewKind::Stack;
-        }
+    .ui(ui, &mut slope.v);
+    if slope != before {
+        model.playing = false;
+        let pane = model.focused_mut();
+        pane.cursor.slope = slope;
+        pane.show_slope();
     }
 }
 
@@ -87,10 +89,9 @@ fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn scale_rows(ui: &mut Ui, model: &mut Model) {
-    let size = model.size();
-    let octaves = octave_range(&model.usable_params, size);
-    let levels = level_range(&model.usable_params);
-    let (mut octave, mut level) = (model.scrub.octave as f32, model.scrub.level as f32);
+    let octaves = octave_range(model.hand_params(), model.hand_size());
+    let levels = level_range(model.hand_params());
+    let (mut octave, mut level) = (model.hand().octave as f32, model.hand().level as f32);
     let row = |label, help, range: std::ops::RangeInclusive<i32>| ScrubRow {
         label,
         help,
@@ -112,11 +113,12 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     )
     .ui(ui, &mut level);
     if a || b {
-        (model.scrub.octave, model.scrub.level) = (octave as i32, level as i32);
-        model.scrub.kind = ViewKind::Dog;
+        let pane = model.focused_mut();
+        (pane.cursor.octave, pane.cursor.level) = (octave as i32, level as i32);
+        pane.show(ViewKind::Dog);
     }
-    let space = ScaleSpace::of(&model.usable_params);
-    let sigma = space.sigma_image(model.scrub.octave, f64::from(model.scrub.level));
+    let space = ScaleSpace::of(model.hand_params());
+    let sigma = space.sigma_image(model.hand().octave, f64::from(model.hand().level));
     ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(
         "Blobs of about this σ answer most strongly: their radius is √2·σ, in pixels of the input image.",
     );

@@ -89,7 +89,7 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature) {
 
 fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &Feature) {
     let Some(burst) = &model.burst else { return };
-    let display = model.look.intensity;
+    let display = model.look.ranges.intensity;
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
     let stack = model
         .patch
@@ -112,7 +112,7 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
         });
         ui.vertical(|ui| {
             ui.set_width(side);
-            let t = model.scrub.frame.min(burst.burst.len() - 1);
+            let t = model.hand().frame.min(burst.burst.len() - 1);
             let used = model.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
             // Frames move the feature along its slope away from the middle of those used.
             let dt = t as f32 - (used.start + used.end - 1) as f32 / 2.0;

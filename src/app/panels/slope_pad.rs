@@ -1,7 +1,7 @@
 //! The slope plane: the grid's slopes as dots, as large as features were found there; drag to move the slope in both directions at once.
 
 use crate::app::state::Model;
-use crate::app::state::scrub::{ViewKind, slope_limit};
+use crate::app::state::scrub::slope_limit;
 use crate::detector::Slope;
 use egui::{Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
@@ -11,17 +11,16 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     let (full, _) = ui.allocate_exact_size(vec2(ui.available_width(), side), Sense::hover());
     let rect = egui::Rect::from_center_size(full.center(), vec2(side, side));
     let response = ui.interact(rect, ui.scope_id().with("slope pad"), Sense::click_and_drag());
-    let grid = model.usable_params.slopes;
+    let grid = model.hand_params().slopes;
     let limit = slope_limit(&grid);
     let scale = (0.5 * side - 8.0) / limit;
     let ui_from_slope = |s: Slope| rect.center() + scale * vec2(s.u, s.v);
     if let Some(pos) = response.interact_pointer_pos() {
         let at = (pos - rect.center()) / scale;
-        model.scrub.slope = Slope::new(at.x.clamp(-limit, limit), at.y.clamp(-limit, limit));
-        (model.slope_chosen, model.playing) = (true, false);
-        if model.scrub.kind == ViewKind::Frame {
-            model.scrub.kind = ViewKind::Stack;
-        }
+        model.playing = false;
+        let pane = model.focused_mut();
+        pane.cursor.slope = Slope::new(at.x.clamp(-limit, limit), at.y.clamp(-limit, limit));
+        pane.show_slope();
     }
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
@@ -30,8 +29,9 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     painter.line_segment([pos2(rect.left(), rect.center().y), pos2(rect.right(), rect.center().y)], axis);
     painter.line_segment([pos2(rect.center().x, rect.top()), pos2(rect.center().x, rect.bottom())], axis);
     let mut counts = vec![0usize; grid.len()];
-    if model.found.as_ref().is_some_and(|f| f.detection.slopes == grid) {
-        for feature in model.features() {
+    let found = model.found_of(model.focused().side).filter(|f| f.detection.slopes == grid);
+    if let Some(found) = found {
+        for feature in &found.detection.features {
             if let Some(count) = counts.get_mut(feature.slope_index) {
                 *count += 1;
             }
@@ -44,7 +44,7 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
         let radius = 1.2 + (largest - 1.2) * (count as f32 / most).sqrt();
         painter.circle_filled(ui_from_slope(slope), radius, colour);
     }
-    let here = ui_from_slope(model.scrub.slope);
+    let here = ui_from_slope(model.hand().slope);
     painter.circle_stroke(here, 5.5, Stroke::new(2.0, ui.visuals().strong_text_color()));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Slope plane"));
     response.on_hover_text("The slope plane: to the right is u, downwards v. Dots are the grid's slopes, larger where more features were found. Drag to scrub both.");

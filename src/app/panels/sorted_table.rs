@@ -37,13 +37,15 @@ pub(in crate::app) struct Pointed<C> {
     pub hovered: Option<usize>,
 }
 
-/// Draws the table. `text` is what a column holds of an item, `name` what screen readers call it.
+/// Draws the table. `text` is what a column holds of an item, `name` what screen readers call it, and `menu` draws what a click with the second button on
+/// its row shows.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
     order: Order<C>,
     listed: &Listed<'_>,
     text: impl Fn(C, usize) -> String,
     name: impl Fn(usize) -> String,
+    mut menu: impl FnMut(&mut Ui, usize),
 ) -> Pointed<C> {
     let &Listed { items, selected, hovered } = listed;
     let selected_row = selected.and_then(|s| items.iter().position(|&i| i == s));
@@ -86,6 +88,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
                     let response = row.response();
                     let label = name(index);
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
+                    response.context_menu(|ui| menu(ui, index));
                     if response.hovered() {
                         pointed.hovered = Some(index);
                     }

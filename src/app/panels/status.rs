@@ -1,22 +1,24 @@
 //! The status bar: the value under the pointer, the last note, the open burst.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::Readout;
 use crate::app::state::Model;
 use crate::app::state::room::Room;
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Draws the status bar.
-pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&Readout>, queue: &mut Queue) {
+pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         let hint = if model.burst.is_some() { "Point at the picture to read values" } else { "" };
-        let text = readout.map_or_else(|| hint.to_owned(), ToString::to_string);
-        let width = 330.0;
+        let text = readout.unwrap_or(hint);
+        let width = if model.room == Room::Burst && model.panes.are_many() { 460.0 } else { 330.0 };
         ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
             ui.set_min_width(width);
             let text = RichText::new(text);
             let text = if readout.is_some() { text.monospace() } else { text.weak() };
-            ui.add(Label::new(text).truncate());
+            let label = ui.add(Label::new(text).truncate());
+            if let Some(readout) = readout {
+                label.on_hover_text(readout);
+            }
         });
         ui.separator();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

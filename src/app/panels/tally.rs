@@ -17,13 +17,14 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
         NoiseGate::Strict => format!("strict, {:.2} σ", detection.noise_gate_factor),
         NoiseGate::Factor(k) => format!("{k} σ"),
     };
-    ui.label(format!(
+    let text = format!(
         "Frame noise {:.4} of full scale  ·  noise gate {gate}  ·  {} slopes  ·  octaves {} … {}",
         detection.frame_noise,
         detection.slopes.len(),
         detection.octaves.start,
         detection.octaves.end - 1,
-    ));
+    );
+    ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
 }
 
 /// Draws the bars.

@@ -1,7 +1,8 @@
-//! One burst: scrubbing and parameters left, the picture in the middle with the table below it, the selected feature and the display right.
+//! One burst: scrubbing and parameters left, the panes in the middle with the table below them, the selected feature and the display right.
 
 use super::{bottom_frame, side_frame, side_width};
 use crate::app::actions::Queue;
+use crate::app::inspector::inspector_ui;
 use crate::app::panels;
 use crate::app::window::BurstscopeApp;
 use egui::{CentralPanel, Frame, Panel, ScrollArea};
@@ -20,7 +21,7 @@ pub fn burst_room_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Que
     if app.model.panels.right {
         Panel::right("right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                panels::display::display_ui(ui, &mut app.model, &app.pictures, &mut app.display);
+                panels::display::display_ui(ui, &mut app.model, &mut app.widgets);
                 panels::selection::selection_ui(ui, &mut app.model, &mut app.selection, queue);
             });
         });
@@ -31,9 +32,13 @@ pub fn burst_room_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Que
             .resizable(true)
             .default_size(190.0)
             .size_range(90.0..=500.0)
-            .show(ui, |ui| panels::bottom::bottom_ui(ui, &mut app.model, queue));
+            .show(ui, |ui| {
+                panels::bottom::bottom_ui(ui, &mut app.model, &app.widgets, &mut app.regions, queue);
+            });
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-        panels::picture::picture_ui(ui, &mut app.model, &mut app.view, &mut app.pictures, queue);
+        for change in inspector_ui(ui, &mut app.model, &mut app.widgets, queue) {
+            app.change_panes(change);
+        }
     });
 }

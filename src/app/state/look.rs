@@ -3,7 +3,7 @@
 //! Ranges are fixed for each class of picture, so that two slopes or two frames can be compared: frames and motion-stack images share one,
 //! DoG responses have another, symmetric about zero. A range is set once, from the first picture of its class; after that only by hand.
 
-use crate::engine::{Picture, PictureKind};
+use crate::engine::{Picture, PictureKind, PictureRequest};
 use crate::plane::display::Display;
 use crate::plane::statistics::{Region, percentiles};
 use serde::{Deserialize, Serialize};
@@ -11,17 +11,24 @@ use serde::{Deserialize, Serialize};
 /// The classes of picture that share a value range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RangeClass {
-    /// Frames and motion-stack images.
+    /// Frames, motion-stack images and merged frames.
     Intensity,
     /// DoG responses.
     Response,
+    /// Differences of two pictures.
+    Difference,
 }
 
 impl RangeClass {
     /// The class of a picture.
-    pub fn of(kind: PictureKind) -> Self {
+    pub fn of(request: &PictureRequest) -> Self {
+        if request.minus().is_some() { Self::Difference } else { Self::of_kind(request.kind) }
+    }
+
+    /// The class of a kind of picture that is no difference.
+    pub fn of_kind(kind: PictureKind) -> Self {
         match kind {
-            PictureKind::Frame(_) | PictureKind::Stack { .. } => Self::Intensity,
+            PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => Self::Intensity,
             PictureKind::Dog { .. } => Self::Response,
         }
     }
@@ -31,6 +38,91 @@ impl RangeClass {
         match self {
             Self::Intensity => "frames and motion stacks",
             Self::Response => "DoG responses",
+            Self::Difference => "differences",
+        }
+    }
+}
+
+/// A value range and colour map for each class of picture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Ranges {
+    /// For frames, motion-stack images and merged frames.
+    pub intensity: Display,
+    /// For DoG responses.
+    pub response: Display,
+    /// For differences.
+    pub difference: Display,
+    /// Whether the range was set since the burst was opened.
+    pub intensity_fixed: bool,
+    /// See [`Ranges::intensity_fixed`].
+    pub response_fixed: bool,
+    /// See [`Ranges::intensity_fixed`].
+    pub difference_fixed: bool,
+}
+
+impl Default for Ranges {
+    fn default() -> Self {
+        Self {
+            intensity: Display::default(),
+            response: Display::symmetric(0.02),
+            difference: Display::symmetric(0.05),
+            intensity_fixed: false,
+            response_fixed: false,
+            difference_fixed: false,
+        }
+    }
+}
+
+impl Ranges {
+    /// The display of a class.
+    pub fn display(&self, class: RangeClass) -> Display {
+        match class {
+            RangeClass::Intensity => self.intensity,
+            RangeClass::Response => self.response,
+            RangeClass::Difference => self.difference,
+        }
+    }
+
+    /// The display of a class, to be changed by hand.
+    pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
+        match class {
+            RangeClass::Intensity => &mut self.intensity,
+            RangeClass::Response => &mut self.response,
+            RangeClass::Difference => &mut self.difference,
+        }
+    }
+
+    /// Lets the next picture of each class set its range.
+    pub fn forget(&mut self) {
+        (self.intensity_fixed, self.response_fixed, self.difference_fixed) = (false, false, false);
+    }
+
+    /// Sets the range of the picture's class from its percentiles, unless it was set since the burst was opened.
+    pub fn fix_once(&mut self, picture: &Picture) {
+        let class = RangeClass::of(&picture.request);
+        let fixed = match class {
+            RangeClass::Intensity => &mut self.intensity_fixed,
+            RangeClass::Response => &mut self.response_fixed,
+            RangeClass::Difference => &mut self.difference_fixed,
+        };
+        if std::mem::replace(fixed, true) {
+            return;
+        }
+        if let Some(range) = percentiles(&picture.plane, &Region::whole(&picture.plane), &[0.1, 99.9]) {
+            let display = self.display_mut(class);
+            *display = display.with_range(range[0], range[1]);
+        }
+    }
+
+    /// The same with displays that make sense: what comes from a file may be anything.
+    #[must_use]
+    pub fn sanitised(self) -> Self {
+        Self {
+            intensity: self.intensity.sanitised(),
+            response: self.response.sanitised(),
+            difference: self.difference.sanitised(),
+            ..self
         }
     }
 }
@@ -39,14 +131,9 @@ impl RangeClass {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Look {
-    /// For frames and motion-stack images.
-    pub intensity: Display,
-    /// For DoG responses.
-    pub response: Display,
-    /// Whether the two ranges were set since the burst was opened.
-    pub intensity_fixed: bool,
-    /// See [`Look::intensity_fixed`].
-    pub response_fixed: bool,
+    /// The value ranges that panes share.
+    #[serde(flatten)]
+    pub ranges: Ranges,
     /// Whether features are drawn over the picture.
     pub overlay: bool,
     /// Whether each feature's motion over the burst is drawn.
@@ -59,54 +146,6 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self {
-            intensity: Display::default(),
-            response: Display::symmetric(0.02),
-            intensity_fixed: false,
-            response_fixed: false,
-            overlay: true,
-            motion_vectors: true,
-            orientations: true,
-            legend: true,
-        }
-    }
-}
-
-impl Look {
-    /// The display of a class.
-    pub fn display(&self, class: RangeClass) -> Display {
-        match class {
-            RangeClass::Intensity => self.intensity,
-            RangeClass::Response => self.response,
-        }
-    }
-
-    /// The display of a class, to be changed by hand.
-    pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
-        match class {
-            RangeClass::Intensity => &mut self.intensity,
-            RangeClass::Response => &mut self.response,
-        }
-    }
-
-    /// Lets the next picture of each class set its range.
-    pub fn forget_ranges(&mut self) {
-        (self.intensity_fixed, self.response_fixed) = (false, false);
-    }
-
-    /// Sets the range of the picture's class from its percentiles, unless it was set since the burst was opened.
-    pub fn fix_range_once(&mut self, picture: &Picture) {
-        let class = RangeClass::of(picture.request.kind);
-        let fixed = match class {
-            RangeClass::Intensity => &mut self.intensity_fixed,
-            RangeClass::Response => &mut self.response_fixed,
-        };
-        if std::mem::replace(fixed, true) {
-            return;
-        }
-        if let Some(range) = percentiles(&picture.plane, &Region::whole(&picture.plane), &[0.1, 99.9]) {
-            let display = self.display_mut(class);
-            *display = display.with_range(range[0], range[1]);
-        }
+        Self { ranges: Ranges::default(), overlay: true, motion_vectors: true, orientations: true, legend: true }
     }
 }

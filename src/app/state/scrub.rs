@@ -1,6 +1,6 @@
 //! Where the hand is: which picture, at which frame, slope, octave and level.
 
-use crate::detector::view::searched_octaves;
+use crate::detector::scale_space::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
 use crate::engine::PictureKind;
 use serde::{Deserialize, Serialize};
@@ -57,6 +57,22 @@ impl Scrub {
             ViewKind::Frame => PictureKind::Frame(self.frame),
             ViewKind::Stack => PictureKind::Stack { slope },
             ViewKind::Dog => PictureKind::Dog { octave: self.octave, level: self.level, slope },
+        }
+    }
+
+    /// Moved by as much as another position was moved from `before` to `after`. The kind of picture stays.
+    #[must_use]
+    pub fn moved_as(self, before: &Self, after: &Self) -> Self {
+        let moved = |mine: f32, before: f32, after: f32| if before == after { mine } else { mine + (after - before) };
+        Self {
+            kind: self.kind,
+            frame: self.frame.saturating_add_signed(after.frame as isize - before.frame as isize),
+            slope: Slope::new(
+                moved(self.slope.u, before.slope.u, after.slope.u),
+                moved(self.slope.v, before.slope.v, after.slope.v),
+            ),
+            octave: self.octave.saturating_add(after.octave.saturating_sub(before.octave)),
+            level: self.level.saturating_add(after.level.saturating_sub(before.level)),
         }
     }
 

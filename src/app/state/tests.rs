@@ -1,11 +1,14 @@
 //! The model's promises: stale is said, other bursts' answers are dropped, a feature found again stays selected.
 
 use super::*;
+use crate::app::pane::{Content, Direction, Link, PaneId, Preset};
 use crate::burst::Burst;
-use crate::detector::{SlopeGrid, StageTimes, Tally};
-use crate::engine::BurstSource;
+use crate::detector::{Detection, Feature, Slope, SlopeGrid, StageTimes, Tally};
+use crate::engine::{BurstSource, Detected, PictureKind, PictureRequest};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
+use std::sync::Arc;
+use std::time::Duration;
 
 pub(super) fn open(size: (usize, usize), frames: usize) -> OpenBurst {
     let frame = |t: usize| Plane::from_fn(size.0, size.1, |u, v| ((u + 3 * v + t) % 7) as f32 / 10.0);
@@ -79,10 +82,10 @@ fn changed_parameters_make_features_stale_and_undoing_makes_them_good() {
 fn answers_of_another_burst_are_dropped() {
     let mut model = with_features();
     let other = open((64, 48), 5);
-    let request =
-        PictureRequest { burst: other.clone(), kind: PictureKind::Frame(0), params: DetectorParams::default() };
-    model.take_picture(request.compute(&Monitor::default()).expect("frame 0 is there"));
-    assert!(model.picture.is_none());
+    let request = PictureRequest::new(other.clone(), PictureKind::Frame(0), DetectorParams::default());
+    let id = model.focus();
+    model.take_picture(id, request.compute(&Monitor::default()).expect("frame 0 is there"));
+    assert!(model.picture().is_none());
     let before = model.features().len();
     model.take_detection(detected(&other, &DetectorParams::default(), Vec::new()), Duration::ZERO);
     assert_eq!(model.features().len(), before);
@@ -91,13 +94,13 @@ fn answers_of_another_burst_are_dropped() {
 #[test]
 fn the_busiest_slope_is_shown_until_a_hand_chooses() {
     let mut model = with_features();
-    assert_eq!(model.scrub.slope, Slope::new(1.0, 0.0));
-    model.slope_chosen = true;
-    model.scrub.slope = Slope::new(0.25, 0.0);
+    assert_eq!(model.hand().slope, Slope::new(1.0, 0.0));
+    let pane = model.focused_mut();
+    (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
     let (burst, params) = (model.burst.clone().expect("open"), model.params.clone());
     let grid = params.slopes;
     model.take_detection(detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]), Duration::ZERO);
-    assert_eq!(model.scrub.slope, Slope::new(0.25, 0.0));
+    assert_eq!(model.hand().slope, Slope::new(0.25, 0.0));
 }
 
 #[test]
@@ -132,9 +135,9 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     let mut model = with_features();
     model.selected = Some(0);
     model.take_burst(open((40, 40), 1));
-    assert!(model.found.is_none() && model.selected.is_none() && model.picture.is_none());
+    assert!(model.found.is_none() && model.selected.is_none() && model.picture().is_none());
     assert_eq!(model.param_error.as_ref().map(|e| e.parameter), Some("frames"));
-    let wanted = model.wanted_picture().expect("open");
+    let wanted = model.wanted(model.focus()).expect("open");
     assert!(wanted.compute(&Monitor::default()).is_ok());
 }
 
@@ -142,13 +145,75 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
 fn a_range_is_set_once_and_then_stays() {
     let mut model = with_features();
     let show = |model: &mut Model, kind| {
-        let request =
-            PictureRequest { burst: model.burst.clone().expect("open"), kind, params: model.usable_params.clone() };
-        model.take_picture(request.compute(&Monitor::default()).expect("not cancelled"));
+        let request = PictureRequest::new(model.burst.clone().expect("open"), kind, model.usable_params.clone());
+        let id = model.focus();
+        model.take_picture(id, request.compute(&Monitor::default()).expect("not cancelled"));
     };
     show(&mut model, PictureKind::Frame(0));
-    let first = model.look.intensity;
+    let first = model.look.ranges.intensity;
     assert!(first.max > 0.5 && first.max < 0.7, "{first:?}");
     show(&mut model, PictureKind::Stack { slope: Slope::new(0.5, 0.0) });
-    assert_eq!(model.look.intensity, first);
+    assert_eq!(model.look.ranges.intensity, first);
+}
+
+/// Makes what every pane on the screen wants, as the engine would.
+fn make_pictures(model: &mut Model) {
+    for id in model.visible_panes() {
+        let wanted = model.wanted(id).expect("its burst is open");
+        model.take_picture(id, wanted.compute(&Monitor::default()).expect("not cancelled"));
+    }
+}
+
+#[test]
+fn each_pane_wants_its_own_picture_and_a_difference_those_of_two_others() {
+    let mut model = with_features();
+    model.lay_out(Preset::TwoSlopes);
+    let [a, b] = model.panes.shown()[..] else { panic!("two panes") };
+    let c = model.panes.split_with(Direction::Down, |pane| pane.content = Content::Difference(a, b)).expect("room");
+    assert!(!model.pictures_are_current());
+    make_pictures(&mut model);
+    assert!(model.pictures_are_current());
+    let plane = |id: PaneId| model.panes.get(id).and_then(|pane| pane.picture.clone()).expect("made").plane;
+    assert_eq!(plane(c).at(20, 20), plane(a).at(20, 20) - plane(b).at(20, 20));
+    // When one of the two moves, the difference is not what is wanted any more.
+    model.panes.get_mut(b).expect("there").cursor.slope = Slope::new(0.3, 0.0);
+    assert!(model.is_current(a) && !model.is_current(b) && !model.is_current(c));
+}
+
+#[test]
+fn a_pane_that_does_not_share_its_display_has_its_own() {
+    let mut model = with_features();
+    model.lay_out(Preset::FrameAndStack);
+    make_pictures(&mut model);
+    let [a, b] = model.panes.shown()[..] else { panic!("two panes") };
+    assert_eq!(model.display_of(a), model.display_of(b));
+    model.set_link(b, Link::Display, false);
+    model.panes.set_focus(b);
+    model.hand_ranges_mut().intensity.max = 0.123;
+    assert_ne!(model.display_of(a), model.display_of(b));
+    model.set_link(b, Link::Display, true);
+    assert_eq!(model.display_of(a), model.display_of(b));
+}
+
+#[test]
+fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
+    let mut model = with_features();
+    model.lay_out(Preset::Slopes(3));
+    let slopes = |model: &Model| -> Vec<f32> {
+        let panes = model.panes.shown().into_iter().filter_map(|id| model.panes.get(id));
+        panes.map(|pane| pane.cursor.slope.u).collect()
+    };
+    assert_eq!(slopes(&model), [0.0, 1.0, 2.0]);
+    model.take_burst(open((40, 30), 3));
+    assert_eq!(slopes(&model), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
+    let (focus, before) = (model.panes.focus(), *model.hand());
+    model.focused_mut().cursor.slope.u = 100.0;
+    model.check_params();
+    model.panes.follow_cursor(focus, before);
+    model.check_params();
+    let limit = scrub::slope_limit(&model.usable_params.slopes);
+    assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);
+    let last = model.panes.shown()[2];
+    let PictureKind::Stack { slope } = model.wanted(last).expect("open").kind else { panic!("a stack") };
+    assert_eq!(slope.u, limit, "what is beyond is shown at the rim");
 }

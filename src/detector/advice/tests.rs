@@ -116,7 +116,7 @@ fn a_later_test_that_takes_more_than_usual_is_named() {
     let above = [(Test::NoiseGate, 9_900_000), (Test::SpaceExtremum, 95_000), (Test::ScaleExtremum, 2_000)];
     let edge = [&above[..], &[(Test::SlopeExtremum, 1_000), (Test::Edge, 1_990)]].concat();
     let found = advice(&params, &[3; 10], &edge).expect("advice");
-    assert_eq!((found.parameter, found.value.as_str()), (doc::EDGE_THRESHOLD, "15"));
+    assert_eq!((found.parameter, found.value.as_str()), (doc::EDGE_THRESHOLD, "18"));
     assert!(
         found.problem.starts_with("only 10 features were found: of 2 000 samples 1 990 were rejected as on an edge")
     );

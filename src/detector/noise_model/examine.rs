@@ -3,16 +3,22 @@
 //! Frames that are worth nothing are left out, flicker and the sensor's pattern are taken off; then the noise of what remains is measured. Where nothing is found
 //! the frames are those that came in.
 
+use super::contrast::looked_at;
 use super::fixed_pattern::FixedPattern;
 use super::frames::FrameSurvey;
 use super::high_pass::{FREE_VALUES, HighPass, SQUARE_PIXELS, quiet_variance};
-use super::model::NoiseModel;
+use super::level_tiles::Sources;
+use super::model::{FRAMES_SAMPLED, NoiseModel};
 use super::photon_transfer::PhotonTransfer;
 use super::place::{ExcessMap, Square};
 use super::pyramid::BoxPyramid;
-use super::spectrum::{LevelNoise, Sources, measure};
-use super::warning::{NoiseWarning, WarningKind, of_frames, of_pattern};
+use super::reading::Reading;
+use super::scene_motion::SceneMotion;
+use super::spectrum::measure;
+use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
+use crate::detector::params::Flicker;
 use crate::detector::scale_space::ScaleSpace;
+use crate::detector::slope_grid::Slope;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::tile::Region;
@@ -31,7 +37,21 @@ pub struct Examined {
     pub kept: Vec<usize>,
 }
 
-/// Examines `frames` of one size, in time order, whose values differ by `quantisation_step` at least (0 if unknown), for a search of `octaves` of `space`. `None` where
+/// The search that the noise is needed for.
+#[derive(Debug, Clone)]
+pub struct ForSearch<'a> {
+    /// Its filters.
+    pub space: &'a ScaleSpace,
+    /// Its octaves.
+    pub octaves: Range<i32>,
+    /// Its slopes, px/frame, by which the scene may move.
+    pub slopes: &'a [Slope],
+    /// What is done where exposures differ.
+    pub flicker: Flicker,
+}
+
+/// Examines `frames` of one size, in time order, whose values differ by `quantisation_step` at least (0 if unknown), for a
+/// `search`. `None` where
 /// there is too little to tell noise from texture: fewer than two different frames, or sides under 20 pixels.
 ///
 /// # Errors
@@ -39,67 +59,98 @@ pub struct Examined {
 pub fn examine(
     frames: &[Arc<Plane>],
     quantisation_step: f32,
-    space: &ScaleSpace,
-    octaves: Range<i32>,
+    search: &ForSearch<'_>,
     monitor: &Monitor,
 ) -> Result<Option<Examined>, Cancelled> {
-    let levels = (octaves.end.max(1) as usize + 1).max(5);
-    let mut pyramids = pyramids_of(frames, levels, monitor)?;
-    let squares = HighPass::new(&pyramids.iter().collect::<Vec<_>>());
+    let ForSearch { space, octaves, slopes, flicker } = search;
+    let squares = HighPass::new(&planes(frames));
+    monitor.check()?;
     let survey = FrameSurvey::new(&squares);
     let kept = survey.kept();
     if squares.places.is_empty() || kept.len() < 2 {
         return Ok(None);
     }
     let mut clean: Vec<Arc<Plane>> = kept.iter().map(|&t| frames[t].clone()).collect();
-    if survey.flicker > 0.0 {
+    let is_evened = survey.flicker > 0.0 && *flicker == Flicker::Auto;
+    if is_evened {
         for (frame, &t) in clean.iter_mut().zip(&kept) {
             let gain = survey.frames[t].gain;
             Arc::make_mut(frame).data_mut().iter_mut().for_each(|x| *x /= gain);
         }
     }
-    let about = quiet_variance(mean_variances(&squares, &kept), FREE_VALUES);
-    let planes: Vec<&Plane> = clean.iter().map(|f| &**f).collect();
-    let pattern = FixedPattern::find(&planes, about, monitor)?;
-    if !pattern.is_empty() {
-        clean.par_iter_mut().for_each(|frame| pattern.remove_from(Arc::make_mut(frame)));
-    }
-    let squares = if survey.flicker > 0.0 || !pattern.is_empty() {
-        pyramids = pyramids_of(&clean, levels, monitor)?;
-        HighPass::new(&pyramids.iter().collect::<Vec<_>>())
-    } else {
-        let mut all = std::mem::take(&mut pyramids).into_iter().map(Some).collect::<Vec<_>>();
-        pyramids = kept.iter().filter_map(|&t| all[t].take()).collect();
-        squares.only(&kept)
-    };
+    let (looked, contrasts) = looked_at(clean.len(), frames[0].data().len());
+    let first_look = squares.only(&looked.iter().map(|&i| kept[i]).collect::<Vec<_>>());
+    let about = quiet_variance(first_look.mean_variances(&contrasts), FREE_VALUES);
+    let (reading, pattern) = read(&mut clean, &looked, about, pyramid_levels(octaves), monitor)?;
+    let is_changed = is_evened || !pattern.is_empty();
+    let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
+    let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
+
+    let times: Vec<f32> = looked.iter().map(|&i| kept[i] as f32).collect();
+    let pyramids: Vec<&BoxPyramid> = reading.pyramids.iter().collect();
+    // Noise that frames share stays in place; read elsewhere it would look like more.
+    let slopes = if survey.correlation > 0.0 { &[Slope::new(0.0, 0.0)] } else { *slopes };
+    let motion = SceneMotion { pyramids: &pyramids, times: &times, slopes };
+    let places: Vec<(f32, f32)> = squares.places.clone();
+    let of_squares = motion.slopes_at(&places, frames[0].size());
+    let variances = squares.still_variances(&looked_planes, &contrasts, &times, &of_squares);
+    let squares = listed(&squares, variances, looked.len());
+
     let mut model = NoiseModel {
         is_local: true,
         correlation: survey.correlation,
-        warnings: [of_frames(&survey), of_pattern(&pattern)].concat(),
+        warnings: [of_frames(&survey, is_evened), of_pattern(&pattern)].concat(),
         pattern,
         ..NoiseModel::default()
     };
-    let squares = measured_squares(&squares);
-    fit_places(&mut model, &squares, kept.len(), quantisation_step, frames[0].size());
+    fit_places(&mut model, &squares, looked.len(), quantisation_step, frames[0].size());
     model.brightness.relative_variance =
         kept.iter().map(|&t| survey.frames[t].relative_variance).sum::<f32>() / kept.len() as f32;
     model.frames = survey.frames;
-    let planes: Vec<&Plane> = clean.iter().map(|f| &**f).collect();
-    let middle = &pyramids[pyramids.len() / 2];
-    let sources = Sources {
-        frames: &planes,
-        pyramids: &pyramids.iter().collect::<Vec<_>>(),
-        variance_in: &|region| variance_in(&model, middle, &squares.0, region),
-    };
+    let middle = pyramids[pyramids.len() / 2];
+    let variance_in = |region: &Region| variance_in(&model, middle, &squares.0, region);
+    let sources = Sources { frames: &looked_planes, contrasts: &contrasts, motion, variance_in: &variance_in };
     let levels = measure(sources, space, octaves.clone(), monitor)?;
+    let (share, cut_off) = cut_off(&looked_planes, quantisation_step);
     model.warnings.extend(of_spectrum(&levels));
-    model.warnings.extend(of_places(&model));
-    let (share, warning) = cut_off(&clean, quantisation_step);
+    model.warnings.extend(of_places(model.excess.as_ref()));
+    model.warnings.extend(cut_off);
     model.brightness.cut_off = share;
-    model.warnings.extend(warning);
     model.levels = levels;
-    prepare(&mut model, pyramids, octaves);
+    prepare(&mut model, looked.into_iter().zip(reading.pyramids).collect(), octaves.clone());
     Ok(Some(Examined { model, frames: clean, kept }))
+}
+
+fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
+    frames.iter().map(|f| &**f).collect()
+}
+
+/// Levels of the pyramids that the octaves, the scene's motion in them and the brightness around a candidate ask for.
+fn pyramid_levels(octaves: &Range<i32>) -> usize {
+    (octaves.end.max(1) as usize + 1).max(5)
+}
+
+/// Reads the frames `looked` of `clean` closely, with noise of about the variance `about`, and takes the sensor's pattern off all of them.
+fn read(
+    clean: &mut [Arc<Plane>],
+    looked: &[usize],
+    about: f32,
+    levels: usize,
+    monitor: &Monitor,
+) -> Result<(Reading, FixedPattern), Cancelled> {
+    let (reading, pattern) = {
+        let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
+        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), about);
+        let reading = Reading::new(&planes, levels, stands_out, monitor)?;
+        let pattern = FixedPattern::find(&planes, &reading, about);
+        (reading, pattern)
+    };
+    if pattern.is_empty() {
+        return Ok((reading, pattern));
+    }
+    clean.par_iter_mut().for_each(|frame| pattern.remove_from(Arc::make_mut(frame)));
+    let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
+    Ok((Reading::new(&planes, levels, None, monitor)?, pattern))
 }
 
 /// The variance of the noise of one frame in a region of the image: of what the brightness says, and where that is not all, of the squares inside.
@@ -117,36 +168,12 @@ fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], regi
     model.measured_variance_at(middle, (at(columns), at(rows)))
 }
 
-fn pyramids_of(frames: &[Arc<Plane>], levels: usize, monitor: &Monitor) -> Result<Vec<BoxPyramid>, Cancelled> {
-    let pyramid = |frame: &Arc<Plane>| {
-        monitor.check()?;
-        Ok(BoxPyramid::new(frame, levels))
-    };
-    frames.par_iter().map(pyramid).collect()
-}
-
-/// The variance of the noise of one frame in each square, from combinations of the frames `kept` in which the scene nearly cancels.
-fn mean_variances(squares: &HighPass, kept: &[usize]) -> Vec<f32> {
-    let combinations: Vec<Vec<(usize, f32)>> = match kept {
-        [a, b] => vec![vec![(*a, 1.0), (*b, -1.0)]],
-        _ => kept.chunks_exact(3).map(|t| vec![(t[0], 1.0), (t[1], -2.0), (t[2], 1.0)]).collect(),
-    };
-    let mut sums = vec![0.0f32; squares.places.len()];
-    for weights in &combinations {
-        sums.iter_mut().zip(squares.variances(weights)).for_each(|(sum, x)| *sum += x);
-    }
-    sums.iter_mut().for_each(|sum| *sum /= combinations.len() as f32);
-    sums
-}
-
-/// The squares, and how many independent values are behind each.
-fn measured_squares(squares: &HighPass) -> (Vec<Square>, f32) {
-    let all: Vec<usize> = (0..squares.frames()).collect();
-    let variances = mean_variances(squares, &all);
+/// The squares with their variances, and how many independent values are behind each, of `frames` frames.
+fn listed(squares: &HighPass, variances: Vec<f32>, frames: usize) -> (Vec<Square>, f32) {
     let mean = |i: usize| squares.brightness.iter().map(|b| b[i]).sum::<f32>() / squares.frames() as f32;
     let each = squares.places.iter().zip(variances).enumerate();
     let list = each.map(|(i, (&place, variance))| Square { place, brightness: mean(i), variance }).collect();
-    (list, FREE_VALUES * (squares.frames() / 3).max(1) as f32)
+    (list, FREE_VALUES * (frames / 3).max(1) as f32)
 }
 
 /// Fits the variance over brightness and place.
@@ -169,11 +196,14 @@ fn fit_places(
     model.frame_noise = model.transfer.variance(middle).sqrt();
 }
 
-/// Works out what the search asks for at every candidate.
-fn prepare(model: &mut NoiseModel, pyramids: Vec<BoxPyramid>, octaves: Range<i32>) {
+/// Works out what the search asks for at every candidate, of the frames that were read, with their numbers.
+fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octaves: Range<i32>) {
+    let step = pyramids.len().div_ceil(FRAMES_SAMPLED);
+    let first = (pyramids.len() - 1) % step / 2;
+    pyramids = pyramids.into_iter().skip(first).step_by(step).collect();
     let least_excess = model.excess.as_ref().map_or(1.0, |excess| excess.range().0);
     let fold = |level: usize, f: fn(f32, f32) -> f32| {
-        let values = pyramids.iter().flat_map(|p| p.level(level).data().iter().copied());
+        let values = pyramids.iter().flat_map(|(_, p)| p.level(level).data().iter().copied());
         values.reduce(f).unwrap_or(0.0)
     };
     let least =
@@ -186,88 +216,33 @@ fn prepare(model: &mut NoiseModel, pyramids: Vec<BoxPyramid>, octaves: Range<i32
     }
 }
 
-/// What pixels share, and how seldom strong noise is.
-fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
-    let max = |value: fn(&LevelNoise) -> f32| levels.iter().flatten().map(value).fold(0.0, f32::max);
-    let mut warnings = Vec::new();
-    let shared = max(|level| level.over_white);
-    let finest = levels.first().and_then(|octave| octave.first()).map_or(1.0, |level| level.over_white);
-    if shared > 1.4 * finest.min(1.0) {
-        let text = format!(
-            "neighbouring pixels share their noise: at coarse levels it has {:.1} times the variance of white noise; the gate is raised there; \
-             give frames that are neither scaled nor compressed nor sharpened",
-            shared
-        );
-        warnings.push(NoiseWarning::new(WarningKind::SharedByNeighbours, shared, text));
-    }
-    let tails = max(|level| level.excess_kurtosis);
-    if tails > 0.0 {
-        let text = format!(
-            "the noise has long tails (excess kurtosis {tails:.1} in a frame), as files of low JPEG quality have; the gate is raised; \
-             save the frames without loss"
-        );
-        warnings.push(NoiseWarning::new(WarningKind::LongTails, tails, text));
-    }
-    warnings
-}
-
-fn of_places(model: &NoiseModel) -> Option<NoiseWarning> {
-    let (min, max) = model.excess.as_ref()?.range();
-    let factor = (max / min.max(1e-6)).sqrt();
-    let text = format!(
-        "the noise differs by place: by up to {factor:.1} times more than the brightness says; the gate follows it; check for vignetting \
-         that was corrected, or parts that were denoised"
-    );
-    Some(NoiseWarning::new(WarningKind::DiffersByPlace, factor, text))
-}
-
 /// Squares inside a region that tell its variance.
 const SQUARES_INSIDE: usize = 6;
-/// Rows apart at which pixels are counted.
-const ROWS_APART: usize = 16;
-/// Shares of cut-off pixels below this are not worth a word.
-const LEAST_CUT_OFF: f32 = 0.05;
-
-/// The share of pixels at the ends of the range, and a word about it if it matters.
-fn cut_off(frames: &[Arc<Plane>], step: f32) -> (f32, Option<NoiseWarning>) {
-    let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
-    for frame in frames {
-        for row in (0..frame.height()).step_by(ROWS_APART).map(|v| frame.row(v)) {
-            black += row.iter().filter(|&&x| x <= 0.0).count();
-            white += row.iter().filter(|&&x| x >= 1.0 - 0.5 * step).count();
-            count += row.len();
-        }
-    }
-    let (black, white) = (black as f32 / count as f32, white as f32 / count as f32);
-    let (share, words, remedy) = if black >= white {
-        (black, "black", "raise the camera's black level, or expose longer")
-    } else {
-        (white, "white", "expose shorter")
-    };
-    let warning = (share > LEAST_CUT_OFF).then(|| {
-        let text =
-            format!("{:.0} % of the pixels are {words}, where noise and signal are cut off; {remedy}", 100.0 * share);
-        NoiseWarning::new(WarningKind::CutOff, share, text)
-    });
-    (share, warning)
-}
 
 #[cfg(test)]
 mod tests {
+    use super::super::warning::WarningKind;
     use super::*;
     use crate::burst::Burst;
+    use crate::detector::slope_grid::SlopeGrid;
     use crate::synth::NoiseCase;
 
-    fn examined(burst: &Burst) -> Examined {
+    fn slopes() -> Vec<Slope> {
+        SlopeGrid::line(-3.0..=3.0, 13).slopes().collect()
+    }
+
+    fn examined(burst: &Burst, flicker: Flicker) -> Examined {
         let space = ScaleSpace::new(4, 0, 4.0);
-        examine(&burst.frames, burst.quantisation_step, &space, 0..4, &Monitor::default())
+        let slopes = slopes();
+        let search = ForSearch { space: &space, octaves: 0..4, slopes: &slopes, flicker };
+        examine(&burst.frames, burst.quantisation_step, &search, &Monitor::default())
             .expect("not cancelled")
             .expect("there is enough")
     }
 
     fn case(case: NoiseCase) -> (Burst, Examined) {
         let burst = case.burst((480, 360), 10, 0.02, 3, &Monitor::default()).expect("not cancelled");
-        let examined = examined(&burst);
+        let examined = examined(&burst, Flicker::Auto);
         (burst, examined)
     }
 
@@ -278,6 +253,24 @@ mod tests {
         assert_eq!(found.model.warnings, []);
         assert!(found.frames.iter().zip(&burst.frames).all(|(a, b)| Arc::ptr_eq(a, b)), "nothing is copied");
         assert!(found.model.excess.is_none() && found.model.brightness.pyramids.is_empty());
+    }
+
+    #[test]
+    fn flicker_is_evened_out_unless_it_is_wanted() {
+        let case = NoiseCase::GainFlicker;
+        let burst = case.burst((320, 240), 8, 0.02, 3, &Monitor::default()).expect("not cancelled");
+        let spread = |frames: &[Arc<Plane>]| {
+            let means = frames.iter().map(|f| f.data().iter().sum::<f32>() / f.data().len() as f32);
+            let (min, max) = means.fold((f32::INFINITY, 0.0f32), |(a, b), x| (a.min(x), b.max(x)));
+            max / min - 1.0
+        };
+        let (even, as_they_are) = (examined(&burst, Flicker::Auto), examined(&burst, Flicker::Off));
+        assert!(spread(&even.frames) < 0.002 && spread(&burst.frames) > 0.05, "{}", spread(&even.frames));
+        assert!(as_they_are.frames.iter().zip(&burst.frames).all(|(a, b)| Arc::ptr_eq(a, b)));
+        for (examined, words) in [(even, "were brought"), (as_they_are, "were left")] {
+            let warning = &examined.model.warnings[0];
+            assert!(warning.kind == WarningKind::GainFlicker && warning.text.contains(words), "{warning:?}");
+        }
     }
 
     #[test]
@@ -306,7 +299,9 @@ mod tests {
     #[test]
     fn too_little_to_tell_is_no_model() {
         let space = ScaleSpace::new(4, 0, 4.0);
-        let examine = |frames: &[Arc<Plane>]| examine(frames, 0.0, &space, 0..1, &Monitor::default());
+        let slopes = slopes();
+        let search = ForSearch { space: &space, octaves: 0..1, slopes: &slopes, flicker: Flicker::Auto };
+        let examine = |frames: &[Arc<Plane>]| examine(frames, 0.0, &search, &Monitor::default());
         let frame = Arc::new(Plane::from_fn(40, 40, |u, v| ((u * 7 + v * 13) % 11) as f32));
         assert!(examine(&[frame]).expect("not cancelled").is_none());
         let small = [(); 3].map(|()| Arc::new(Plane::zeros(12, 40))).to_vec();

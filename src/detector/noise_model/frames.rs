@@ -1,9 +1,10 @@
-//! What each frame of a burst is worth: which ones are copies, black, flashed, empty or too noisy, and how bright and how noisy the others are.
+//! What each frame of a burst is worth: which ones are copies, black, flashed, empty, too noisy or blurred, and how bright and how noisy the others are.
 //!
 //! A frame that repeats another brings no new noise, so it does not count; a frame that is much noisier than the others makes their mean worse. Both are left
 //! out, and frames whose exposure differs are brought to the same brightness.
 
 use super::high_pass::{FREE_VALUES, HighPass, quiet_variance};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Why a frame takes no part.
@@ -20,6 +21,8 @@ pub enum LeftOut {
     Empty,
     /// Its noise has this many times the variance of the others', so that their mean is better without it.
     Noisy(f32),
+    /// Its texture has this share of the power of the others', beyond the noise.
+    Blurred(f32),
 }
 
 /// One frame.
@@ -58,6 +61,16 @@ const WORTH_LEAVING_OUT: f32 = 0.9;
 const SAME_VARIANCE: f32 = 0.15;
 /// Correlations of consecutive frames below this are taken for none.
 const LEAST_CORRELATION: f32 = 0.15;
+/// A frame whose texture has less than this share of the power of the others' is blurred.
+const BLURRED: f32 = 0.4;
+/// Texture with less than this share of the power of the noise is not told from it.
+const LEAST_TEXTURE: f32 = 0.15;
+/// Texture differs from square to square: the mean of all is above that of the quiet ones by more than this share.
+const UNEVEN: f32 = 0.08;
+/// Frames with more than this many times the usual noise are not judged by their texture.
+const NOISIER: f32 = 1.5;
+/// The textures of sharp frames differ by no more than this many times their usual difference.
+const UNUSUAL: f32 = 6.0;
 
 impl FrameSurvey {
     /// Indices of the frames that take part.
@@ -73,13 +86,13 @@ impl FrameSurvey {
         if count < 2 || squares.places.is_empty() {
             return survey;
         }
-        let of_frames: Vec<Vec<f32>> = (0..count).map(|t| squares.variances(&[(t, 1.0)])).collect();
-        let noise: Vec<f32> = of_frames.iter().map(|v| quiet_variance(v.clone(), FREE_VALUES)).collect();
-        survey.leave_out_empty(&of_frames);
-        survey.leave_out_copies(squares, &noise);
+        let looks = Looks::new(squares);
+        survey.leave_out_empty(&looks);
+        survey.leave_out_copies(squares, &looks);
         survey.compare_brightness(squares);
-        survey.compare_noise(squares, &noise);
-        survey.correlation = correlation(squares, &of_frames, &survey.kept());
+        survey.leave_out_blurred(&looks);
+        survey.compare_noise(squares, &looks);
+        survey.correlation = correlation(squares, &looks, &survey.kept());
         survey
     }
 
@@ -90,26 +103,23 @@ impl FrameSurvey {
         }
     }
 
-    fn leave_out_empty(&mut self, of_frames: &[Vec<f32>]) {
-        let is_empty: Vec<bool> = of_frames.iter().map(|variances| variances.iter().all(|&v| v == 0.0)).collect();
+    fn leave_out_empty(&mut self, looks: &Looks) {
+        let is_empty: Vec<bool> = looks.frames.iter().map(|variances| variances.iter().all(|&v| v == 0.0)).collect();
         // Where most frames have no noise, that is what the burst is like.
         if 2 * is_empty.iter().filter(|&&empty| empty).count() < is_empty.len() {
             (0..is_empty.len()).filter(|&t| is_empty[t]).for_each(|t| self.leave_out(t, LeftOut::Empty));
         }
     }
 
-    fn leave_out_copies(&mut self, squares: &HighPass, noise: &[f32]) {
-        for (t, &own) in noise.iter().enumerate().skip(1) {
+    fn leave_out_copies(&mut self, squares: &HighPass, looks: &Looks) {
+        for (t, &own) in looks.noise.iter().enumerate().skip(1) {
             for before in t.saturating_sub(LOOK_BACK)..t {
                 if self.frames[before].left_out.is_some() || self.frames[t].left_out.is_some() || own == 0.0 {
                     continue;
                 }
                 // Copies that went through a file once more follow their original.
-                let nearly = || {
-                    let differ = squares.variances(&[(t, 1.0), (before, -1.0)]);
-                    before + 1 == t && quiet_variance(differ, FREE_VALUES) < COPY * own
-                };
-                if squares.same(t, before) || nearly() {
+                let nearly = before + 1 == t && looks.in_pair(squares, before, t) < COPY * own;
+                if nearly || squares.same(t, before) {
                     self.leave_out(t, LeftOut::Duplicate(before));
                     break;
                 }
@@ -146,10 +156,10 @@ impl FrameSurvey {
     }
 
     /// Finds how noisy each frame is, and leaves out those without which the mean is better.
-    fn compare_noise(&mut self, squares: &HighPass, noise: &[f32]) {
+    fn compare_noise(&mut self, squares: &HighPass, looks: &Looks) {
         let kept = self.kept();
-        let pairs =
-            kept.windows(2).map(|w| quiet_variance(squares.variances(&[(w[0], 1.0), (w[1], -1.0)]), FREE_VALUES));
+        let noise = &looks.noise;
+        let pairs = kept.windows(2).map(|w| looks.in_pair(squares, w[0], w[1]));
         // What frames show beyond their differences is texture, the same in all of them.
         let own: Vec<f32> = kept.iter().map(|&t| noise[t]).collect();
         let in_pairs = median(pairs.collect());
@@ -179,6 +189,68 @@ impl FrameSurvey {
                 let relative = self.frames[t].relative_variance;
                 self.leave_out(t, LeftOut::Noisy(relative));
             }
+        }
+    }
+
+    /// Leaves out frames whose squares have far less power beyond the noise than those of the others.
+    fn leave_out_blurred(&mut self, looks: &Looks) {
+        let kept = self.kept();
+        if kept.len() < 4 {
+            return;
+        }
+        let per_gain = |t: usize, power: f32| power / self.frames[t].gain.powi(2);
+        let powers: Vec<f32> = kept
+            .iter()
+            .map(|&t| per_gain(t, looks.frames[t].iter().sum::<f32>() / looks.frames[t].len() as f32))
+            .collect();
+        let quiet: Vec<f32> = kept.iter().map(|&t| per_gain(t, looks.noise[t])).collect();
+        let usual = median(powers.clone());
+        let beyond_quiet = median(powers.iter().zip(&quiet).map(|(power, quiet)| power - quiet).collect());
+        let difference = median(powers.iter().map(|power| (power - usual).abs()).collect());
+        // A blurred frame has nothing but noise, so that this is the noise, or more.
+        let noise = quiet.iter().copied().fold(f32::INFINITY, f32::min);
+        let texture = usual - noise;
+        if texture <= LEAST_TEXTURE * noise || beyond_quiet <= UNEVEN * median(quiet.clone()) {
+            return;
+        }
+        for ((t, power), own_noise) in kept.into_iter().zip(powers).zip(&quiet) {
+            // Strong noise hides texture, but that is another fault.
+            let is_noisy = *own_noise > NOISIER * median(quiet.clone());
+            let share = (power - noise) / texture;
+            if share < BLURRED && usual - power > UNUSUAL * difference && !is_noisy {
+                self.leave_out(t, LeftOut::Blurred(share.max(0.0)));
+            }
+        }
+    }
+}
+
+/// What the squares of single frames and of neighbours show.
+struct Looks {
+    /// For each frame, the variance in each square.
+    frames: Vec<Vec<f32>>,
+    /// Of the quiet part of each.
+    noise: Vec<f32>,
+    /// For each frame but the last, the variance of its difference to the next in each square.
+    pairs: Vec<Vec<f32>>,
+    /// Of the quiet part of each.
+    in_pairs: Vec<f32>,
+}
+
+impl Looks {
+    fn new(squares: &HighPass) -> Self {
+        let count = squares.frames();
+        let quiet = |all: &Vec<Vec<f32>>| all.par_iter().map(|v| quiet_variance(v.clone(), FREE_VALUES)).collect();
+        let frames: Vec<Vec<f32>> = (0..count).into_par_iter().map(|t| squares.variances(&[(t, 1.0)])).collect();
+        let pairs = (1..count).into_par_iter().map(|t| squares.variances(&[(t - 1, 1.0), (t, -1.0)])).collect();
+        Self { noise: quiet(&frames), in_pairs: quiet(&pairs), frames, pairs }
+    }
+
+    /// The variance of the noise of one frame that the difference of two shows.
+    fn in_pair(&self, squares: &HighPass, a: usize, b: usize) -> f32 {
+        if a + 1 == b {
+            self.in_pairs[a]
+        } else {
+            quiet_variance(squares.variances(&[(a, 1.0), (b, -1.0)]), FREE_VALUES)
         }
     }
 }
@@ -213,26 +285,29 @@ fn spread_without_trend(points: &[(f32, f32)]) -> f32 {
 }
 
 /// The correlation of the noise of consecutive frames, from the flattest squares; 0 where texture may be what they share.
-fn correlation(squares: &HighPass, of_frames: &[Vec<f32>], kept: &[usize]) -> f32 {
+fn correlation(squares: &HighPass, looks: &Looks, kept: &[usize]) -> f32 {
     if kept.len() < 5 {
         return 0.0;
     }
     // The squares are chosen by the first frames and measured in the others, so that choosing does not change what is measured.
     let (choosing, measuring) = kept.split_at(2);
-    let mean = |variances: Vec<Vec<f32>>| -> Vec<f32> {
+    let mean = |variances: &[&[f32]]| -> Vec<f32> {
         let n = variances.len() as f32;
         (0..squares.places.len()).map(|i| variances.iter().map(|v| v[i]).sum::<f32>() / n).collect()
     };
-    let chosen_by = mean(choosing.iter().map(|&t| of_frames[t].clone()).collect());
+    let own =
+        |frames: &[usize]| -> Vec<f32> { mean(&frames.iter().map(|&t| &looks.frames[t][..]).collect::<Vec<_>>()) };
+    let chosen_by = own(choosing);
     let mut order: Vec<usize> = (0..squares.places.len()).collect();
     order.sort_by(|&a, &b| chosen_by[a].total_cmp(&chosen_by[b]));
     let flat = &order[..order.len().div_ceil(3)];
-    let of_frames = mean(measuring.iter().map(|&t| of_frames[t].clone()).collect());
-    let of_pairs = mean(measuring.windows(2).map(|w| squares.variances(&[(w[0], 1.0), (w[1], -1.0)])).collect());
+    let of_frames = own(measuring);
+    let neighbours = measuring.windows(2).filter(|w| w[0] + 1 == w[1]);
+    let of_pairs = mean(&neighbours.map(|w| &looks.pairs[w[0]][..]).collect::<Vec<_>>());
     let mut frames: Vec<f32> = flat.iter().map(|&i| of_frames[i]).collect();
     let pairs: f32 = flat.iter().map(|&i| of_pairs[i]).sum();
     let own: f32 = frames.iter().sum();
-    if own <= 0.0 {
+    if own <= 0.0 || pairs.is_nan() {
         return 0.0;
     }
     let shared = 1.0 - pairs / own;
@@ -253,15 +328,15 @@ pub(super) fn median(mut values: Vec<f32>) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pyramid::BoxPyramid;
     use super::*;
     use crate::monitor::Monitor;
     use crate::plane::Plane;
+    use crate::plane::blur::{GaussianKernel, gaussian_blur};
+    use crate::synth::random::Stream;
     use crate::synth::{NoiseCase, SceneParams, synth_scene};
 
     fn survey_of(frames: &[&Plane]) -> FrameSurvey {
-        let pyramids: Vec<BoxPyramid> = frames.iter().map(|f| BoxPyramid::new(f, 1)).collect();
-        FrameSurvey::new(&HighPass::new(&pyramids.iter().collect::<Vec<_>>()))
+        FrameSurvey::new(&HighPass::new(frames))
     }
 
     fn survey(case: NoiseCase) -> FrameSurvey {
@@ -329,6 +404,23 @@ mod tests {
         }
         let survey = survey_of(&smooth.iter().skip(3).collect::<Vec<_>>());
         assert!((survey.correlation - 0.5).abs() < 0.05, "{}", survey.correlation);
+    }
+
+    #[test]
+    fn a_blurred_frame_is_left_out_where_its_texture_can_be_seen() {
+        let scene = SceneParams { width: 320, height: 240, frames: 8, snr: f64::INFINITY, ..SceneParams::default() };
+        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
+        let mut frames: Vec<Plane> = burst.frames.iter().map(|f| (**f).clone()).collect();
+        frames[3] = gaussian_blur(&frames[3], &GaussianKernel::new(2.0), &Monitor::default()).expect("not cancelled");
+        for (sigma, is_seen) in [(0.01, true), (0.5, false)] {
+            let mut stream = Stream::new(3, 0);
+            let mut noisy = |f: &Plane| Plane::from_fn(320, 240, |u, v| f.at(u, v) + sigma * stream.normal() as f32);
+            let noisy: Vec<Plane> = frames.iter().map(&mut noisy).collect();
+            let survey = survey_of(&noisy.iter().collect::<Vec<_>>());
+            let left_out: Vec<usize> = (0..8).filter(|&t| survey.frames[t].left_out.is_some()).collect();
+            assert_eq!(left_out, if is_seen { vec![3] } else { vec![] }, "{survey:?}");
+            assert!(!is_seen || matches!(survey.frames[3].left_out, Some(LeftOut::Blurred(share)) if share < 0.4));
+        }
     }
 
     #[test]

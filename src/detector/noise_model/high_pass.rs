@@ -4,8 +4,10 @@
 //! in squares of 16×16 image pixels, the same in every frame, so that a combination of frames is filtered as the same combination of filtered frames. Halving first looks at
 //! frequencies that the search looks at too; the very finest are what files and demosaicing change most.
 
-use super::pyramid::BoxPyramid;
+use super::contrast::{Contrast, shifts};
+use crate::detector::slope_grid::Slope;
 use crate::plane::Plane;
+use rayon::prelude::*;
 
 /// Side of a square, halved pixels.
 const SIDE: usize = 8;
@@ -14,7 +16,7 @@ const AREA: usize = SIDE * SIDE;
 /// Pixels of a square in the image.
 pub const SQUARE_PIXELS: usize = 4 * AREA;
 /// Most squares that are looked at: enough for a hundredth of accuracy overall and for a map of the image.
-const MAX_SQUARES: usize = 1024;
+const MAX_SQUARES: usize = 512;
 /// Variance of the filtered halved pixels for white noise of variance 1 in the frame's own: the mask's squares sum to 36, a mean over four has a quarter.
 const GAIN: f32 = 9.0;
 /// Independent values of a square, as far as its mean square is concerned: the filter's values are correlated, and Σρ² over a square is 3.31.
@@ -25,6 +27,8 @@ pub const FREE_VALUES: f32 = AREA as f32 / 3.31;
 pub struct HighPass {
     /// Middle of each square, image pixels.
     pub places: Vec<(f32, f32)>,
+    /// Their first columns and rows in the image, with the pixels around them that the filter needs.
+    corners: Vec<(usize, usize)>,
     /// For each frame, the values of all squares.
     values: Vec<Vec<f32>>,
     /// For each frame, the mean of each square, fraction of full scale.
@@ -32,20 +36,29 @@ pub struct HighPass {
 }
 
 impl HighPass {
-    /// The squares of frames of one size, given as their pyramids; none where a side is under 20 pixels.
-    pub fn new(pyramids: &[&BoxPyramid]) -> Self {
-        let corners = pyramids.first().filter(|p| !p.is_empty()).map_or_else(Vec::new, |p| corners(p.level(1).size()));
-        let places = corners.iter().map(|&(x, y)| ((2 * x + SIDE) as f32 - 0.5, (2 * y + SIDE) as f32 - 0.5)).collect();
-        let values =
-            pyramids.iter().map(|p| if corners.is_empty() { Vec::new() } else { filtered(p.level(1), &corners) });
-        let brightness = pyramids.iter().map(|p| corners.iter().map(|&corner| mean(p.level(1), corner)).collect());
-        Self { values: values.collect(), brightness: brightness.collect(), places }
+    /// The squares of frames of one size; none where a side is under 20 pixels.
+    pub fn new(frames: &[&Plane]) -> Self {
+        let corners = frames.first().map_or_else(Vec::new, |frame| corners(frame.size()));
+        let of_frame = |frame: &&Plane| {
+            let mut values = Vec::with_capacity(corners.len() * AREA);
+            let mut brightness = Vec::with_capacity(corners.len());
+            for &corner in &corners {
+                let patch = halved_patch(frame, corner);
+                brightness.push(mean(&patch));
+                filter(&patch, &mut |value| values.push(value));
+            }
+            (values, brightness)
+        };
+        let (values, brightness) = frames.par_iter().map(of_frame).unzip();
+        let middle = |at: usize| at as f32 + PATCH as f32 - 0.5;
+        Self { places: corners.iter().map(|&(u, v)| (middle(u), middle(v))).collect(), values, brightness, corners }
     }
 
     /// The same of some of the frames.
     pub fn only(&self, frames: &[usize]) -> Self {
         Self {
             places: self.places.clone(),
+            corners: self.corners.clone(),
             values: frames.iter().map(|&t| self.values[t].clone()).collect(),
             brightness: frames.iter().map(|&t| self.brightness[t].clone()).collect(),
         }
@@ -59,16 +72,57 @@ impl HighPass {
     /// The variance of white noise of one frame that would explain each square of the combination Σ `weights`·frame.
     pub fn variances(&self, weights: &[(usize, f32)]) -> Vec<f32> {
         let scale = 1.0 / (GAIN * AREA as f32 * weights.iter().map(|(_, w)| w * w).sum::<f32>());
-        (0..self.places.len())
-            .map(|square| {
-                let range = square * AREA..(square + 1) * AREA;
-                let mut sums = [0.0f32; AREA];
-                for &(frame, weight) in weights {
-                    sums.iter_mut().zip(&self.values[frame][range.clone()]).for_each(|(sum, x)| *sum += weight * x);
+        (0..self.places.len()).map(|square| self.power(weights, square) * scale).collect()
+    }
+
+    /// The mean over `contrasts` of the variance that each shows in each square, the frames compared where they are.
+    pub fn mean_variances(&self, contrasts: &[Contrast]) -> Vec<f32> {
+        let scale = 1.0 / (contrasts.len() as f32 * GAIN * AREA as f32);
+        let of_square = |square| contrasts.iter().map(|contrast| self.power(contrast, square)).sum::<f32>() * scale;
+        (0..self.places.len()).map(of_square).collect()
+    }
+
+    /// The variance of the noise of one frame in each square: the mean over `contrasts` of the frames that these squares are of, each taken at its time in `times` and read where the
+    /// scene, which moves by `slopes[square]` px/frame, has moved to.
+    pub fn still_variances(
+        &self,
+        frames: &[&Plane],
+        contrasts: &[Contrast],
+        times: &[f32],
+        slopes: &[Slope],
+    ) -> Vec<f32> {
+        let of_square = |square: usize| {
+            let (u, v) = self.corners[square];
+            let of_contrast = |contrast: &Contrast| {
+                let shifts = |along: f32, at: usize, n: usize| shifts(contrast, times, along, &(at..at + 2 * PATCH), n);
+                let shifts_u = shifts(slopes[square].u, u, frames[0].width());
+                let shifts_v = shifts(slopes[square].v, v, frames[0].height());
+                if shifts_u.iter().chain(&shifts_v).all(|&s| s == 0) {
+                    return self.power(contrast, square);
                 }
-                sums.iter().map(|x| x * x).sum::<f32>() * scale
-            })
-            .collect()
+                let mut patch = Patch::default();
+                for ((&(t, weight), du), dv) in contrast.iter().zip(shifts_u).zip(shifts_v) {
+                    let at = (u.saturating_add_signed(du as isize), v.saturating_add_signed(dv as isize));
+                    let of_frame = halved_patch(frames[t], at);
+                    patch.iter_mut().flatten().zip(of_frame.iter().flatten()).for_each(|(sum, x)| *sum += weight * x);
+                }
+                let mut power = 0.0;
+                filter(&patch, &mut |value| power += value * value);
+                power
+            };
+            contrasts.iter().map(of_contrast).sum::<f32>() / (contrasts.len() as f32 * GAIN * AREA as f32)
+        };
+        (0..self.places.len()).into_par_iter().map(of_square).collect()
+    }
+
+    /// The sum of the squares of a combination of the frames in a square.
+    fn power(&self, weights: &[(usize, f32)], square: usize) -> f32 {
+        let range = square * AREA..(square + 1) * AREA;
+        let mut sums = [0.0f32; AREA];
+        for &(frame, weight) in weights {
+            sums.iter_mut().zip(&self.values[frame][range.clone()]).for_each(|(sum, x)| *sum += weight * x);
+        }
+        sums.iter().map(|x| x * x).sum::<f32>()
     }
 
     /// Whether the filtered values of two frames are exactly the same.
@@ -77,9 +131,10 @@ impl HighPass {
     }
 }
 
-/// The first columns and rows of the squares of a halved image of `size`, spread evenly; a pixel stays free around them.
+/// The first columns and rows of the squares of an image of `size`, with two pixels more on each side; spread evenly.
 fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
-    let (columns, rows) = (width.saturating_sub(2) / SIDE, height.saturating_sub(2) / SIDE);
+    let inner = |n: usize| (n / 2).saturating_sub(2) / SIDE;
+    let (columns, rows) = (inner(width), inner(height));
     let total = columns * rows;
     let count = total.min(MAX_SQUARES);
     // Every so many of all squares; the rows are walked so that the columns that are taken move on from row to row.
@@ -88,31 +143,45 @@ fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
             let index = (i as u64 * total as u64 / count as u64) as usize;
             let (column, row) = (index % columns, index / columns);
             let shifted = if count < total { (column + row * 7) % columns } else { column };
-            (1 + shifted * SIDE, 1 + row * SIDE)
+            (2 * shifted * SIDE, 2 * row * SIDE)
         })
         .collect()
 }
 
-fn filtered(halved: &Plane, corners: &[(usize, usize)]) -> Vec<f32> {
-    let mut out = Vec::with_capacity(corners.len() * AREA);
-    for &(x, y) in corners {
-        for v in y..y + SIDE {
-            let row = |v: usize| -> &[f32; SIDE + 2] {
-                halved.row(v)[x - 1..=x + SIDE].try_into().expect("a square and a pixel on each side")
-            };
-            let (above, at, below) = (row(v - 1), row(v), row(v + 1));
-            let mut second = [0.0; SIDE + 2];
-            for (i, second) in second.iter_mut().enumerate() {
-                *second = above[i] - 2.0 * at[i] + below[i];
-            }
-            out.extend((0..SIDE).map(|i| second[i] - 2.0 * second[i + 1] + second[i + 2]));
+/// Side of a square with what its filter needs, halved pixels.
+const PATCH: usize = SIDE + 2;
+/// A square with what its filter needs.
+type Patch = [[f32; PATCH]; PATCH];
+
+/// The means over 2×2 pixels from the image's pixel (u, v) on.
+fn halved_patch(frame: &Plane, (u, v): (usize, usize)) -> Patch {
+    let mut patch = Patch::default();
+    for (y, out) in patch.iter_mut().enumerate() {
+        let row = |v: usize| -> &[f32; 2 * PATCH] {
+            frame.row(v)[u..u + 2 * PATCH].try_into().expect("as long as it is asked for")
+        };
+        let (upper, lower) = (row(v + 2 * y), row(v + 2 * y + 1));
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = 0.25 * ((upper[2 * i] + upper[2 * i + 1]) + (lower[2 * i] + lower[2 * i + 1]));
         }
     }
-    out
+    patch
 }
 
-fn mean(halved: &Plane, (x, y): (usize, usize)) -> f32 {
-    (y..y + SIDE).map(|v| halved.row(v)[x..x + SIDE].iter().sum::<f32>()).sum::<f32>() / AREA as f32
+/// Gives the filtered values of a square, row by row.
+fn filter(patch: &Patch, give: &mut impl FnMut(f32)) {
+    for rows in patch.windows(3) {
+        let mut second = [0.0; PATCH];
+        for (i, second) in second.iter_mut().enumerate() {
+            *second = rows[0][i] - 2.0 * rows[1][i] + rows[2][i];
+        }
+        (0..SIDE).for_each(|i| give(second[i] - 2.0 * second[i + 1] + second[i + 2]));
+    }
+}
+
+/// The mean of a square.
+fn mean(patch: &Patch) -> f32 {
+    patch[1..=SIDE].iter().map(|row| row[1..=SIDE].iter().sum::<f32>()).sum::<f32>() / AREA as f32
 }
 
 /// The variance that the quieter part of some squares' variances tells, where texture may have been added to the others.
@@ -134,18 +203,19 @@ pub fn quiet_variance(mut variances: Vec<f32>, free: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::contrast::contrasts;
     use super::*;
     use crate::synth::random::Stream;
 
-    fn noise(size: (usize, usize), sigma: f64, seed: u64) -> BoxPyramid {
+    fn noise(size: (usize, usize), sigma: f64, seed: u64) -> Plane {
         let mut stream = Stream::new(seed, 0);
-        BoxPyramid::new(&Plane::from_fn(size.0, size.1, |u, _| 1e-3 * u as f32 + (sigma * stream.normal()) as f32), 1)
+        Plane::from_fn(size.0, size.1, |u, _| 1e-3 * u as f32 + (sigma * stream.normal()) as f32)
     }
 
     #[test]
     fn white_noise_on_a_ramp_has_its_variance_in_every_combination() {
-        let pyramids = [noise((400, 300), 0.02, 1), noise((400, 300), 0.02, 2), noise((400, 300), 0.02, 3)];
-        let squares = HighPass::new(&pyramids.iter().collect::<Vec<_>>());
+        let frames = [1, 2, 3].map(|seed| noise((400, 300), 0.02, seed));
+        let squares = HighPass::new(&frames.iter().collect::<Vec<_>>());
         for weights in [&[(0, 1.0)][..], &[(0, 1.0), (1, -1.0)], &[(0, 1.0), (1, -2.0), (2, 1.0)]] {
             let variances = squares.variances(weights);
             let mean = variances.iter().sum::<f32>() / variances.len() as f32;
@@ -160,8 +230,7 @@ mod tests {
 
     #[test]
     fn texture_in_a_quarter_of_the_squares_changes_little() {
-        let pyramid = noise((800, 600), 0.02, 1);
-        let squares = HighPass::new(&[&pyramid]);
+        let squares = HighPass::new(&[&noise((800, 600), 0.02, 1)]);
         assert_eq!(squares.places.len(), MAX_SQUARES);
         let mut variances = squares.variances(&[(0, 1.0)]);
         variances.iter_mut().step_by(4).for_each(|v| *v *= 10.0);
@@ -170,12 +239,35 @@ mod tests {
     }
 
     #[test]
+    fn what_moves_through_the_squares_is_taken_off() {
+        let mut stream = Stream::new(8, 0);
+        let scene = Plane::from_fn(400, 200, |_, _| 0.3 * stream.normal() as f32);
+        let frame = |t: usize| {
+            let mut noise = Stream::new(9, t as u64);
+            let at = |u: usize, v: usize| scene.at(u + 40 - 4 * t, v + t);
+            Plane::from_fn(300, 180, |u, v| at(u, v) + 0.02 * noise.normal() as f32)
+        };
+        let frames = [0, 1, 2, 3, 4, 5].map(frame);
+        let frames: Vec<&Plane> = frames.iter().collect();
+        let squares = HighPass::new(&frames);
+        let contrasts = &contrasts(6)[..2];
+        let times = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let mean = |slope: Slope| {
+            let variances = squares.still_variances(&frames, contrasts, &times, &vec![slope; squares.places.len()]);
+            variances.iter().sum::<f32>() / variances.len() as f32
+        };
+        let still = mean(Slope::new(4.0, -1.0));
+        assert!((still / 4e-4 - 1.0).abs() < 0.03, "{still}");
+        assert!(mean(Slope::default()) > 0.05);
+    }
+
+    #[test]
     fn squares_lie_inside_and_everywhere() {
         let corners = corners((2000, 1500));
         assert_eq!(corners.len(), MAX_SQUARES);
-        assert!(corners.iter().all(|&(x, y)| x >= 1 && y >= 1 && x + SIDE < 2000 && y + SIDE < 1500));
+        assert!(corners.iter().all(|&(u, v)| u + 2 * PATCH <= 2000 && v + 2 * PATCH <= 1500));
         let mut counts = [0usize; 20];
-        corners.iter().for_each(|&(x, y)| counts[y / 300 * 4 + x / 500] += 1);
+        corners.iter().for_each(|&(u, v)| counts[v / 300 * 4 + u / 500] += 1);
         assert!(counts.iter().all(|&n| n > MAX_SQUARES / 40), "{counts:?}");
         assert!(HighPass::new(&[&noise((18, 300), 0.1, 1)]).places.is_empty());
         assert!(HighPass::new(&[]).places.is_empty());

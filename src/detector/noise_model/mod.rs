@@ -5,17 +5,23 @@
 //! noisy ([`frames`]), and a sensor has a pattern of its own ([`fixed_pattern`]). [`examine()`] finds all of it from the burst alone and gives a
 //! [`NoiseModel`], which says σ of D for an octave, a level, a slope and a place, with a [`NoiseWarning`] for each assumption that fails.
 
+pub mod contrast;
 pub mod examine;
 pub mod fixed_pattern;
 pub mod frames;
 pub mod high_pass;
+pub mod hot_pixels;
+pub mod level_tiles;
 pub mod model;
 pub mod photon_transfer;
 pub mod place;
 pub mod pyramid;
+pub mod reading;
+pub mod scene_motion;
 pub mod spectrum;
+pub mod stripes;
 pub mod warning;
 
-pub use examine::{Examined, examine};
+pub use examine::{Examined, ForSearch, examine};
 pub use model::NoiseModel;
 pub use warning::{NoiseWarning, WarningKind};

@@ -153,7 +153,6 @@ fn median_line(points: &[TransferPoint]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::super::high_pass::{FREE_VALUES, HighPass};
-    use super::super::pyramid::BoxPyramid;
     use super::*;
     use crate::monitor::Monitor;
     use crate::plane::Plane;
@@ -162,9 +161,8 @@ mod tests {
 
     /// Brightness and variance of the squares of a sensor's frames of `signal`.
     fn squares(camera: &Camera, signal: &Plane) -> Vec<(f32, f32)> {
-        let frames: Vec<BoxPyramid> = (1..=3)
+        let frames: Vec<Plane> = (1..=3)
             .map(|t| camera.capture(signal, &mut Stream::new(9, t), &Monitor::default()).expect("not cancelled"))
-            .map(|frame| BoxPyramid::new(&frame, 1))
             .collect();
         let squares = HighPass::new(&frames.iter().collect::<Vec<_>>());
         let variances = squares.variances(&[(0, 1.0), (1, -2.0), (2, 1.0)]);
@@ -198,7 +196,7 @@ mod tests {
     fn noise_that_knows_no_brightness_has_no_slope() {
         let mut stream = Stream::new(1, 0);
         let frame = Plane::from_fn(640, 400, |u, _| u as f32 / 640.0 + 0.01 * stream.normal() as f32);
-        let squares = HighPass::new(&[&BoxPyramid::new(&frame, 1)]);
+        let squares = HighPass::new(&[&frame]);
         let pairs: Vec<(f32, f32)> =
             squares.brightness[0].iter().copied().zip(squares.variances(&[(0, 1.0)])).collect();
         let fit = PhotonTransfer::fit(&pairs, 256, FREE_VALUES);

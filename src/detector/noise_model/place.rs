@@ -152,7 +152,6 @@ fn with_borders(cells: &Plane) -> Plane {
 #[cfg(test)]
 mod tests {
     use super::super::high_pass::{FREE_VALUES, HighPass};
-    use super::super::pyramid::BoxPyramid;
     use super::*;
     use crate::monitor::Monitor;
     use crate::synth::NoiseCase;
@@ -161,8 +160,7 @@ mod tests {
 
     fn squares(case: NoiseCase) -> Vec<Square> {
         let burst = case.burst(SIZE, 9, 0.02, 5, &Monitor::default()).expect("not cancelled");
-        let pyramids: Vec<BoxPyramid> = burst.frames.iter().map(|f| BoxPyramid::new(f, 1)).collect();
-        let high_pass = HighPass::new(&pyramids.iter().collect::<Vec<_>>());
+        let high_pass = HighPass::new(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>());
         let thirds: Vec<Vec<f32>> =
             [0, 3, 6].map(|t| high_pass.variances(&[(t, 1.0), (t + 1, -2.0), (t + 2, 1.0)])).to_vec();
         let variance = |i: usize| thirds.iter().map(|v| v[i]).sum::<f32>() / 3.0;

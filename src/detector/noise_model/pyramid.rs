@@ -1,6 +1,8 @@
 //! Means over squares of 2, 4, 8 … pixels: a frame at the resolutions at which its noise and its brightness are looked at.
 
 use crate::plane::Plane;
+use multiversion::multiversion;
+use std::ops::Range;
 
 /// A frame's means over squares of 2, 4, 8 … pixels, without overlap.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,9 +13,17 @@ pub struct BoxPyramid {
 impl BoxPyramid {
     /// The means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square.
     pub fn new(frame: &Plane, count: usize) -> Self {
-        let mut levels: Vec<Plane> = Vec::with_capacity(count);
-        for _ in 0..count {
-            let finer = levels.last().unwrap_or(frame);
+        if count == 0 || frame.width() < 2 || frame.height() < 2 {
+            return Self { levels: Vec::new() };
+        }
+        Self::from_halved(halved(frame), count)
+    }
+
+    /// The same from the means over squares of 2×2 pixels.
+    pub(super) fn from_halved(first: Plane, count: usize) -> Self {
+        let mut levels = vec![first];
+        while levels.len() < count {
+            let finer = &levels[levels.len() - 1];
             if finer.width() < 2 || finer.height() < 2 {
                 break;
             }
@@ -43,16 +53,25 @@ impl BoxPyramid {
 
 /// The means over squares of 2×2 pixels; a last odd column or row is left out.
 fn halved(plane: &Plane) -> Plane {
-    let (width, height) = (plane.width() / 2, plane.height() / 2);
-    let mut out = Plane::zeros(width, height);
-    for v in 0..height {
-        let (upper, lower) = (plane.row(2 * v), plane.row(2 * v + 1));
-        let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
-        for (out, (a, b)) in out.row_mut(v).iter_mut().zip(pairs) {
-            *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
-        }
-    }
+    let mut out = Plane::zeros(plane.width() / 2, plane.height() / 2);
+    halve_rows(plane, 0..plane.height(), out.data_mut());
     out
+}
+
+/// The means over squares of 2×2 pixels of some rows of `plane`, from an even one on, into whole rows of `out`.
+pub(super) fn halve_rows(plane: &Plane, rows: Range<usize>, out: &mut [f32]) {
+    for (i, out) in out.chunks_exact_mut((plane.width() / 2).max(1)).take(rows.len() / 2).enumerate() {
+        let v = rows.start + 2 * i;
+        halve_pair(plane.row(v), plane.row(v + 1), out);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn halve_pair(upper: &[f32], lower: &[f32], out: &mut [f32]) {
+    let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
+    for (out, (a, b)) in out.iter_mut().zip(pairs) {
+        *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
+    }
 }
 
 /// The value of a pyramid's `plane`, whose pixels are squares of `square` image pixels, at the image's place (u, v): bilinear between the middles of the

@@ -2,6 +2,9 @@
 
 use super::fixed_pattern::FixedPattern;
 use super::frames::{FrameSurvey, LeftOut};
+use super::place::ExcessMap;
+use super::spectrum::LevelNoise;
+use crate::plane::Plane;
 use serde::Serialize;
 
 /// An assumption about the noise that does not hold.
@@ -21,7 +24,7 @@ pub struct NoiseWarning {
 pub enum WarningKind {
     /// Frames repeat others.
     DuplicateFrames,
-    /// Frames are black, flashed, empty or too noisy.
+    /// Frames are black, flashed, empty, too noisy or blurred.
     OutlierFrames,
     /// Exposures differ from frame to frame.
     GainFlicker,
@@ -49,8 +52,8 @@ impl NoiseWarning {
     }
 }
 
-/// Counts of frames by why they were left out.
-pub(super) fn of_frames(survey: &FrameSurvey) -> Vec<NoiseWarning> {
+/// Counts of frames by why they were left out; flicker is said to be evened out or not.
+pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarning> {
     let total = survey.frames.len();
     let mut warnings = Vec::new();
     let list = |wanted: fn(&LeftOut) -> bool| -> Vec<usize> {
@@ -66,11 +69,12 @@ pub(super) fn of_frames(survey: &FrameSurvey) -> Vec<NoiseWarning> {
         warnings.push(NoiseWarning::new(WarningKind::DuplicateFrames, copies.len() as f32, text));
     }
     type Wanted = fn(&LeftOut) -> bool;
-    let kinds: [(&str, Wanted); 4] = [
+    let kinds: [(&str, Wanted); 5] = [
         ("less than half as bright as the others", |why| matches!(why, LeftOut::Black)),
         ("more than twice as bright as the others", |why| matches!(why, LeftOut::Flash)),
         ("without any noise, as if filled in", |why| matches!(why, LeftOut::Empty)),
         ("far noisier than the others", |why| matches!(why, LeftOut::Noisy(_))),
+        ("blurred", |why| matches!(why, LeftOut::Blurred(_))),
     ];
     for (words, wanted) in kinds {
         let which = list(wanted);
@@ -84,11 +88,12 @@ pub(super) fn of_frames(survey: &FrameSurvey) -> Vec<NoiseWarning> {
         }
     }
     if survey.flicker > 0.0 {
-        let text = format!(
-            "the exposure flickers by {:.1} %; the frames were brought to the same brightness; fix the exposure, or give \
-             --noise-model white to search them as they are",
-            100.0 * survey.flicker
-        );
+        let done = if is_evened {
+            "were brought to the same brightness; fix the exposure, or give --flicker off to search them as they are"
+        } else {
+            "were left as they are; fix the exposure, or give --flicker auto to bring them to the same brightness"
+        };
+        let text = format!("the exposure flickers by {:.1} %; the frames {done}", 100.0 * survey.flicker);
         warnings.push(NoiseWarning::new(WarningKind::GainFlicker, survey.flicker, text));
     }
     if survey.correlation > 0.0 {
@@ -132,6 +137,71 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     warnings
 }
 
+/// What pixels share, and how seldom strong noise is.
+pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
+    let max = |value: fn(&LevelNoise) -> f32| levels.iter().flatten().map(value).fold(0.0, f32::max);
+    let mut warnings = Vec::new();
+    let shared = max(|level| level.over_white);
+    let finest = levels.first().and_then(|octave| octave.first()).map_or(1.0, |level| level.over_white);
+    if shared > 1.4 * finest.min(1.0) {
+        let text = format!(
+            "neighbouring pixels share their noise: at coarse levels it has {:.1} times the variance of white noise; the gate is raised there; \
+             give frames that are neither scaled nor compressed nor sharpened",
+            shared
+        );
+        warnings.push(NoiseWarning::new(WarningKind::SharedByNeighbours, shared, text));
+    }
+    let tails = max(|level| level.excess_kurtosis);
+    if tails > 0.0 {
+        let text = format!(
+            "the noise has long tails (excess kurtosis {tails:.1} in a frame), as files of low JPEG quality have; the gate is raised; \
+             save the frames without loss"
+        );
+        warnings.push(NoiseWarning::new(WarningKind::LongTails, tails, text));
+    }
+    warnings
+}
+
+/// Where the noise differs.
+pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
+    let (min, max) = excess?.range();
+    let factor = (max / min.max(1e-6)).sqrt();
+    let text = format!(
+        "the noise differs by place: by up to {factor:.1} times more than the brightness says; the gate follows it; check for vignetting \
+         that was corrected, or parts that were denoised"
+    );
+    Some(NoiseWarning::new(WarningKind::DiffersByPlace, factor, text))
+}
+
+/// Rows apart at which pixels are counted.
+const ROWS_APART: usize = 16;
+/// Shares of cut-off pixels below this are not worth a word.
+const LEAST_CUT_OFF: f32 = 0.05;
+
+/// The share of pixels at the ends of the range, and a word about it if it matters.
+pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning>) {
+    let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
+    for frame in frames {
+        for row in (0..frame.height()).step_by(ROWS_APART).map(|v| frame.row(v)) {
+            black += row.iter().filter(|&&x| x <= 0.0).count();
+            white += row.iter().filter(|&&x| x >= 1.0 - 0.5 * step).count();
+            count += row.len();
+        }
+    }
+    let (black, white) = (black as f32 / count as f32, white as f32 / count as f32);
+    let (share, words, remedy) = if black >= white {
+        (black, "black", "raise the camera's black level, or expose longer")
+    } else {
+        (white, "white", "expose shorter")
+    };
+    let warning = (share > LEAST_CUT_OFF).then(|| {
+        let text =
+            format!("{:.0} % of the pixels are {words}, where noise and signal are cut off; {remedy}", 100.0 * share);
+        NoiseWarning::new(WarningKind::CutOff, share, text)
+    });
+    (share, warning)
+}
+
 /// Up to six frame numbers, and how many more there are.
 fn numbered(frames: &[usize]) -> String {
     let shown: Vec<String> = frames.iter().take(6).map(usize::to_string).collect();
@@ -142,8 +212,8 @@ fn numbered(frames: &[usize]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixed_pattern::Stripes;
     use super::super::frames::FrameFacts;
+    use super::super::stripes::Stripes;
     use super::*;
 
     #[test]
@@ -151,13 +221,13 @@ mod tests {
         let mut survey = FrameSurvey { flicker: 0.1, correlation: 0.5, ..FrameSurvey::default() };
         let why = [None, Some(LeftOut::Duplicate(0)), Some(LeftOut::Black), Some(LeftOut::Noisy(25.0)), None];
         survey.frames = why.map(|left_out| FrameFacts { gain: 1.0, relative_variance: 1.0, left_out }).to_vec();
-        let warnings = of_frames(&survey);
+        let warnings = of_frames(&survey, true);
         let text = |i: usize| &warnings[i].text;
         assert_eq!(warnings.len(), 5);
         assert!(text(0).starts_with("1 of 5 frames repeat an earlier one (number 1, counted from 0)"), "{}", text(0));
         assert!(text(1).contains("half as bright") && text(2).contains("noisier"), "{warnings:?}");
         assert!(text(3).contains("10.0 %") && text(4).contains("0.50"), "{warnings:?}");
-        assert!(of_frames(&FrameSurvey::default()).is_empty());
+        assert!(of_frames(&FrameSurvey::default(), true).is_empty());
     }
 
     #[test]

@@ -216,10 +216,21 @@ impl<'de> Deserialize<'de> for NoiseGate {
 pub enum NoiseModelKind {
     /// The noise as the burst shows it: by brightness, place, octave and level; frames and pixels that are not what they should be are left out (see
     /// [`super::super::noise_model`]).
+    #[default]
     Local,
     /// White noise of one standard deviation.
-    #[default]
     White,
+}
+
+/// What is done where exposures differ from frame to frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Flicker {
+    /// Where flicker is found, the frames are brought to the same brightness.
+    #[default]
+    Auto,
+    /// Frames are taken as they are.
+    Off,
 }
 
 /// Frames `start..end` of the burst (`end` excluded), as `--frames A..B` names them.

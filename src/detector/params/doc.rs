@@ -129,8 +129,16 @@ param_doc!(
     "noise-model",
     "Noise model",
     "",
-    "What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and leaves out repeated, black and noisy frames, hot pixels, stripes and flicker; white is one standard deviation for all.",
-    "Local keeps the gate's promise for noise as cameras and files make it, but may take fast, fine texture for noise; white searches the frames as they are."
+    "What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard deviation for all.",
+    "Local keeps the gate's promise for noise as cameras and files make it; white searches the frames as they are, for comparison."
+);
+param_doc!(
+    FLICKER,
+    "flicker",
+    "Flicker",
+    "",
+    "Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise model local finds that they flicker; off takes them as they are.",
+    "Switch it off where the light itself changes and should stay in the pictures."
 );
 param_doc!(
     EDGE_THRESHOLD,
@@ -222,7 +230,7 @@ param_doc!(
 );
 
 /// All of them, in the order in which surfaces show them.
-pub const ALL: [ParamDoc; 23] = [
+pub const ALL: [ParamDoc; 24] = [
     METHOD,
     SLOPES,
     SLOPES_U,
@@ -235,6 +243,7 @@ pub const ALL: [ParamDoc; 23] = [
     PEAK_THRESHOLD,
     NOISE_GATE,
     NOISE_MODEL,
+    FLICKER,
     EDGE_THRESHOLD,
     SLOPE_EXTREMA,
     SLOPE_NEIGHBOURS,

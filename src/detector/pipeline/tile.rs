@@ -1,19 +1,23 @@
 //! The search of one tile over all slopes, and what becomes of its candidates.
 
-use super::{HELD, Search};
+use super::search::{HELD, Search};
 use crate::detector::feature::Tally;
 use crate::detector::keypoint::Keypoint;
 use crate::detector::motion::coverage;
 use crate::detector::octave::{OctaveFilters, Pixels, dog_tile, stack_tiles};
-use crate::detector::refine::{Limits, refine};
+use crate::detector::refine::{Limits, Refined, refine};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::slope_grid::Slope;
 use crate::detector::slope_window::SlopeWindow;
 use crate::monitor::Cancelled;
 use crate::plane::Plane;
 use crate::plane::bank::FilterScratch;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
+
+/// The first test asks for this part of the peak threshold: the refinement may add to what a sample has.
+pub const FIRST_PEAK_PART: f32 = 0.8;
 
 /// What the tiles of an octave share.
 pub(super) struct Octave<'a> {
@@ -59,10 +63,7 @@ impl Search<'_> {
             }
             let pixels =
                 if first { Pixels::Stacked(&stacked[index % together]) } else { Pixels::Level(&job.bases[index]) };
-            let thresholds = Thresholds {
-                peak: 0.8 * self.params.peak_threshold,
-                gate: job.sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[index]).collect(),
-            };
+            let thresholds = self.thresholds(&job.sigma_d, index);
             let (dog, candidates) = window.slot_mut(index);
             // Rows are searched while they are still in the cache, as soon as the row below them is there.
             let mut searched = region.rows.start;
@@ -91,19 +92,36 @@ impl Search<'_> {
         Ok((keypoints, tally))
     }
 
+    /// What a sample at slope `slope_index` must reach, where σ_D by level index and slope is `sigma_d`.
+    pub(super) fn thresholds(&self, sigma_d: &[Vec<f32>], slope_index: usize) -> Thresholds {
+        Thresholds {
+            peak: FIRST_PEAK_PART * self.params.peak_threshold,
+            gate: sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[slope_index]).collect(),
+        }
+    }
+
     /// σ_D of a candidate: the noise there, and where fewer frames cover a place the mean is noisier, by the square root.
     fn sigma_d_at(&self, job: &Octave<'_>, slope_index: usize, candidate: &Candidate) -> f32 {
         job.sigma_d[candidate.level_index][slope_index]
             * self.place_factor(job.octave, slope_index, candidate.x, candidate.y)
     }
 
+    /// Whether a candidate whose noise is `sigma_d` passes the noise gate.
+    pub(super) fn passes_gate(&self, candidate: &Candidate, sigma_d: f32) -> bool {
+        candidate.value.abs() >= self.gate_factor * sigma_d
+    }
+
+    /// What a refined candidate must satisfy.
+    pub(super) fn limits(&self) -> Limits {
+        Limits { peak_threshold: self.params.peak_threshold, edge_threshold: self.params.edge_threshold }
+    }
+
     /// Compares the slope that was made last with the others that are held.
     fn compare(&self, job: &Octave<'_>, window: &mut SlopeWindow, made: usize, tally: &mut Tally) {
-        let limits = Limits { peak_threshold: self.params.peak_threshold, edge_threshold: self.params.edge_threshold };
         window.compare(
             made,
-            |candidate| candidate.value.abs() >= self.gate_factor * self.sigma_d_at(job, made, candidate),
-            |dog, candidate| refine(dog, (candidate.x, candidate.y), candidate.level_index, job.size, limits),
+            |candidate| self.passes_gate(candidate, self.sigma_d_at(job, made, candidate)),
+            |dog, candidate| refine(dog, (candidate.x, candidate.y), candidate.level_index, job.size, self.limits()),
             tally,
         );
     }
@@ -123,24 +141,38 @@ impl Search<'_> {
                 Ok(refined) => {
                     let candidate = &undecided.candidate;
                     let sigma_d = self.sigma_d_at(job, slope_index, candidate);
-                    keypoints.push(Keypoint {
-                        octave: job.octave,
-                        x: refined.x_refined as f32,
-                        y: refined.y_refined as f32,
-                        sigma_octave: self.space.sigma_octave(refined.level_refined - 1.0) as f32,
-                        level: candidate.level_index as i32 - 1,
-                        slope_index,
-                        slope: window.refined_slope(slope_index, undecided),
-                        value: refined.value,
-                        snr: if sigma_d > 0.0 { refined.value.abs() / sigma_d } else { f32::INFINITY },
-                    });
+                    let slope = window.refined_slope(slope_index, undecided);
+                    keypoints.push(self.keypoint(job.octave, candidate, &refined, (slope_index, slope), sigma_d));
                 }
             }
         }
     }
 
+    /// The keypoint that a refined candidate makes, whose noise is `sigma_d`.
+    pub(super) fn keypoint(
+        &self,
+        octave: i32,
+        candidate: &Candidate,
+        refined: &Refined,
+        (slope_index, slope): (usize, Slope),
+        sigma_d: f32,
+    ) -> Keypoint {
+        Keypoint {
+            octave,
+            x: refined.x_refined as f32,
+            y: refined.y_refined as f32,
+            sigma_octave: self.space.sigma_octave(refined.level_refined - 1.0) as f32,
+            level: candidate.level_index as i32 - 1,
+            sample: [candidate.x as u32, candidate.y as u32],
+            slope_index,
+            slope,
+            value: refined.value,
+            snr: if sigma_d > 0.0 { refined.value.abs() / sigma_d } else { f32::INFINITY },
+        }
+    }
+
     /// √(N / frames that cover the octave pixel (x, y) at the slope), times by how much the noise is larger there than where it is least.
-    fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
+    pub(super) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
         let pixel = octave_pixel(octave);
         let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
         let at = (to_image(x, self.size_image.0), to_image(y, self.size_image.1));

@@ -24,8 +24,8 @@ mod tests;
 pub use evidence::SlopeEvidence;
 pub use finding::{SlopeFinding, SlopeSpectrum, SlopeVerdict};
 
+use super::error::DetectError;
 use super::params::{DetectorParams, Method, SearchParams, SlopeChoice};
-use super::pipeline::DetectError;
 use super::scale_space::ScaleSpace;
 use super::slope_grid::{Slope, SlopeGrid};
 use crate::burst::Burst;
@@ -76,15 +76,30 @@ pub fn find_slopes(
     let levels = pyramid::levels_for(burst.size(), SIDE);
     let (seen, table) = look(&frames, levels.clone(), track, &fourier, monitor)?;
     let gaps = (frames.len() - 1) as f64;
-    let space = ScaleSpace::of(params);
-    let steps = Steps {
-        search: 2.0 * space.sigma_image(space.first_octave, 0.0) / gaps,
-        same: 2.0 * SAME_SMEAR_PX / gaps.min(MAX_LAG as f64),
-    };
+    let steps = steps_of(params, frames.len());
     let finding = conclude(&seen, steps, direction_deg, Size { gaps, pixels: burst.size() });
     let deviation = straightness(&seen, &fourier, levels.start);
     monitor.report(Stage::Slopes, 1.0);
     Ok(SlopeFinding { spectrum: spectrum(&seen, &table, levels.start), ..finding.with_deviation(deviation) })
+}
+
+/// The steps that decide what is near and far for a search with `params` of `frames` frames.
+fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
+    let gaps = (frames.max(2) - 1) as f64;
+    let space = ScaleSpace::of(params);
+    Steps {
+        search: 2.0 * space.sigma_image(space.first_octave, 0.0) / gaps,
+        same: 2.0 * SAME_SMEAR_PX / gaps.min(MAX_LAG as f64),
+    }
+}
+
+impl SlopeFinding {
+    /// The evidence by which the grid is chosen, for a search of `frame_count` frames with `params`: significant, clear, and beyond doubt or confirmed.
+    pub fn confirmed(&self, params: &DetectorParams, frame_count: usize) -> Vec<SlopeEvidence> {
+        let steps = steps_of(params, params.used_frames(frame_count).len());
+        let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
+        confirmed(&clear, steps)
+    }
 }
 
 /// The parameters with which `burst` is searched, and what was found of its slopes if they were to be found. The

@@ -4,15 +4,20 @@
 //! In COLMAP the centre of the first pixel is (0.5, 0.5), in Burstscope it is (0, 0); here, and only here, 0.5 is added. Everything that this room takes is
 //! in Burstscope's convention.
 
+#[cfg(feature = "colmap")]
 mod database;
+#[cfg(feature = "colmap")]
 mod geometry;
 mod keypoint;
+#[cfg(feature = "colmap")]
 mod schema;
-#[cfg(test)]
+#[cfg(all(test, feature = "colmap"))]
 mod tests;
 mod text;
 
+#[cfg(feature = "colmap")]
 pub use database::{DatabaseCamera, DatabaseWriter, MAX_IMAGE_ID, pair_id, write_colmap_database};
+#[cfg(feature = "colmap")]
 pub use geometry::{DatabaseGeometry, GeometryKind};
 pub use keypoint::ColmapKeypoint;
 pub use text::{read_colmap, write_colmap, write_colmap_keypoints};

@@ -2,10 +2,12 @@
 
 use super::matches::matches_ui;
 use super::pictures::{ComparePictures, features_ui, label_ui};
+use crate::app::canvas::CanvasOutput;
+use crate::app::inspector::over_handle_ui;
 use crate::app::state::compare::{Contender, Layout};
 use crate::app::state::pair::Side;
 use crate::app::window::BurstscopeApp;
-use egui::{Align, Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
+use egui::{Align, Align2, Rect, Ui, UiBuilder, pos2, vec2};
 
 /// Points between panes.
 const GAP: f32 = 6.0;
@@ -51,21 +53,31 @@ fn panes_ui(ui: &mut Ui, app: &mut BurstscopeApp, contenders: &[Contender]) {
     let room = ui.available_rect_before_wrap();
     for (method, rect) in contenders.iter().zip(pane_rects(room, contenders.len())) {
         // One view for all: what is looked at in one is looked at in all.
-        in_rect(ui, rect, |ui| app.compare_pictures.pane_ui(ui, &app.model, (*method, Side::A), &mut app.view));
+        in_rect(ui, rect, |ui| pane_ui(ui, app, (*method, Side::A)));
     }
 }
 
 fn flip_ui(ui: &mut Ui, app: &mut BurstscopeApp) {
     let look = &app.model.compare.look;
     let method = look.two[usize::from(look.flipped)];
-    app.compare_pictures.pane_ui(ui, &app.model, (method, Side::A), &mut app.view);
+    pane_ui(ui, app, (method, Side::A));
+}
+
+/// Draws the pane of a method; all of one side share the view of that side's pane.
+pub(super) fn pane_ui(ui: &mut Ui, app: &mut BurstscopeApp, (method, side): (Contender, Side)) -> CanvasOutput {
+    let mut view = app.model.panes.of(side).view;
+    let output = app.compare_pictures.pane_ui(ui, &app.model, (method, side), &mut view);
+    app.model.panes.of_mut(side).view = view;
+    output
 }
 
 fn wipe_ui(ui: &mut Ui, app: &mut BurstscopeApp) {
     let [left, right] = app.model.compare.look.two;
     let pictures = &mut app.compare_pictures;
     let (below, above) = (pictures.of(&app.model, left, Side::A), pictures.of(&app.model, right, Side::A));
-    let mut output = ComparePictures::canvas(&below, "Wipe").show(ui, &mut app.view);
+    let mut view = app.model.panes.of(Side::A).view;
+    let mut output = ComparePictures::canvas(&below, "Wipe").show(ui, &mut view);
+    app.model.panes.of_mut(Side::A).view = view;
     let rect = output.response.rect;
     let x = egui::lerp(rect.x_range(), app.model.compare.look.wipe);
     let over = ComparePictures::canvas(&above, "Wipe, right side").show_over(
@@ -78,34 +90,7 @@ fn wipe_ui(ui: &mut Ui, app: &mut BurstscopeApp) {
     features_ui(ui, &app.model, right, Side::A, &over);
     label_ui(ui, &output, &app.model, (left, Side::A), Align2::LEFT_TOP);
     label_ui(ui, &over, &app.model, (right, Side::A), Align2::RIGHT_TOP);
-    handle_ui(ui, &mut app.model.compare.look.wipe, rect);
-}
-
-/// The line of the wipe, which can be dragged.
-fn handle_ui(ui: &Ui, wipe: &mut f32, rect: Rect) {
-    let x = egui::lerp(rect.x_range(), *wipe);
-    let line = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
-    let response = ui.interact(line, ui.scope_id().with("wipe handle"), Sense::drag());
-    if let Some(pos) = response.interact_pointer_pos() {
-        *wipe = ((pos.x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
-    }
-    let lit = response.hovered() || response.dragged();
-    let painter = ui.painter_at(rect);
-    for (width, colour) in [(5.0, Color32::from_black_alpha(140)), (if lit { 3.0 } else { 2.0 }, Color32::WHITE)] {
-        painter.vline(x, rect.y_range(), Stroke::new(width, colour));
-    }
-    let grip = pos2(x, rect.center().y);
-    painter.circle_filled(grip, 9.0, Color32::from_black_alpha(170));
-    painter.circle_stroke(grip, 9.0, Stroke::new(1.5, Color32::WHITE));
-    for sign in [-1.0, 1.0] {
-        let tip = grip + vec2(6.0 * sign, 0.0);
-        for turn in [-1.0, 1.0] {
-            painter.line_segment([tip, tip + vec2(-3.0 * sign, 3.0 * turn)], Stroke::new(1.5, Color32::WHITE));
-        }
-    }
-    let value = f64::from(*wipe);
-    response.widget_info(|| egui::WidgetInfo::slider(true, value, "Wipe line"));
-    response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    over_handle_ui(ui, &mut app.model.compare.look.wipe, rect);
 }
 
 #[cfg(test)]

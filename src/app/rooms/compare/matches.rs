@@ -1,8 +1,8 @@
 //! A row for each method: what it found in A and in B, and the matches between them.
 
-use super::layouts::in_rect;
-use super::pictures::chip_ui;
+use super::layouts::{in_rect, pane_ui};
 use crate::app::canvas::overlay::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines};
+use crate::app::inspector::chip_ui;
 use crate::app::state::compare::Contender;
 use crate::app::state::pair::Side;
 use crate::app::window::BurstscopeApp;
@@ -26,17 +26,11 @@ fn row_ui(ui: &mut Ui, app: &mut BurstscopeApp, method: Contender, rect: Rect) {
     let half = 0.5 * (rect.width() - GAP);
     let rects = [rect.with_max_x(rect.left() + half), rect.with_min_x(rect.right() - half)];
     let outputs = Side::BOTH.map(|side| {
-        let view = match side {
-            Side::A => &mut app.view,
-            Side::B => &mut app.pair_panels.view_b,
-        };
-        let before = *view;
-        let output =
-            in_rect(ui, rects[side as usize], |ui| app.compare_pictures.pane_ui(ui, &app.model, (method, side), view));
-        let after = *view;
+        let before = app.model.panes.of(side).view;
+        let output = in_rect(ui, rects[side as usize], |ui| pane_ui(ui, app, (method, side)));
         if app.model.pair.links.views {
-            let other = if side == Side::A { &mut app.pair_panels.view_b } else { &mut app.view };
-            other.follow(&before, &after);
+            let after = app.model.panes.of(side).view;
+            app.model.panes.of_mut(side.other()).view.follow(&before, &after);
         }
         output
     });

@@ -33,7 +33,7 @@ pub fn compare_room_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Q
             ui,
             |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    panels::display::ranges_ui(ui, &mut app.model, &app.pictures, &mut app.display);
+                    panels::display::ranges_ui(ui, &mut app.model, &mut app.widgets);
                 });
             },
         );

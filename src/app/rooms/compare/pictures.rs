@@ -2,6 +2,8 @@
 
 use crate::app::canvas::overlay::{self, ColourScale, OverlayStyle};
 use crate::app::canvas::{self, Canvas, CanvasOutput, Picture, RectTransform, View};
+use crate::app::inspector::chip_ui;
+use crate::app::pane::PaneId;
 use crate::app::panels::features::{at_time, frames_from_middle};
 use crate::app::panels::picture::canvas_picture;
 use crate::app::state::Model;
@@ -11,7 +13,7 @@ use crate::app::state::pair::Side;
 use crate::detector::Feature;
 use crate::plane::Plane;
 use crate::plane::display::Display;
-use egui::{Align2, Color32, FontId, RichText, Sense, Ui, vec2};
+use egui::{Align2, RichText, Ui};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -40,14 +42,14 @@ impl ComparePictures {
     pub fn of(&mut self, model: &Model, method: Contender, side: Side) -> MethodPicture {
         let burst = model.method_burst(method, side);
         let full_scale = burst.map_or(1.0, |open| open.burst.full_scale);
-        let intensity = model.look_of(side).display(RangeClass::Intensity);
+        let intensity = model.ranges_of_side(side).display(RangeClass::Intensity);
         let none = |display| MethodPicture { picture: None, display, stale: false, full_scale };
         let found = model.method_found(method, side);
         match method {
             Contender::Buff1d | Contender::Buff2d => {
                 let Some(picture) = model.picture_of(side) else { return none(intensity) };
-                let display = model.look_of(side).display(RangeClass::of(picture.request.kind));
-                let stale = !model.wanted_picture_of(side).is_some_and(|w| picture.request.same_picture(&w));
+                let display = model.display_of(PaneId::of(side));
+                let stale = !model.is_current(PaneId::of(side));
                 let picture = self.kept(method, side, &picture.plane, || canvas_picture(picture));
                 MethodPicture { picture: Some(picture), display, stale, full_scale }
             }
@@ -151,22 +153,4 @@ pub fn label_ui(ui: &Ui, output: &CanvasOutput, model: &Model, (method, side): (
         |found| format!("{} features", found.detection.features.len()),
     );
     chip_ui(ui, output, corner, &format!("{}  ·  {count}", method.label()), (method, side, corner));
-}
-
-/// A text on a dark ground in a corner of a picture. `salt` tells it from others.
-pub fn chip_ui(
-    ui: &Ui,
-    output: &CanvasOutput,
-    corner: Align2,
-    text: &str,
-    salt: impl std::hash::Hash + std::fmt::Debug,
-) {
-    let painter = &output.painter;
-    let rect = output.response.rect.intersect(painter.clip_rect());
-    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), Color32::WHITE);
-    let ground = corner.align_size_within_rect(galley.size() + vec2(14.0, 6.0), rect.shrink(8.0));
-    painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
-    painter.galley(ground.min + vec2(7.0, 3.0), galley, Color32::WHITE);
-    let response = ui.interact(ground, output.response.id.with(salt), Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
 }

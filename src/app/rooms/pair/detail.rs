@@ -79,7 +79,7 @@ fn patches_ui(
                 match picture {
                     Some(picture) => {
                         let name = format!("Patch in {}", side.name());
-                        let display = model.look_of(side).intensity;
+                        let display = model.ranges_of_side(side).intensity;
                         let view = PatchView { name: &name, plane: &picture.plane, feature, turned: true, display };
                         view.ui(ui, texture, width);
                     }

@@ -1,5 +1,7 @@
 //! The matches over the two pictures: drawn, pointed at, chosen, and where a point can be in the other picture.
 
+use super::table::match_menu_ui;
+use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{self, MatchLine, MatchLineStyle, Pane};
 use crate::app::panels::features::{at_time, frames_from_middle};
@@ -9,7 +11,7 @@ use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, RichText, Shape, Stroke, Ui, pos2};
 
 /// Draws the matches over the canvases of A and B and lets the pointer choose among them. Answers which one it is over; `None` while it is over neither canvas.
-pub fn lines_ui(ui: &Ui, model: &mut Model, outputs: &[CanvasOutput; 2]) -> Option<Option<usize>> {
+pub fn lines_ui(ui: &Ui, model: &mut Model, outputs: &[CanvasOutput; 2], queue: &mut Queue) -> Option<Option<usize>> {
     let pointer = outputs.iter().find_map(|output| output.pointer_ui);
     let Some(matches) = model.pair.matches.clone() else {
         return pointer.map(|_| None);
@@ -53,10 +55,37 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, outputs: &[CanvasOutput; 2]) -> Opti
             model.pair.active = side;
         }
     }
+    menus_ui(ui, model, &matches, outputs, pointed, queue);
     if let Some(row) = pointed.filter(|_| !dragged).and_then(|index| matches.row(index)) {
         tip_ui(ui, &row);
     }
     pointer.map(|_| pointed)
+}
+
+/// What a click with the second button on a line shows.
+fn menus_ui(
+    ui: &Ui,
+    model: &mut Model,
+    matches: &Matches,
+    outputs: &[CanvasOutput; 2],
+    pointed: Option<usize>,
+    queue: &mut Queue,
+) {
+    for output in outputs {
+        // The match that the menu is about is the one that was under the pointer when it was opened.
+        let key = output.response.id.with("menu of match");
+        if output.response.secondary_clicked() {
+            ui.data_mut(|data| data.insert_temp(key, pointed));
+        }
+        let about: Option<usize> = ui.data(|data| data.get_temp(key)).flatten();
+        let Some(row) = about.and_then(|index| matches.row(index)) else { continue };
+        output.response.context_menu(|ui| {
+            if match_menu_ui(ui, &row) {
+                model.pair.selected = Some(row.index);
+                queue.push(ActionId::GoToFeature);
+            }
+        });
+    }
 }
 
 /// How many frames the frame on show is after mid-burst, 0 where no frame is on show.

@@ -13,12 +13,8 @@ mod table;
 
 use super::{bottom_frame, side_frame, side_width};
 use crate::app::actions::Queue;
-use crate::app::canvas::{RectTransform, View};
 use crate::app::panels;
-use crate::app::panels::display::DisplayState;
 use crate::app::panels::patch::PatchTexture;
-use crate::app::panels::picture::PictureState;
-use crate::app::state::pair::Side;
 use crate::app::window::BurstscopeApp;
 use crate::engine::Patches;
 use egui::{CentralPanel, Frame, Panel, Rect, ScrollArea};
@@ -26,25 +22,13 @@ use egui::{CentralPanel, Frame, Panel, Rect, ScrollArea};
 /// What the room's widgets keep from pass to pass.
 #[derive(Default)]
 pub struct PairPanels {
-    /// Pan and zoom of B.
-    pub view_b: View,
-    /// What B's canvas keeps.
-    pub pictures_b: PictureState,
     /// Where B's pane was drawn last, in points; files that are dropped there are opened as B.
     pub rect_b: Option<Rect>,
     /// The pictures from which the patches are cut.
     pub patches: Option<Patches>,
-    display_b: DisplayState,
     patch_textures: [PatchTexture; 2],
     /// The camera as it is being typed.
     pub camera_text: parameters::CameraText,
-}
-
-impl PairPanels {
-    /// From B's image pixels to points of the window, as last drawn.
-    pub fn ui_from_image_b(&self) -> Option<RectTransform> {
-        self.pictures_b.ui_from_image
-    }
 }
 
 /// Draws the room.
@@ -54,8 +38,7 @@ pub fn pair_room_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queu
         Panel::left("pair left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 sides::sides_ui(ui, &mut app.model, queue);
-                let side = app.model.active_side();
-                app.model.on_side(side, |model| panels::scrub::scrub_ui(ui, model, queue));
+                panels::scrub::scrub_ui(ui, &mut app.model, queue);
                 parameters::parameters_ui(ui, &mut app.model, &mut app.pair_panels.camera_text, queue);
                 panels::parameters::parameters_ui(ui, &mut app.model, queue);
             });
@@ -67,12 +50,7 @@ pub fn pair_room_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queu
                 switches::switches_ui(ui, &mut app.model);
                 let (patches, textures) = (app.pair_panels.patches.as_ref(), &mut app.pair_panels.patch_textures);
                 detail::detail_ui(ui, &app.model, patches, textures, queue);
-                let side = app.model.active_side();
-                let (pictures, display) = match side {
-                    Side::A => (&app.pictures, &mut app.display),
-                    Side::B => (&app.pair_panels.pictures_b, &mut app.pair_panels.display_b),
-                };
-                app.model.on_side(side, |model| panels::display::ranges_ui(ui, model, pictures, display));
+                panels::display::ranges_ui(ui, &mut app.model, &mut app.widgets);
             });
         });
     }
@@ -86,10 +64,12 @@ pub fn pair_room_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queu
             .show(ui, |ui| {
                 numbers::numbers_ui(ui, &app.model);
                 ui.separator();
-                in_table = table::table_ui(ui, &mut app.model);
+                in_table = table::table_ui(ui, &mut app.model, queue);
             });
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+    // What is between the two pictures.
+    let between = ui.visuals().panel_fill;
+    CentralPanel::default().frame(Frame::new().fill(between)).show(ui, |ui| {
         let over_pictures = panes::panes_ui(app, ui, queue);
         app.model.pair.hovered = over_pictures.unwrap_or(in_table);
     });

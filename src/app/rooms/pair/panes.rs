@@ -3,12 +3,13 @@
 use super::empty::empty_ui;
 use super::lines::lines_ui;
 use crate::app::actions::{ActionId, Queue, menu::item_ui};
+use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ColourScale, OverlayStyle, draw_features};
-use crate::app::canvas::{self, Canvas, CanvasOutput, View};
+use crate::app::inspector::{PaneWidgets, picture_ui};
+use crate::app::pane::PaneId;
 use crate::app::panels::features::{at_time, frames_from_middle};
 use crate::app::panels::picture::PictureState;
 use crate::app::state::Model;
-use crate::app::state::look::RangeClass;
 use crate::app::state::pair::Side;
 use crate::app::style;
 use crate::app::window::BurstscopeApp;
@@ -24,21 +25,23 @@ pub fn panes_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Queue) -> Opti
     let left = Rect::from_min_max(room.min, pos2(middle - 0.5 * GAP, room.bottom()));
     let right = Rect::from_min_max(pos2(middle + 0.5 * GAP, room.top()), room.max);
     app.pair_panels.rect_b = Some(right);
-    let links = app.model.pair.links;
-    let (model, panels) = (&mut app.model, &mut app.pair_panels);
-    let before = app.view;
-    let a = in_rect(ui, left, |ui| pane_ui(ui, model, Side::A, &mut app.view, &mut app.pictures, queue));
-    if links.views {
-        panels.view_b.follow(&before, &app.view);
+    let linked = app.model.pair.links.views;
+    let (model, widgets) = (&mut app.model, &mut app.widgets);
+    let before = model.panes.of(Side::A).view;
+    let a = in_rect(ui, left, |ui| pane_ui(ui, model, Side::A, widgets, queue));
+    if linked {
+        let after = model.panes.of(Side::A).view;
+        model.panes.of_mut(Side::B).view.follow(&before, &after);
     }
     if model.burst_of(Side::B).is_none() {
         in_rect(ui, right, |ui| empty_ui(ui, model, queue));
         return a.pointer_ui.map(|_| None);
     }
-    let before = panels.view_b;
-    let b = in_rect(ui, right, |ui| pane_ui(ui, model, Side::B, &mut panels.view_b, &mut panels.pictures_b, queue));
-    if links.views {
-        app.view.follow(&before, &panels.view_b);
+    let before = model.panes.of(Side::B).view;
+    let b = in_rect(ui, right, |ui| pane_ui(ui, model, Side::B, widgets, queue));
+    if linked {
+        let after = model.panes.of(Side::B).view;
+        model.panes.of_mut(Side::A).view.follow(&before, &after);
     }
     let outputs = [a, b];
     if model.pair.look.features {
@@ -46,44 +49,23 @@ pub fn panes_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Queue) -> Opti
             features_ui(model, side, output);
         }
     }
-    lines_ui(ui, model, &outputs)
+    lines_ui(ui, model, &outputs, queue)
 }
 
 fn in_rect<T>(ui: &mut Ui, rect: Rect, draw: impl FnOnce(&mut Ui) -> T) -> T {
     ui.scope_builder(UiBuilder::new().max_rect(rect).layout(Layout::top_down(Align::Min)), draw).inner
 }
 
-fn pane_ui(
-    ui: &mut Ui,
-    model: &mut Model,
-    side: Side,
-    view: &mut View,
-    state: &mut PictureState,
-    queue: &mut Queue,
-) -> CanvasOutput {
-    state.refresh(model.picture_of(side));
-    let current = model.on_side(side, |model| model.picture_is_current());
+fn pane_ui(ui: &mut Ui, model: &mut Model, side: Side, widgets: &mut PaneWidgets, queue: &mut Queue) -> CanvasOutput {
+    let id = PaneId::of(side);
+    widgets.of(id).picture.refresh(model.picture_of(side));
     ui.spacing_mut().item_spacing.y = 0.0;
     let fill = ui.visuals().panel_fill;
     Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(fill).show(ui, |ui| {
-        header_ui(ui, model, side, state, current, queue);
+        header_ui(ui, model, side, &widgets.of(id).picture, model.is_current(id), queue);
     });
-    let kind = model.picture_of(side).map_or(model.hand_of(side).picture_kind(), |p| p.request.kind);
-    let full_scale = model.burst_of(side).map_or(1.0, |open| open.burst.full_scale);
-    let output = Canvas::new(if side == Side::A { "Picture A" } else { "Picture B" })
-        .picture(state.shown())
-        .display(&model.look_of(side).display(RangeClass::of(kind)))
-        .dim(!current)
-        .full_scale(full_scale)
-        .empty_text("The picture is being made…")
-        .show(ui, view);
-    state.readout = match (state.shown(), output.hover_image) {
-        (Some(shown), Some(pos)) => canvas::readout(shown, pos, full_scale),
-        _ => None,
-    };
-    state.ui_from_image = Some(output.ui_from_image);
-    state.visible_image = state.shown().is_some().then_some(output.visible_image);
-    output
+    let name = if side == Side::A { "Picture A" } else { "Picture B" };
+    picture_ui(ui, model, id, widgets, name).output
 }
 
 fn header_ui(ui: &mut Ui, model: &Model, side: Side, state: &PictureState, current: bool, queue: &mut Queue) {

@@ -1,7 +1,4 @@
-//! Two bursts and the matches between them, as plain values. A is the burst that the whole window is about; B is opened beside it.
-//!
-//! [`Model::on_side`] lends B's values to the model for a moment, so that everything that works on the open burst (scrubbing, keys, the display
-//! panel) works on B without a second version of it.
+//! Two bursts and the matches between them, as plain values. A is the burst that was opened first; B is opened beside it. Each has a pane that is always there.
 
 mod columns;
 mod found;
@@ -11,10 +8,11 @@ pub use columns::MatchColumn;
 pub use found::{MatchRow, Matches, SavedMatch};
 pub use look::MatchLook;
 
-use super::look::Look;
+use super::look::Ranges;
 use super::order::Order;
 use super::scrub::Scrub;
 use super::{Found, Model};
+use crate::app::pane::{Content, Link, PaneId};
 use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
 use crate::engine::{Detected, MatchRequest, OpenBurst, PatchesRequest, Picture, PictureKind, PictureRequest, Running};
 use crate::matching::MatchParams;
@@ -63,16 +61,8 @@ pub struct SecondBurst {
     pub usable_params: DetectorParams,
     /// Why the parameters as they are edited make no sense for it.
     pub param_error: Option<ParamError>,
-    /// Where the hand is.
-    pub scrub: Scrub,
-    /// Whether the slope was chosen since it was opened.
-    pub slope_chosen: bool,
-    /// The last good picture.
-    pub picture: Option<Picture>,
     /// Its features.
     pub found: Option<Found>,
-    /// Ranges and colour maps, where they are not A's.
-    pub look: Look,
 }
 
 /// What moves together in A and B.
@@ -179,43 +169,19 @@ impl Pair {
     /// Selects the match after (or before) the selected one in the table's order.
     pub fn select_neighbour(&mut self, forward: bool) {
         self.refresh_listed();
-        self.selected = super::neighbour(&self.listed, self.selected, forward);
+        self.selected = super::listing::neighbour(&self.listed, self.selected, forward);
     }
 }
 
 impl Model {
-    /// Lends the values of `side` to the model while `work` runs: its burst, hand, picture, features, parameters and, where they are not shared, ranges.
-    pub fn on_side<T>(&mut self, side: Side, work: impl FnOnce(&mut Self) -> T) -> T {
-        if side == Side::A {
-            return work(self);
-        }
-        let edited = self.params.clone();
-        self.params = self.params_of(Side::B);
-        self.exchange_sides();
-        let answer = work(self);
-        self.exchange_sides();
-        self.params = edited;
-        answer
-    }
-
-    fn exchange_sides(&mut self) {
-        use std::mem::swap;
-        let b = &mut self.pair.b;
-        swap(&mut self.burst, &mut b.burst);
-        swap(&mut self.usable_params, &mut b.usable_params);
-        swap(&mut self.param_error, &mut b.param_error);
-        swap(&mut self.scrub, &mut b.scrub);
-        swap(&mut self.slope_chosen, &mut b.slope_chosen);
-        swap(&mut self.picture, &mut b.picture);
-        swap(&mut self.found, &mut b.found);
-        if !self.pair.links.ranges {
-            swap(&mut self.look, &mut b.look);
-        }
-    }
-
     /// Makes A of B and B of A. The matches are made anew.
     pub fn swap_sides(&mut self) {
-        self.exchange_sides();
+        let b = &mut self.pair.b;
+        std::mem::swap(&mut self.burst, &mut b.burst);
+        std::mem::swap(&mut self.usable_params, &mut b.usable_params);
+        std::mem::swap(&mut self.param_error, &mut b.param_error);
+        std::mem::swap(&mut self.found, &mut b.found);
+        self.panes.swap_sides();
         self.compare.gold.swap(0, 1);
         // Where A alone was looked at, nothing of it is selected any more.
         (self.patch, self.selected, self.hovered, self.playing) = (None, None, None, false);
@@ -259,70 +225,33 @@ impl Model {
         if both { self.pair.active } else { Side::A }
     }
 
-    /// Where the hand is, of the side that it moves.
-    pub fn hand(&self) -> &Scrub {
-        self.hand_of(self.active_side())
-    }
-
     /// Where the hand of `side` is.
     pub fn hand_of(&self, side: Side) -> &Scrub {
-        match side {
-            Side::A => &self.scrub,
-            Side::B => &self.pair.b.scrub,
-        }
-    }
-
-    /// The open burst of `side`.
-    pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
-        match side {
-            Side::A => self.burst.as_ref(),
-            Side::B => self.pair.b.burst.as_ref(),
-        }
-    }
-
-    /// The features of `side`.
-    pub fn found_of(&self, side: Side) -> Option<&Found> {
-        match side {
-            Side::A => self.found.as_ref(),
-            Side::B => self.pair.b.found.as_ref(),
-        }
+        &self.panes.of(side).cursor
     }
 
     /// The picture on show of `side`.
     pub fn picture_of(&self, side: Side) -> Option<&Picture> {
-        match side {
-            Side::A => self.picture.as_ref(),
-            Side::B => self.pair.b.picture.as_ref(),
+        self.panes.of(side).picture.as_ref()
+    }
+
+    /// The value ranges of the pictures of `side`.
+    pub fn ranges_of_side(&self, side: Side) -> &Ranges {
+        self.ranges_of(self.panes.of(side))
+    }
+
+    /// Shows A and B in one range, or each in its own.
+    pub fn link_ranges(&mut self, linked: bool) {
+        self.pair.links.ranges = linked;
+        self.set_link(PaneId::of(Side::B), Link::Display, linked);
+        if linked {
+            self.set_link(PaneId::of(Side::A), Link::Display, true);
         }
     }
 
-    /// How the pictures of `side` look.
-    pub fn look_of(&self, side: Side) -> &Look {
-        if side == Side::B && !self.pair.links.ranges { &self.pair.b.look } else { &self.look }
-    }
-
-    /// The picture of `side` that is wanted now.
-    pub fn wanted_picture_of(&self, side: Side) -> Option<PictureRequest> {
-        let burst = self.burst_of(side)?.clone();
-        let params = if side == Side::A { &self.usable_params } else { &self.pair.b.usable_params };
-        Some(PictureRequest { burst, kind: self.hand_of(side).picture_kind(), params: params.clone() })
-    }
-
-    /// Whether the picture of B on show is the one that is wanted.
-    pub fn second_picture_is_current(&self) -> bool {
-        match (self.picture_of(Side::B), self.wanted_picture_of(Side::B)) {
-            (Some(picture), Some(wanted)) => picture.request.same_picture(&wanted),
-            (None, None) => true,
-            _ => false,
-        }
-    }
-
-    /// Checks the parameters of matching, and those of the detector against B.
-    pub fn check_pair(&mut self) {
-        self.pair.param_error = self.pair.params.validate().err();
-        if self.pair.b.burst.is_some() {
-            self.on_side(Side::B, Self::check_params);
-        }
+    /// Whether A and B are shown in one range.
+    pub fn ranges_are_linked(&self) -> bool {
+        Side::BOTH.into_iter().all(|side| self.panes.of(side).links.display)
     }
 
     /// Whether a detection in B with the present parameters is missing and could be made.
@@ -337,32 +266,36 @@ impl Model {
     pub fn take_second_detection(&mut self, detected: Detected, elapsed: Duration) {
         let Some(burst) = self.pair.b.burst.as_ref().filter(|open| open.id == detected.burst) else { return };
         self.pair.b.found = Some(Found::new(detected, burst, elapsed));
-        self.on_side(Side::B, Self::check_params);
-        if !self.pair.b.slope_chosen {
-            self.on_side(Side::B, Self::go_to_busiest_slope);
-        }
+        self.check_pair();
+        self.go_to_first_slope(Side::B);
     }
 
     /// Takes a newly opened burst as B.
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
-        let mut scrub = Scrub { frame: burst.burst.len() / 2, kind: self.scrub.kind, ..Scrub::default() };
-        if self.pair.links.hands {
-            scrub = self.scrub;
-        }
-        let slope_chosen = self.pair.links.hands;
-        self.pair.b = SecondBurst { burst: Some(burst), scrub, slope_chosen, ..SecondBurst::default() };
+        let middle = burst.burst.len() / 2;
+        self.pair.b = SecondBurst { burst: Some(burst), ..SecondBurst::default() };
         self.pair.forget_matches();
         self.compare.gold[1] = None;
-        self.on_side(Side::B, Self::check_params);
+        let (links, first) = (self.pair.links, self.panes.of(Side::A).clone());
+        let hand = first.cursor;
+        self.start_panes(Side::B, |_| {
+            if links.hands { hand } else { Scrub { frame: middle, kind: hand.kind, ..Scrub::default() } }
+        });
+        let pane = self.panes.of_mut(Side::B);
+        pane.slope_chosen = links.hands;
+        pane.content = Content::Cursor;
+        if links.views {
+            pane.view = first.view;
+        }
+        self.check_pair();
     }
 
     /// Puts the hand that does not move to where the moving one is.
     pub fn bring_hands_together(&mut self) {
-        match self.active_side() {
-            Side::A => self.pair.b.scrub = self.scrub,
-            Side::B => self.scrub = self.pair.b.scrub,
-        }
-        self.pair.b.slope_chosen = true;
+        let side = self.active_side();
+        let hand = *self.hand_of(side);
+        self.panes.of_mut(side.other()).cursor = hand;
+        self.panes.of_mut(Side::B).slope_chosen = true;
         self.check_params();
         self.check_pair();
     }
@@ -372,15 +305,15 @@ impl Model {
         if !self.pair.links.hands || self.pair.b.burst.is_none() {
             return;
         }
-        let [a, b] = before;
+        let [a, b] = Side::BOTH.map(|side| (before[side as usize], *self.hand_of(side)));
         // Where both were moved on purpose, each to its own place, neither follows.
-        match (self.scrub != a, self.pair.b.scrub != b) {
-            (true, false) => self.pair.b.scrub = followed(self.pair.b.scrub, a, self.scrub),
-            (false, true) => self.scrub = followed(self.scrub, b, self.pair.b.scrub),
+        match (a.1 != a.0, b.1 != b.0) {
+            (true, false) => self.panes.of_mut(Side::B).cursor = followed(b.1, a.0, a.1),
+            (false, true) => self.panes.of_mut(Side::A).cursor = followed(a.1, b.0, b.1),
             _ => return,
         }
         self.check_params();
-        self.on_side(Side::B, Self::check_params);
+        self.check_pair();
     }
 
     /// The matches that are wanted now; `None` while the features of a side are missing or the parameters make no sense.
@@ -404,7 +337,7 @@ impl Model {
         let row = matches.row(self.pair.focus()?)?;
         let request = |side: Side, slope| {
             let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
-            Some(PictureRequest { burst, kind: PictureKind::Stack { slope }, params: found.params.clone() })
+            Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
         };
         Some(PatchesRequest { a: request(Side::A, row.a.slope)?, b: request(Side::B, row.b.slope)? })
     }

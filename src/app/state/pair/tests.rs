@@ -1,7 +1,6 @@
 //! The pair's promises: B can be worked on as A is, hands follow where they are linked, matches are wanted, stale and found again as they should be.
 
 use super::super::room::Room;
-use super::super::scrub::ViewKind;
 use super::super::tests::{detected, feature, open};
 use super::*;
 use crate::detector::{Detection, FrameRange, Slope};
@@ -41,39 +40,32 @@ fn matched(model: &Model) -> Matches {
     Matches::new(Matched { request, result: Arc::new(result) }, Duration::ZERO)
 }
 
-#[test]
-fn on_a_side_the_model_is_about_that_burst_and_afterwards_about_the_first_again() {
-    let mut model = pair();
-    let (a, b) = (model.burst_of(Side::A).expect("open").id, model.burst_of(Side::B).expect("open").id);
-    let scrub = model.scrub;
-    model.on_side(Side::B, |model| {
-        assert_eq!(model.burst.as_ref().map(|open| open.id), Some(b));
-        model.scrub.slope = Slope::new(1.5, 0.0);
-        model.show_kind(ViewKind::Dog);
-    });
-    assert_eq!(model.burst.as_ref().map(|open| open.id), Some(a));
-    assert_eq!(model.scrub, scrub);
-    assert_eq!((model.pair.b.scrub.slope, model.pair.b.scrub.kind), (Slope::new(1.5, 0.0), ViewKind::Dog));
+fn hands(model: &Model) -> [Scrub; 2] {
+    Side::BOTH.map(|side| *model.hand_of(side))
 }
 
 #[test]
 fn linked_hands_follow_in_what_was_moved_and_in_nothing_else() {
     let mut model = pair();
-    model.scrub.slope = Slope::new(1.0, 0.0);
-    model.pair.b.scrub.slope = Slope::new(-2.0, 0.0);
-    let before = [model.scrub, model.pair.b.scrub];
-    model.pair.b.scrub.level = 2;
+    model.panes.of_mut(Side::A).cursor.slope = Slope::new(1.0, 0.0);
+    model.panes.of_mut(Side::B).cursor.slope = Slope::new(-2.0, 0.0);
+    let before = hands(&model);
+    model.panes.of_mut(Side::B).cursor.level = 2;
     model.follow_hand(before);
-    assert_eq!((model.scrub.level, model.scrub.slope), (2, Slope::new(1.0, 0.0)), "the slopes were not moved");
-    let before = [model.scrub, model.pair.b.scrub];
-    model.scrub.slope = Slope::new(0.5, 0.0);
+    assert_eq!(
+        (model.hand_of(Side::A).level, model.hand_of(Side::A).slope),
+        (2, Slope::new(1.0, 0.0)),
+        "the slopes were not moved"
+    );
+    let before = hands(&model);
+    model.panes.of_mut(Side::A).cursor.slope = Slope::new(0.5, 0.0);
     model.follow_hand(before);
-    assert_eq!(model.pair.b.scrub.slope, Slope::new(0.5, 0.0));
+    assert_eq!(model.hand_of(Side::B).slope, Slope::new(0.5, 0.0));
     model.pair.links.hands = false;
-    let before = [model.scrub, model.pair.b.scrub];
-    model.scrub.slope = Slope::new(2.0, 0.0);
+    let before = hands(&model);
+    model.panes.of_mut(Side::A).cursor.slope = Slope::new(2.0, 0.0);
     model.follow_hand(before);
-    assert_eq!(model.pair.b.scrub.slope, Slope::new(0.5, 0.0));
+    assert_eq!(model.hand_of(Side::B).slope, Slope::new(0.5, 0.0));
 }
 
 #[test]

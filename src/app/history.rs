@@ -1,0 +1,178 @@
+//! Undo and redo of what a person sets: the parameters of the detector and of matching, and the slopes that panes show.
+//!
+//! The window tells the history what is set before and after each pass in which a person could change it. What changes by itself (slopes that were found, the
+//! slope with most features) is no step. While something goes on (a drag, typing, playing through the slopes) all of it is one step.
+
+use super::pane::PaneId;
+use super::state::Model;
+use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
+use crate::matching::MatchParams;
+
+/// More steps than this are not kept.
+const MAX_STEPS: usize = 200;
+
+/// What can be undone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    params: DetectorParams,
+    slopes: SlopeChoice,
+    matching: MatchParams,
+    cursors: Vec<(PaneId, Slope)>,
+}
+
+impl Settings {
+    /// What is set now.
+    pub fn of(model: &Model) -> Self {
+        let mut params = model.params.clone();
+        if model.slopes.is_auto() {
+            // Those that were found are nobody's setting.
+            params.slopes = SlopeGrid::default();
+        }
+        let cursors = model.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect();
+        Self { params, slopes: model.slopes, matching: model.pair.params.clone(), cursors }
+    }
+
+    fn apply(self, model: &mut Model) {
+        let found = model.params.slopes;
+        model.params = self.params;
+        if self.slopes.is_auto() && model.slopes.is_auto() {
+            model.params.slopes = found;
+        }
+        (model.slopes, model.pair.params) = (self.slopes, self.matching);
+        for (id, slope) in self.cursors {
+            if let Some(pane) = model.panes.get_mut(id) {
+                pane.cursor.slope = slope;
+            }
+        }
+        model.check_params();
+        model.check_pair();
+    }
+
+    /// Whether a person would call the change from `before` a step: panes that were opened or closed are none.
+    fn is_step_from(&self, before: &Self) -> bool {
+        let moved = before
+            .cursors
+            .iter()
+            .any(|(id, slope)| self.cursors.iter().find(|(other, _)| other == id).is_some_and(|(_, now)| now != slope));
+        moved || (&self.params, self.slopes, &self.matching) != (&before.params, before.slopes, &before.matching)
+    }
+}
+
+/// The steps that were made, and those that were undone.
+#[derive(Debug, Default)]
+pub struct History {
+    past: Vec<Settings>,
+    future: Vec<Settings>,
+    /// What was set before the step that goes on.
+    begun: Option<Settings>,
+}
+
+impl History {
+    /// Takes over what was set `before` and `after` a pass. `goes_on` says whether the step may go on in the next pass.
+    pub fn take(&mut self, before: Settings, after: &Settings, goes_on: bool) {
+        if after.is_step_from(&before) {
+            self.begun.get_or_insert(before);
+        }
+        if !goes_on && let Some(begun) = self.begun.take().filter(|begun| after.is_step_from(begun)) {
+            self.past.push(begun);
+            self.future.clear();
+            if self.past.len() > MAX_STEPS {
+                self.past.remove(0);
+            }
+        }
+    }
+
+    /// Whether there is something to undo.
+    pub fn can_undo(&self) -> bool {
+        !self.past.is_empty()
+    }
+
+    /// Whether there is something to redo.
+    pub fn can_redo(&self) -> bool {
+        !self.future.is_empty()
+    }
+
+    /// Takes the last step back.
+    pub fn undo(&mut self, model: &mut Model) {
+        if let Some(before) = self.past.pop() {
+            self.future.push(Settings::of(model));
+            before.apply(model);
+        }
+    }
+
+    /// Makes the step again that was undone last.
+    pub fn redo(&mut self, model: &mut Model) {
+        if let Some(after) = self.future.pop() {
+            self.past.push(Settings::of(model));
+            after.apply(model);
+        }
+    }
+
+    /// Forgets all steps: another burst is open, or a session was restored.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pass in which `change` was done.
+    fn pass(history: &mut History, model: &mut Model, goes_on: bool, change: impl FnOnce(&mut Model)) {
+        let before = Settings::of(model);
+        change(model);
+        history.take(before, &Settings::of(model), goes_on);
+    }
+
+    #[test]
+    fn steps_are_undone_and_made_again_in_their_order() {
+        let (mut model, mut history) = (Model::default(), History::default());
+        pass(&mut history, &mut model, false, |m| m.params.levels = 5);
+        pass(&mut history, &mut model, false, |m| m.focused_mut().cursor.slope = Slope::new(1.0, 0.0));
+        pass(&mut history, &mut model, false, |m| m.pair.params.ratio = 0.5);
+        pass(&mut history, &mut model, false, |_| {});
+        history.undo(&mut model);
+        history.undo(&mut model);
+        assert_eq!((model.hand().slope, model.params.levels), (Slope::default(), 5));
+        assert_eq!(model.pair.params, MatchParams::default());
+        history.redo(&mut model);
+        assert_eq!(model.hand().slope, Slope::new(1.0, 0.0));
+        // A new step forgets what was undone.
+        pass(&mut history, &mut model, false, |m| m.params.octaves = 2);
+        assert!(!history.can_redo());
+        for _ in 0..5 {
+            history.undo(&mut model);
+        }
+        assert!(!history.can_undo());
+        assert_eq!(model.params, DetectorParams::default());
+    }
+
+    #[test]
+    fn a_drag_is_one_step_and_one_that_comes_back_is_none() {
+        let (mut model, mut history) = (Model::default(), History::default());
+        for i in 1..=20 {
+            pass(&mut history, &mut model, i < 20, |m| m.params.edge_threshold = 10.0 + i as f32);
+        }
+        assert_eq!(history.past.len(), 1);
+        for (value, goes_on) in [(1.0, true), (30.0, true), (30.0, false)] {
+            pass(&mut history, &mut model, goes_on, |m| m.params.edge_threshold = value);
+        }
+        assert_eq!(history.past.len(), 1, "it ended where it began");
+    }
+
+    #[test]
+    fn what_changes_by_itself_is_no_step() {
+        let (mut model, mut history) = (Model::default(), History::default());
+        model.slopes = SlopeChoice::AUTO;
+        pass(&mut history, &mut model, false, |m| m.params.slopes = SlopeGrid::line(-2.0..=2.0, 5));
+        assert!(!history.can_undo());
+        pass(&mut history, &mut model, false, |m| {
+            m.panes.split(m.panes.focus(), crate::app::pane::Direction::Right);
+        });
+        assert!(!history.can_undo(), "nor is a new pane");
+        pass(&mut history, &mut model, false, |m| m.params.levels = 5);
+        history.undo(&mut model);
+        assert_eq!(model.params.slopes, SlopeGrid::line(-2.0..=2.0, 5), "slopes that were found stay");
+    }
+}

@@ -1,0 +1,191 @@
+//! The line above a pane's picture: which pane it is, what it shows, what it shares, and the buttons that split and close it.
+
+use super::behaviour::grip_sense;
+use super::icons::{Icon, icon_button_ui};
+use super::menu::{Change, pane_menu_ui};
+use super::widgets::PaneWidgets;
+use crate::app::actions::Queue;
+use crate::app::canvas;
+use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
+use crate::app::panels::picture::describe;
+use crate::app::state::Model;
+use crate::app::state::pair::Side;
+use crate::app::state::scrub::ViewKind;
+use crate::app::style;
+use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Ui, vec2};
+
+/// Headers narrower than this, in points, have the links on a line of their own.
+const ONE_LINE: f32 = 440.0;
+/// Headers narrower than this have no room for range and zoom.
+const ROOM_FOR_NUMBERS: f32 = 560.0;
+/// The same of a pane alone, which has no links.
+const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
+/// Headers narrower than this have no room for the buttons that split: they are in the menu.
+const ROOM_FOR_SPLITS: f32 = 190.0;
+
+/// What the hand did to a header.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct HeaderResponse {
+    /// The pane is to have the focus.
+    pub clicked: bool,
+    /// The pane is taken by its name, to be put elsewhere.
+    pub dragged: bool,
+}
+
+/// What a pane shows, in few words.
+pub fn compact_description(model: &Model, id: PaneId) -> String {
+    short_description(model, id, false)
+}
+
+/// The same; where there is hardly any room only what tells neighbours apart.
+fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
+    let Some(pane) = model.panes.get(id) else { return String::new() };
+    let burst = if model.burst_of(Side::B).is_some() { format!("{}  ", pane.side.name()) } else { String::new() };
+    let cursor = match model.burst_of(pane.side) {
+        Some(open) => pane.cursor_within(open, model.usable_params_of(pane.side)),
+        None => pane.cursor,
+    };
+    let slope = format!("({}, {})", canvas::number(cursor.slope.u, 3), canvas::number(cursor.slope.v, 3));
+    let number = |id: PaneId| model.panes.number(id).unwrap_or(0);
+    let what = match (pane.content, cursor.kind) {
+        (Content::Merge, _) if tiny => "Merged".to_owned(),
+        (Content::Merge, _) => "Merged frames".to_owned(),
+        (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),
+        (Content::Cursor, ViewKind::Frame) => format!("Frame {}", cursor.frame),
+        (Content::Cursor, ViewKind::Stack) if tiny => slope,
+        (Content::Cursor, ViewKind::Dog) if tiny => format!("{}/{} {slope}", cursor.octave, cursor.level),
+        (Content::Cursor, ViewKind::Stack) => format!("Stack {slope}"),
+        (Content::Cursor, ViewKind::Dog) => format!("DoG {}/{} {slope}", cursor.octave, cursor.level),
+    };
+    format!("{burst}{what}")
+}
+
+/// Draws the header of pane `id`.
+pub fn header_ui(
+    ui: &mut Ui,
+    model: &mut Model,
+    id: PaneId,
+    widgets: &mut PaneWidgets,
+    changes: &mut Vec<Change>,
+    queue: &mut Queue,
+) -> HeaderResponse {
+    let mut answer = HeaderResponse::default();
+    let many = model.panes.are_many();
+    let width = ui.available_width();
+    widgets.of(id).picture.refresh(model.panes.get(id).and_then(|pane| pane.picture.as_ref()));
+    let margin = if many { Margin::symmetric(4, 1) } else { Margin::symmetric(8, 3) };
+    Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = if many { 3.0 } else { 6.0 };
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                buttons_ui(ui, model, id, width, changes, queue);
+                if many && width >= ONE_LINE {
+                    links_ui(ui, model, id, true);
+                }
+                ui.spacing_mut().item_spacing.x = 6.0;
+                if width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
+                    numbers_ui(ui, model, id);
+                }
+                let current = model.is_current(id);
+                let has_picture = model.panes.get(id).is_some_and(|pane| pane.picture.is_some());
+                if has_picture && !current && width >= ROOM_FOR_SPLITS {
+                    ui.label(RichText::new("updating…").small().color(style::warning(ui)));
+                }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    answer = name_ui(ui, model, id, width, many);
+                });
+            });
+        });
+        if many && width < ONE_LINE {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 2.0;
+                links_ui(ui, model, id, false);
+            });
+        }
+    });
+    answer
+}
+
+/// Which pane it is and what it shows. A hand takes it by this.
+fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> HeaderResponse {
+    let pane = model.panes.get(id);
+    let long = pane.and_then(|pane| pane.picture.as_ref()).map_or_else(String::new, describe);
+    // While the picture is being made the short text says what it will be.
+    let text = if (many && width < ROOM_FOR_NUMBERS) || long.is_empty() {
+        short_description(model, id, width < ROOM_FOR_SPLITS)
+    } else {
+        long.clone()
+    };
+    let text = match model.panes.number(id).filter(|_| many) {
+        Some(number) => format!("{number}   {text}"),
+        None => text,
+    };
+    let label = ui.add(Label::new(RichText::new(&text).strong()).truncate().selectable(false).sense(grip_sense(many)));
+    let tip = if many { format!("{long}\nDrag it to put this pane elsewhere") } else { long };
+    let label = label.on_hover_text(tip);
+    let response = HeaderResponse { clicked: label.clicked(), dragged: label.drag_started() };
+    if many {
+        label.on_hover_cursor(CursorIcon::Grab);
+    }
+    response
+}
+
+/// Zoom and range.
+fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId) {
+    let Some(pane) = model.panes.get(id) else { return };
+    let display = model.display_of(id);
+    let percent = 100.0 * pane.view.points_per_pixel() * ui.ctx().pixels_per_point();
+    ui.weak(format!("{percent:.0} %")).on_hover_text("Zoom: screen pixels per image pixel");
+    ui.weak("·");
+    let (min, max) = (canvas::number(display.min, 3), canvas::number(display.max, 3));
+    ui.weak(format!("{min} … {max}"))
+        .on_hover_text("The value range that is shown, as a fraction of full scale; fixed until you change it");
+}
+
+/// A switch for each link. From the right end of a line they are drawn in reverse, so that they read the same.
+fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId, from_the_right: bool) {
+    let number = model.panes.number(id).unwrap_or(0);
+    let mut links = Link::ALL;
+    if from_the_right {
+        links.reverse();
+    }
+    for link in links {
+        let on = model.panes.get(id).is_some_and(|pane| pane.links.has(link));
+        let button = Button::selectable(on, RichText::new(link.letter()).small()).min_size(vec2(16.0, 16.0));
+        ui.spacing_mut().button_padding = vec2(3.0, 0.0);
+        let response = ui.add(button).on_hover_text(format!("{}: {}", link.label(), link.help()));
+        let name = format!("{} of pane {number}", link.label());
+        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, &name));
+        if response.clicked() {
+            model.set_link(id, link, !on);
+        }
+    }
+}
+
+/// From right to left: close, menu, split.
+fn buttons_ui(ui: &mut Ui, model: &mut Model, id: PaneId, width: f32, changes: &mut Vec<Change>, queue: &mut Queue) {
+    ui.spacing_mut().item_spacing.x = 1.0;
+    let many = model.panes.are_many();
+    let of = model.panes.number(id).filter(|_| many).map_or_else(String::new, |number| format!(" {number}"));
+    if many && icon_button_ui(ui, Icon::Close, &format!("Close pane{of}"), "Close this pane  (Ctrl+W)", true).clicked()
+    {
+        changes.push(Change::Close(id));
+    }
+    let menu =
+        icon_button_ui(ui, Icon::Menu, &format!("Menu of pane{of}"), "What this pane shows and shares; layouts", true);
+    egui::Popup::menu(&menu).show(|ui| pane_menu_ui(ui, model, id, changes, queue));
+    if width < ROOM_FOR_SPLITS {
+        return;
+    }
+    let room = model.panes.shown().len() < MAX_PANES;
+    for (icon, direction, name, key) in [
+        (Icon::SplitDown, Direction::Down, "Split down", "Shift+S"),
+        (Icon::SplitRight, Direction::Right, "Split right", "S"),
+    ] {
+        let tip = format!("{name}: a second pane that shows the same to begin with  ({key})");
+        if icon_button_ui(ui, icon, &format!("{name}{of}"), &tip, room).clicked() {
+            changes.push(Change::Split(id, direction));
+        }
+    }
+    ui.add_space(4.0);
+}

@@ -1,0 +1,65 @@
+//! The place under the pointer, marked in all panes that are linked so, with the value that each has there.
+
+use super::pane_ui::{Drawn, full_scale};
+use super::widgets::{PaneWidgets, PlaceValue};
+use crate::app::canvas::{self, CanvasOutput, number};
+use crate::app::pane::{Link, PaneId, place_in};
+use crate::app::state::Model;
+use egui::{Align2, Color32, FontId, Pos2, Stroke, vec2};
+
+/// Draws the marks over what was drawn, and puts the values into `widgets`.
+pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
+    widgets.values.clear();
+    let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
+    let Some((from, first, pos_image)) = pointed else { return };
+    widgets.values.extend(value_at(model, widgets, from, first.shown, pos_image));
+    let is_linked = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
+    if !is_linked(from) {
+        return;
+    }
+    for (id, other) in drawn.iter().filter(|(id, _)| *id != from && is_linked(*id)) {
+        let Some(pos) = same_place(model, first.shown, other.shown, pos_image) else { continue };
+        let value = value_at(model, widgets, *id, other.shown, pos);
+        let text = value.map(|value| number(value.readout.value, 4));
+        mark(&other.output, pos, text.as_deref());
+        widgets.values.extend(value);
+    }
+}
+
+/// Where the place `pos_image` of pane `from` is in pane `to`.
+pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
+    let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
+    let kinds = [a, b].map(|pane| pane.picture.as_ref().map(|picture| picture.request.kind));
+    let used = model.usable_params_of(a.side).used_frames(model.burst_of(a.side)?.burst.len());
+    Some(place_in(pos_image, (kinds[0]?, &a.cursor), (kinds[1]?, &b.cursor), &used))
+}
+
+/// The value of the picture of `shown`, which is on show in pane `id`, at `pos_image`.
+fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
+    let picture = widgets.get(shown)?.picture.shown()?;
+    let readout = canvas::readout(picture, pos_image, full_scale(model, shown))?;
+    Some(PlaceValue { id, number: model.panes.number(id)?, readout })
+}
+
+/// A cross with a gap in its middle, so that what it marks can be seen, and a text beside it.
+fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
+    let (painter, rect) = (&output.painter, output.response.rect);
+    let centre = output.ui_from_image.pos(pos_image);
+    if !rect.contains(centre) {
+        return;
+    }
+    for (width, colour) in [(3.0, Color32::from_black_alpha(150)), (1.2, Color32::from_rgb(255, 214, 90))] {
+        for direction in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
+            painter.line_segment([centre + 3.0 * direction, centre + 10.0 * direction], Stroke::new(width, colour));
+        }
+    }
+    let Some(text) = text else { return };
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::monospace(11.0), Color32::WHITE);
+    // Beside the mark, on the side that has the room.
+    let right = centre.x + 14.0 + galley.size().x < rect.right();
+    let anchor = if right { Align2::LEFT_BOTTOM } else { Align2::RIGHT_BOTTOM };
+    let at = centre + vec2(if right { 8.0 } else { -8.0 }, -5.0);
+    let ground = anchor.anchor_size(at, galley.size() + vec2(6.0, 2.0));
+    painter.rect_filled(ground, 3.0, Color32::from_black_alpha(180));
+    painter.galley(ground.min + vec2(3.0, 1.0), galley, Color32::WHITE);
+}

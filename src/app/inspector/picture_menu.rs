@@ -1,0 +1,77 @@
+//! What a click with the second button on a picture shows: what can be done with the feature and the place there, and with the pane.
+
+use super::menu::{Change, pane_menu_ui};
+use super::pane_ui::Drawn;
+use super::widgets::PaneWidgets;
+use crate::app::actions::{ActionId, Queue};
+use crate::app::canvas::{Readout, number};
+use crate::app::clipboard;
+use crate::app::pane::PaneId;
+use crate::app::state::Model;
+use egui::{RichText, Ui};
+
+/// What was under the pointer when the menu was opened.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MenuPlace {
+    feature: Option<usize>,
+    readout: Option<Readout>,
+}
+
+/// Shows the menu where the second button was pressed on the picture of pane `id`.
+pub(super) fn picture_menu_ui(
+    drawn: &Drawn,
+    model: &mut Model,
+    id: PaneId,
+    widgets: &mut PaneWidgets,
+    changes: &mut Vec<Change>,
+    queue: &mut Queue,
+) {
+    let response = &drawn.output.response;
+    if response.secondary_clicked() {
+        let readout = widgets.get(drawn.shown).and_then(|widget| widget.picture.readout);
+        widgets.of(id).menu = MenuPlace { feature: model.hovered, readout };
+    }
+    let place = widgets.get(id).map(|widget| widget.menu).unwrap_or_default();
+    response.context_menu(|ui| {
+        ui.set_min_width(190.0);
+        if let Some(index) = place.feature {
+            feature_menu_ui(ui, model, index, queue);
+            ui.separator();
+        }
+        if let Some(readout) = &place.readout {
+            let value = format!("Copy value {}", number(readout.value, 4));
+            copy_ui(ui, &value, || clipboard::value_text(readout));
+            let at = format!("Copy place ({})", clipboard::place_text(readout));
+            copy_ui(ui, &at, || clipboard::place_text(readout));
+        }
+        if ui.button("Copy picture").on_hover_text("As it is shown, in its range and colours").clicked()
+            && let Some(image) = clipboard::picture_of(model, drawn.shown)
+        {
+            ui.ctx().copy_image(image);
+            model.messages.note("Copied the picture");
+        }
+        ui.separator();
+        pane_menu_ui(ui, model, id, changes, queue);
+    });
+}
+
+/// What can be done with one of A's features.
+fn feature_menu_ui(ui: &mut Ui, model: &mut Model, index: usize, queue: &mut Queue) {
+    let Some(feature) = model.features().get(index).copied() else { return };
+    ui.label(RichText::new(format!("Feature {}", index + 1)).small().weak());
+    if ui.button("Select").clicked() {
+        model.selected = Some(index);
+    }
+    if ui.button("Go to feature").on_hover_text("Show the motion stack at its slope, with it in the middle").clicked() {
+        model.selected = Some(index);
+        queue.push(ActionId::GoToFeature);
+    }
+    copy_ui(ui, "Copy row", || clipboard::feature_text(&feature));
+}
+
+/// An item that copies a text.
+pub(in crate::app) fn copy_ui(ui: &mut Ui, label: &str, text: impl FnOnce() -> String) {
+    if ui.button(label).clicked() {
+        ui.ctx().copy_text(text());
+    }
+}

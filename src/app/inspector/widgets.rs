@@ -1,0 +1,66 @@
+//! What the panes' widgets keep from pass to pass.
+
+use super::picture_menu::MenuPlace;
+use crate::app::canvas::{Readout, RectTransform};
+use crate::app::pane::PaneId;
+use crate::app::panels::display::DisplayState;
+use crate::app::panels::picture::PictureState;
+use egui::Pos2;
+use std::collections::HashMap;
+
+/// What one pane's widgets keep.
+#[derive(Default)]
+pub struct PaneWidget {
+    /// The picture as the card knows it, and where it was drawn.
+    pub picture: PictureState,
+    /// The histogram while the pane is in focus.
+    pub display: DisplayState,
+    /// What the menu of its picture is about.
+    pub(super) menu: MenuPlace,
+}
+
+/// The value of one pane at the place that is pointed at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceValue {
+    /// Which pane.
+    pub id: PaneId,
+    /// Its number, from 1.
+    pub number: usize,
+    /// The place in that pane, and the value there.
+    pub readout: Readout,
+}
+
+/// What the widgets of all panes keep.
+#[derive(Default)]
+pub struct PaneWidgets {
+    all: HashMap<PaneId, PaneWidget>,
+    /// The values at the place that is pointed at: of the pane under the pointer first, then of those that are linked to it.
+    pub values: Vec<PlaceValue>,
+}
+
+impl PaneWidgets {
+    /// Those of `id`, made when they are asked for first.
+    pub fn of(&mut self, id: PaneId) -> &mut PaneWidget {
+        self.all.entry(id).or_default()
+    }
+
+    /// Those of `id`, if it was drawn.
+    pub fn get(&self, id: PaneId) -> Option<&PaneWidget> {
+        self.all.get(&id)
+    }
+
+    /// From image pixels to points of the window, as `id` was drawn last.
+    pub fn ui_from_image(&self, id: PaneId) -> Option<RectTransform> {
+        self.get(id)?.picture.ui_from_image
+    }
+
+    /// Where a place of the image is in the window, as `id` was drawn last.
+    pub fn pos_ui(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
+        self.ui_from_image(id).map(|t| t.pos(pos_image))
+    }
+
+    /// Forgets all panes but those that `keep` knows.
+    pub fn retain(&mut self, keep: impl Fn(PaneId) -> bool) {
+        self.all.retain(|id, _| keep(*id));
+    }
+}

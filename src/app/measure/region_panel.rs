@@ -1,0 +1,199 @@
+//! What is known of the values in the rectangle: a row of numbers for each pane, and the histogram of the one in focus.
+
+use super::values::{PaneRegion, measured_panes, region_in};
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::canvas::number;
+use crate::app::gpu::PictureId;
+use crate::app::inspector::PaneWidgets;
+use crate::app::pane::PaneId;
+use crate::app::state::Model;
+use crate::plane::profile::{RegionStatistics, region_statistics};
+use crate::plane::statistics::{Histogram, Region, histogram};
+use egui::{RichText, ScrollArea, Ui};
+use egui_plot::{Bar, BarChart, Plot};
+use std::collections::HashMap;
+
+/// Bars of the histogram.
+const BINS: usize = 64;
+
+/// What was computed of a picture's rectangle, and of which.
+#[derive(Debug, Clone)]
+struct Known {
+    picture: PictureId,
+    region: Region,
+    statistics: Option<RegionStatistics>,
+    histogram: Option<Histogram>,
+}
+
+/// What was computed for each pane, kept until its picture or the rectangle changes.
+#[derive(Debug, Default)]
+pub struct RegionCache(HashMap<PaneId, Known>);
+
+impl RegionCache {
+    fn of(&mut self, of: &PaneRegion) -> &Known {
+        let fits = |known: &Known| known.picture == of.picture.id && known.region == of.region;
+        if !self.0.get(&of.id).is_some_and(fits) {
+            let plane = &of.picture.plane;
+            let statistics = region_statistics(plane, &of.region);
+            let range = statistics.map(|s| (s.min, s.max)).filter(|(min, max)| min < max);
+            let histogram = range.map(|(min, max)| histogram(plane, &of.region, min, max, BINS));
+            let known = Known { picture: of.picture.id, region: of.region.clone(), statistics, histogram };
+            self.0.insert(of.id, known);
+        }
+        &self.0[&of.id]
+    }
+}
+
+/// The columns of the table, and what they mean.
+const COLUMNS: [(&str, &str); 7] = [
+    ("Picture", "The pane's number and what it shows"),
+    ("Pixels", "Pixels of the picture in the rectangle that have a value"),
+    ("Mean", "As a fraction of full scale"),
+    ("Deviation", "Standard deviation about the mean"),
+    ("Min", "The smallest value"),
+    ("Max", "The largest value"),
+    (
+        "Noise",
+        "Standard deviation of the noise, from differences of neighbouring pixels, which a smooth picture does not have",
+    ),
+];
+
+/// Draws the panel.
+pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut RegionCache, queue: &mut Queue) {
+    let Some(region) = model.measure.region else {
+        ui.horizontal(|ui| {
+            ui.weak("Drag a rectangle on a picture to measure the values in it.");
+            button_ui(ui, model, queue, ActionId::MeasureRegion, Some("Draw a rectangle"));
+        });
+        return;
+    };
+    if model.measure.drag.is_some() {
+        ui.weak("Let go to measure");
+        return;
+    }
+    let regions: Vec<PaneRegion> = measured_panes(model, region.pane)
+        .into_iter()
+        .filter_map(|id| region_in(model, widgets, &region, id))
+        .collect();
+    let rows: Vec<[String; COLUMNS.len()]> = regions.iter().map(|of| row(of, cache.of(of).statistics)).collect();
+    ui.horizontal(|ui| {
+        button_ui(ui, model, queue, ActionId::MeasureRegion, Some("Draw a rectangle"));
+        if ui.button("Copy numbers").on_hover_text("Copy the table, tabs between the columns").clicked() {
+            ui.ctx().copy_text(table_text(&rows));
+        }
+        button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear rectangle"));
+        let rect = region.rect_image;
+        ui.weak(format!(
+            "({:.1}, {:.1}) to ({:.1}, {:.1}): {:.1} × {:.1} px",
+            rect.min.x,
+            rect.min.y,
+            rect.max.x,
+            rect.max.y,
+            rect.width(),
+            rect.height()
+        ));
+    });
+    let histogram = regions
+        .iter()
+        .find(|of| of.id == model.focus())
+        .or(regions.first())
+        .and_then(|of| Some((of.number, cache.of(of).histogram.clone()?)));
+    ui.horizontal_top(|ui| {
+        let width = (0.72 * ui.available_width()).max(300.0);
+        ui.allocate_ui(egui::vec2(width, ui.available_height()), |ui| {
+            ScrollArea::both().auto_shrink(false).show(ui, |ui| table_ui(ui, &rows));
+        });
+        if let Some((number, histogram)) = histogram {
+            histogram_ui(ui, number, &histogram);
+        }
+    });
+}
+
+fn row(of: &PaneRegion, statistics: Option<RegionStatistics>) -> [String; COLUMNS.len()] {
+    let name = format!("{}  {}", of.number, of.label);
+    let Some(s) = statistics else {
+        return std::array::from_fn(|i| if i == 0 { name.clone() } else { "–".to_owned() });
+    };
+    [
+        name,
+        s.count.to_string(),
+        number(s.mean as f32, 5),
+        number(s.deviation as f32, 4),
+        number(s.min, 4),
+        number(s.max, 4),
+        s.noise.map_or_else(|| "–".to_owned(), |noise| number(noise as f32, 4)),
+    ]
+}
+
+fn table_text(rows: &[[String; COLUMNS.len()]]) -> String {
+    let headings = COLUMNS.map(|(heading, _)| heading).join("\t");
+    rows.iter().fold(headings, |text, row| text + "\n" + &row.join("\t"))
+}
+
+fn table_ui(ui: &mut Ui, rows: &[[String; COLUMNS.len()]]) {
+    egui::Grid::new("region").num_columns(COLUMNS.len()).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        for (heading, help) in COLUMNS {
+            ui.label(RichText::new(heading).small().strong()).on_hover_text(help);
+        }
+        ui.end_row();
+        for row in rows {
+            for (place, text) in row.iter().enumerate() {
+                let text = RichText::new(text);
+                ui.label(if place == 0 { text } else { text.monospace() });
+            }
+            ui.end_row();
+        }
+    });
+}
+
+fn histogram_ui(ui: &mut Ui, pane: usize, histogram: &Histogram) {
+    let width = f64::from(histogram.bin_width());
+    let bars: Vec<Bar> = histogram
+        .counts
+        .iter()
+        .enumerate()
+        .map(|(i, &count)| {
+            let (from, to) = histogram.bin_range(i);
+            Bar::new(0.5 * f64::from(from + to), count as f64).width(width)
+        })
+        .collect();
+    let colour = ui.visuals().hyperlink_color;
+    let drawn = Plot::new("region histogram")
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .x_axis_label(format!("Values of picture {pane}"))
+        .x_axis_formatter(|mark, _| number(mark.value as f32, 3))
+        .height(ui.available_height().max(60.0))
+        .show(ui, |plot| plot.bar_chart(BarChart::new("Pixels", bars).color(colour)));
+    drawn.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Histogram of the region"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::canvas::Picture;
+    use crate::plane::Plane;
+    use std::sync::Arc;
+
+    #[test]
+    fn numbers_are_computed_once_for_a_picture_and_a_rectangle() {
+        let plane = Arc::new(Plane::from_fn(20, 10, |u, _| u as f32));
+        let mut of = PaneRegion {
+            id: PaneId(0),
+            number: 1,
+            label: "Frame 0".into(),
+            picture: Picture::new(plane, "ramp"),
+            region: Region { u: 2..8, v: 0..5 },
+        };
+        let mut cache = RegionCache::default();
+        let first = cache.of(&of).clone();
+        assert_eq!(first.statistics.map(|s| (s.count, s.min, s.max)), Some((30, 2.0, 7.0)));
+        assert_eq!(first.histogram.map(|h| h.counts.iter().sum::<u64>()), Some(30));
+        assert_eq!(row(&of, first.statistics)[1..4], ["30", "4.5", "1.737"]);
+        of.region = Region { u: 3..4, v: 0..5 };
+        let flat = cache.of(&of);
+        assert!(flat.histogram.is_none() && flat.statistics.is_some(), "one value has no histogram");
+        assert!(table_text(&[row(&of, None)]).ends_with("\n1  Frame 0\t–\t–\t–\t–\t–\t–"));
+    }
+}

@@ -1,0 +1,265 @@
+//! Where panes are on the screen: rows and columns of them within one another, and tabs. Plain values; [`super::tiles`] lends them to the widget.
+
+use super::PaneId;
+use serde::{Deserialize, Serialize};
+
+/// At most this many panes are open: more than the largest preset needs, and few enough that each can still be seen.
+pub const MAX_PANES: usize = 16;
+
+/// Arrangements from files are cut off at this depth.
+const MAX_DEPTH: usize = 8;
+
+/// Into which direction a pane is split.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// The new pane is on the right.
+    Right,
+    /// The new pane is below.
+    Down,
+}
+
+/// A part of a row or column.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// How much of the room it has, in relation to the other parts.
+    pub share: f32,
+    /// What is there.
+    pub inner: Arrangement,
+}
+
+impl Part {
+    fn even(inner: Arrangement) -> Self {
+        Self { share: 1.0, inner }
+    }
+}
+
+/// Where panes are.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arrangement {
+    /// One pane.
+    Pane(PaneId),
+    /// From left to right.
+    Row(Vec<Part>),
+    /// From top to bottom.
+    Column(Vec<Part>),
+    /// In one place, one of them on show.
+    Tabs {
+        /// All of them.
+        parts: Vec<Arrangement>,
+        /// The place of the one on show.
+        active: usize,
+    },
+}
+
+impl Arrangement {
+    /// Rows of panes, below one another, all of one size as far as rows have as many. At least one pane must be given.
+    pub fn rows(rows: &[Vec<PaneId>]) -> Self {
+        let row = |row: &Vec<PaneId>| match row.as_slice() {
+            [one] => Self::Pane(*one),
+            many => Self::Row(many.iter().map(|id| Part::even(Self::Pane(*id))).collect()),
+        };
+        match rows {
+            [one] => row(one),
+            many => Self::Column(many.iter().map(|r| Part::even(row(r))).collect()),
+        }
+    }
+
+    /// The panes, in reading order.
+    pub fn panes(&self) -> Vec<PaneId> {
+        match self {
+            Self::Pane(id) => vec![*id],
+            Self::Row(parts) | Self::Column(parts) => parts.iter().flat_map(|part| part.inner.panes()).collect(),
+            Self::Tabs { parts, .. } => parts.iter().flat_map(Self::panes).collect(),
+        }
+    }
+
+    /// The panes in rows, as far as the arrangement has any: for a figure.
+    pub fn in_rows(&self) -> Vec<Vec<PaneId>> {
+        match self {
+            Self::Column(parts) => parts.iter().map(|part| part.inner.panes()).collect(),
+            _ => vec![self.panes()],
+        }
+    }
+
+    /// Puts `new` beside `id`, which gives it half of its room. Answers whether `id` is there.
+    pub fn split(&mut self, id: PaneId, direction: Direction, new: PaneId) -> bool {
+        let along = |arrangement: &Self| match direction {
+            Direction::Right => matches!(arrangement, Self::Row(_)),
+            Direction::Down => matches!(arrangement, Self::Column(_)),
+        };
+        // In a row a pane that is split to the right becomes two parts of the same row.
+        if along(self)
+            && let Self::Row(parts) | Self::Column(parts) = self
+            && let Some(place) = parts.iter().position(|part| part.inner == Self::Pane(id))
+        {
+            parts[place].share *= 0.5;
+            let share = parts[place].share;
+            parts.insert(place + 1, Part { share, inner: Self::Pane(new) });
+            return true;
+        }
+        match self {
+            Self::Pane(own) if *own == id => {
+                let parts = [id, new].map(|id| Part::even(Self::Pane(id))).to_vec();
+                *self = if direction == Direction::Right { Self::Row(parts) } else { Self::Column(parts) };
+                true
+            }
+            Self::Pane(_) => false,
+            Self::Row(parts) | Self::Column(parts) => parts.iter_mut().any(|part| part.inner.split(id, direction, new)),
+            Self::Tabs { parts, .. } => parts.iter_mut().any(|part| part.split(id, direction, new)),
+        }
+    }
+
+    /// Puts `new` in the place of `id`.
+    pub fn replace(&mut self, id: PaneId, new: PaneId) {
+        match self {
+            Self::Pane(own) if *own == id => *own = new,
+            Self::Pane(_) => {}
+            Self::Row(parts) | Self::Column(parts) => parts.iter_mut().for_each(|part| part.inner.replace(id, new)),
+            Self::Tabs { parts, .. } => parts.iter_mut().for_each(|part| part.replace(id, new)),
+        }
+    }
+
+    /// Takes `id` away; the others get its room. The only pane stays.
+    pub fn remove(&mut self, id: PaneId) {
+        if let Some(rest) = self.clone().filtered(&mut |pane| pane != id, MAX_DEPTH) {
+            *self = rest;
+        }
+    }
+
+    /// What makes sense of it: each pane that `keep` knows once, with shares that are numbers, not too deep. What comes from a file may be anything.
+    #[must_use]
+    pub fn sanitised(self, mut keep: impl FnMut(PaneId) -> bool) -> Option<Self> {
+        let mut seen = Vec::new();
+        self.filtered(
+            &mut |id| {
+                let wanted = !seen.contains(&id) && seen.len() < MAX_PANES && keep(id);
+                if wanted {
+                    seen.push(id);
+                }
+                wanted
+            },
+            MAX_DEPTH,
+        )
+    }
+
+    /// Only the panes that `keep` wants, without containers of one part; `None` if nothing is left.
+    fn filtered(self, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Option<Self> {
+        fn parts(parts: Vec<Part>, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Vec<Part> {
+            parts
+                .into_iter()
+                .filter_map(|Part { share, inner }| {
+                    let share = if share.is_finite() { share.clamp(0.05, 20.0) } else { 1.0 };
+                    Some(Part { share, inner: inner.filtered(keep, depth - 1)? })
+                })
+                .collect()
+        }
+        fn alone(mut many: Vec<Part>, container: impl FnOnce(Vec<Part>) -> Arrangement) -> Option<Arrangement> {
+            match many.len() {
+                0 => None,
+                1 => many.pop().map(|part| part.inner),
+                _ => Some(container(many)),
+            }
+        }
+        if depth == 0 {
+            return None;
+        }
+        match self {
+            Self::Pane(id) => keep(id).then_some(Self::Pane(id)),
+            Self::Row(row) => alone(parts(row, keep, depth), Self::Row),
+            Self::Column(column) => alone(parts(column, keep, depth), Self::Column),
+            Self::Tabs { parts: tabs, active } => {
+                let all = tabs.into_iter().map(Part::even).collect();
+                alone(parts(all, keep, depth), |many| {
+                    let active = active.min(many.len() - 1);
+                    Self::Tabs { parts: many.into_iter().map(|part| part.inner).collect(), active }
+                })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn pane(n: u32) -> Arrangement {
+        Arrangement::Pane(PaneId(n))
+    }
+
+    fn ids(numbers: &[u32]) -> Vec<PaneId> {
+        numbers.iter().copied().map(PaneId).collect()
+    }
+
+    #[test]
+    fn panes_are_split_to_the_right_and_down_and_closed_again() {
+        let mut arrangement = pane(0);
+        assert!(arrangement.split(PaneId(0), Direction::Right, PaneId(2)));
+        assert!(arrangement.split(PaneId(2), Direction::Right, PaneId(3)));
+        let Arrangement::Row(parts) = &arrangement else { panic!("one row: {arrangement:?}") };
+        assert_eq!(parts.iter().map(|part| part.share).collect::<Vec<_>>(), [1.0, 0.5, 0.5]);
+        assert!(arrangement.split(PaneId(2), Direction::Down, PaneId(4)));
+        assert_eq!(arrangement.panes(), ids(&[0, 2, 4, 3]));
+        assert!(!arrangement.split(PaneId(9), Direction::Down, PaneId(5)));
+        for closed in [0, 4, 3] {
+            arrangement.remove(PaneId(closed));
+        }
+        assert_eq!(arrangement, pane(2));
+        arrangement.remove(PaneId(2));
+        assert_eq!(arrangement, pane(2), "the only pane stays");
+    }
+
+    #[test]
+    fn rows_are_columns_of_rows() {
+        assert_eq!(Arrangement::rows(&[ids(&[7])]), pane(7));
+        let two = Arrangement::rows(&[ids(&[1, 2]), ids(&[3, 4])]);
+        assert!(matches!(&two, Arrangement::Column(rows) if rows.len() == 2));
+        assert_eq!(two.panes(), ids(&[1, 2, 3, 4]));
+        assert_eq!(two.in_rows(), [ids(&[1, 2]), ids(&[3, 4])]);
+    }
+
+    #[test]
+    fn it_is_kept_in_a_file() {
+        #[derive(Debug, PartialEq, Serialize, Deserialize)]
+        struct Kept {
+            arrangement: Arrangement,
+        }
+        let tabs = Arrangement::Tabs { parts: vec![pane(3), pane(4)], active: 1 };
+        let row = Arrangement::Row(vec![Part { share: 0.75, inner: pane(1) }, Part { share: 1.25, inner: tabs }]);
+        let kept = Kept { arrangement: row };
+        let text = toml::to_string(&kept).unwrap();
+        assert_eq!(toml::from_str::<Kept>(&text).unwrap(), kept, "{text}");
+    }
+
+    fn any_arrangement() -> impl Strategy<Value = Arrangement> {
+        let leaf = (0u32..6).prop_map(pane);
+        leaf.prop_recursive(12, 40, 4, |inner| {
+            let parts = prop::collection::vec((any::<f32>(), inner.clone()), 0..4);
+            prop_oneof![
+                parts.clone().prop_map(|p| Arrangement::Row(
+                    p.into_iter().map(|(share, inner)| Part { share, inner }).collect()
+                )),
+                parts.prop_map(|p| Arrangement::Column(
+                    p.into_iter().map(|(share, inner)| Part { share, inner }).collect()
+                )),
+                (prop::collection::vec(inner, 0..4), any::<usize>())
+                    .prop_map(|(parts, active)| Arrangement::Tabs { parts, active }),
+            ]
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_a_file_holds_each_known_pane_is_there_at_most_once(arrangement in any_arrangement()) {
+            if let Some(sane) = arrangement.sanitised(|id| id != PaneId(5)) {
+                let mut panes = sane.panes();
+                prop_assert!(!panes.is_empty() && !panes.contains(&PaneId(5)));
+                panes.sort_unstable();
+                panes.dedup();
+                prop_assert_eq!(panes.len(), sane.panes().len());
+                prop_assert_eq!(sane.clone().sanitised(|_| true), Some(sane));
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! What panes share: a pane that has a link moves, and is moved by, every other pane that has it.
+
+use serde::{Deserialize, Serialize};
+
+/// What can be shared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Link {
+    /// Zoom and pan.
+    View,
+    /// Value range and colour map.
+    Display,
+    /// Frame, slope, octave and level: they move by the same steps, so that panes stay as far apart as they are.
+    Cursor,
+    /// The place under the pointer.
+    Place,
+}
+
+impl Link {
+    /// All of them, in the order of the switches.
+    pub const ALL: [Self; 4] = [Self::View, Self::Display, Self::Cursor, Self::Place];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::View => "Link view",
+            Self::Display => "Link display",
+            Self::Cursor => "Link cursor",
+            Self::Place => "Link place",
+        }
+    }
+
+    /// One letter for narrow headers.
+    pub fn letter(self) -> &'static str {
+        match self {
+            Self::View => "V",
+            Self::Display => "D",
+            Self::Cursor => "C",
+            Self::Place => "P",
+        }
+    }
+
+    /// What it does.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::View => "Zoom and pan together with the other panes that are linked so",
+            Self::Display => "Share the value range and the colour map; without it this pane has its own",
+            Self::Cursor => "Move frame, slope, octave and level together, by the same steps",
+            Self::Place => "Mark the place under the pointer, moved along the slope in frames, with its value",
+        }
+    }
+}
+
+/// What one pane shares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PaneLinks {
+    /// See [`Link::View`].
+    pub view: bool,
+    /// See [`Link::Display`].
+    pub display: bool,
+    /// See [`Link::Cursor`].
+    pub cursor: bool,
+    /// See [`Link::Place`].
+    pub place: bool,
+}
+
+impl Default for PaneLinks {
+    fn default() -> Self {
+        Self { view: true, display: true, cursor: true, place: true }
+    }
+}
+
+impl PaneLinks {
+    /// Whether `link` is on.
+    pub fn has(self, link: Link) -> bool {
+        match link {
+            Link::View => self.view,
+            Link::Display => self.display,
+            Link::Cursor => self.cursor,
+            Link::Place => self.place,
+        }
+    }
+
+    /// Switches `link` on or off.
+    pub fn set(&mut self, link: Link, on: bool) {
+        match link {
+            Link::View => self.view = on,
+            Link::Display => self.display = on,
+            Link::Cursor => self.cursor = on,
+            Link::Place => self.place = on,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_link_is_switched_alone() {
+        for link in Link::ALL {
+            let mut links = PaneLinks::default();
+            links.set(link, false);
+            assert!(Link::ALL.into_iter().all(|other| links.has(other) != (other == link)), "{link:?}");
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Panes: each shows one picture of one open burst.
+//!
+//! A [`Pane`] is a plain value: which burst, where in it ([`Scrub`]: frame, slope, octave, level), which kind of picture, pan and zoom, a range of its own if
+//! it has one, and what it shares with other panes ([`PaneLinks`]). [`Panes`] holds all of them with their [`Arrangement`] on the screen and says which one
+//! the sliders and keys move: the one in focus. Two panes are always there, one for each of the two bursts; the rooms that show both take these.
+//!
+//! What every pane wants to show follows from its values alone ([`wanted`](Pane::wanted)). The window asks the engine for it under the pane's own number, and
+//! puts the answer into [`Pane::picture`].
+
+mod arrangement;
+mod links;
+mod place;
+mod preset;
+mod saved;
+mod set;
+mod tiles;
+
+pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
+pub use links::{Link, PaneLinks};
+pub use place::place_in;
+pub use preset::Preset;
+pub use saved::{SavedPane, SavedPanes};
+pub use set::Panes;
+pub use tiles::{arrangement_of, tree_of};
+
+use super::canvas::View;
+use super::state::look::Ranges;
+use super::state::pair::Side;
+use super::state::scrub::{Scrub, ViewKind};
+use crate::detector::DetectorParams;
+use crate::engine::{OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
+use serde::{Deserialize, Serialize};
+
+/// Names a pane, for as long as it is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct PaneId(pub u32);
+
+impl PaneId {
+    /// The pane that is always there for the burst of `side`.
+    pub fn of(side: Side) -> Self {
+        Self(side as u32)
+    }
+
+    /// The number under which the engine makes its picture.
+    pub fn slot(self) -> PictureSlot {
+        PictureSlot(self.0)
+    }
+}
+
+/// What a pane shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Content {
+    /// What its cursor says: a frame, a motion stack or a DoG response.
+    #[default]
+    Cursor,
+    /// The frames of its burst, aligned and merged into one image.
+    Merge,
+    /// The picture of one pane less that of another.
+    Difference(PaneId, PaneId),
+}
+
+/// Another pane's picture in the same place, to compare the two.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Over {
+    /// Right of a line that can be moved.
+    Wipe {
+        /// The pane whose picture it is.
+        other: PaneId,
+        /// Where the line is, 0 … 1 from the left.
+        at: f32,
+    },
+    /// One after the other.
+    Flip {
+        /// The pane whose picture it is.
+        other: PaneId,
+        /// Whether the other's picture is on show.
+        flipped: bool,
+    },
+}
+
+impl Over {
+    /// The same with another pane's picture.
+    #[must_use]
+    pub fn with_other(self, other: PaneId) -> Self {
+        match self {
+            Self::Wipe { at, .. } => Self::Wipe { other, at },
+            Self::Flip { flipped, .. } => Self::Flip { other, flipped },
+        }
+    }
+
+    /// The pane whose picture it is.
+    pub fn other(self) -> PaneId {
+        match self {
+            Self::Wipe { other, .. } | Self::Flip { other, .. } => other,
+        }
+    }
+}
+
+/// One picture of one open burst.
+#[derive(Debug, Clone)]
+pub struct Pane {
+    /// Which of the open bursts.
+    pub side: Side,
+    /// What it shows.
+    pub content: Content,
+    /// Where in the burst it is. A linked pane may have been moved beyond what there is; [`Pane::cursor_within`] is what is shown.
+    pub cursor: Scrub,
+    /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
+    pub slope_chosen: bool,
+    /// Pan and zoom.
+    pub view: View,
+    /// Value ranges and colour maps of its own; `None` shares those of all.
+    pub own_ranges: Option<Ranges>,
+    /// What it shares with the other panes.
+    pub links: PaneLinks,
+    /// Another pane's picture in the same place.
+    pub over: Option<Over>,
+    /// The last good picture.
+    pub picture: Option<Picture>,
+    /// A picture that could not be made, and why.
+    pub problem: Option<(PictureRequest, String)>,
+}
+
+impl Pane {
+    /// A pane on the burst of `side`.
+    pub fn new(side: Side) -> Self {
+        Self {
+            side,
+            content: Content::default(),
+            cursor: Scrub::default(),
+            slope_chosen: false,
+            view: View::fit(),
+            own_ranges: None,
+            links: PaneLinks::default(),
+            over: None,
+            picture: None,
+            problem: None,
+        }
+    }
+
+    /// Shows one of the kinds of picture that the cursor moves through.
+    pub fn show(&mut self, kind: ViewKind) {
+        (self.content, self.cursor.kind) = (Content::Cursor, kind);
+    }
+
+    /// Whether it shows this kind of picture.
+    pub fn shows(&self, kind: ViewKind) -> bool {
+        self.content == Content::Cursor && self.cursor.kind == kind
+    }
+
+    /// A slope was moved, which cannot be seen in a frame: shows the motion stack then.
+    pub fn show_slope(&mut self) {
+        self.slope_chosen = true;
+        if self.content != Content::Cursor || self.cursor.kind == ViewKind::Frame {
+            self.show(ViewKind::Stack);
+        }
+    }
+
+    /// The cursor, brought into what the burst and the parameters have.
+    pub fn cursor_within(&self, burst: &OpenBurst, params: &DetectorParams) -> Scrub {
+        self.cursor.within(params, burst.burst.len(), burst.burst.size())
+    }
+
+    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures.
+    pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
+        let kind = match self.content {
+            Content::Cursor => self.cursor_within(burst, params).picture_kind(),
+            Content::Merge => PictureKind::Merge,
+            Content::Difference(..) => return None,
+        };
+        Some(PictureRequest::new(burst.clone(), kind, params.clone()))
+    }
+
+    /// The panes whose pictures it shows besides its own.
+    pub fn others(&self) -> Vec<PaneId> {
+        let mut others = match self.content {
+            Content::Difference(a, b) => vec![a, b],
+            Content::Cursor | Content::Merge => Vec::new(),
+        };
+        others.extend(self.over.map(Over::other));
+        others
+    }
+}

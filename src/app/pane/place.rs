@@ -1,0 +1,72 @@
+//! The same place of a scene in two panes.
+
+use super::super::state::scrub::Scrub;
+use crate::engine::PictureKind;
+use egui::{Pos2, vec2};
+use std::ops::Range;
+
+/// Where the place under the pointer of one pane is in another, both of bursts of which the frames `used` are searched: in image pixels.
+///
+/// Pictures that are made of many frames show a place where it is at mid-burst. A frame shows it moved along its slope by the frames in between: the slope is
+/// that of the pane that is no frame, or of the pane that is pointed at if both are frames.
+pub fn place_in(
+    pos_image: Pos2,
+    (from_kind, from): (PictureKind, &Scrub),
+    (to_kind, to): (PictureKind, &Scrub),
+    used: &Range<usize>,
+) -> Pos2 {
+    let middle = 0.5 * (used.start + used.end.max(1) - 1) as f32;
+    // Frames after the middle; 0 for pictures of the whole burst.
+    let after = |kind: PictureKind| if let PictureKind::Frame(t) = kind { t as f32 - middle } else { 0.0 };
+    let slope = match (from_kind, to_kind) {
+        (PictureKind::Frame(_), PictureKind::Stack { slope } | PictureKind::Dog { slope, .. })
+        | (PictureKind::Stack { slope } | PictureKind::Dog { slope, .. }, _) => slope,
+        (PictureKind::Frame(_), _) => from.slope,
+        (PictureKind::Merge, _) => to.slope,
+    };
+    let frames = after(to_kind) - after(from_kind);
+    pos_image + frames * vec2(slope.u, slope.v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::Slope;
+    use egui::pos2;
+    use proptest::prelude::*;
+
+    const SLOPE: Slope = Slope { u: 2.0, v: -1.0 };
+
+    #[test]
+    fn a_place_moves_along_the_slope_from_the_middle_of_the_burst_to_a_frame() {
+        let cursor = Scrub { slope: Slope::new(7.0, 7.0), ..Scrub::default() };
+        let stack = (PictureKind::Stack { slope: SLOPE }, &cursor);
+        let frame = (PictureKind::Frame(7), &cursor);
+        assert_eq!(place_in(pos2(50.0, 40.0), stack, frame, &(0..11)), pos2(54.0, 38.0));
+        assert_eq!(place_in(pos2(54.0, 38.0), frame, stack, &(0..11)), pos2(50.0, 40.0));
+        let other = (PictureKind::Stack { slope: Slope::default() }, &cursor);
+        assert_eq!(place_in(pos2(50.0, 40.0), stack, other, &(0..11)), pos2(50.0, 40.0), "both are of the middle");
+        let last = (PictureKind::Frame(9), &cursor);
+        assert_eq!(place_in(pos2(50.0, 40.0), frame, last, &(0..11)), pos2(64.0, 54.0), "by the slope of its own");
+    }
+
+    proptest! {
+        #[test]
+        fn there_and_back_is_the_same_place(u in 0f32..500.0, v in 0f32..500.0, t in 0usize..12, s in -3f32..3.0) {
+            let cursor = Scrub { slope: Slope::new(s, -s), ..Scrub::default() };
+            let kinds = [
+                PictureKind::Frame(t),
+                PictureKind::Stack { slope: SLOPE },
+                PictureKind::Merge,
+                PictureKind::Dog { octave: 1, level: 0, slope: SLOPE },
+            ];
+            for a in kinds {
+                for b in kinds {
+                    let there = place_in(pos2(u, v), (a, &cursor), (b, &cursor), &(0..12));
+                    let back = place_in(there, (b, &cursor), (a, &cursor), &(0..12));
+                    prop_assert!((back - pos2(u, v)).length() < 1e-3, "{a:?} {b:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Ready-made arrangements: what a person lays beside one another most often.
+
+use super::{Content, Pane};
+use crate::app::state::scrub::{Scrub, ViewKind, level_range, nearest_on_grid, stepped};
+use crate::detector::{DetectorParams, Slope};
+
+/// A ready-made arrangement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preset {
+    /// The pane in focus alone.
+    Single,
+    /// A frame beside the motion stack.
+    FrameAndStack,
+    /// A slope beside the grid's next one, each moved on its own.
+    TwoSlopes,
+    /// Neighbouring slopes of the grid, three to nine.
+    Slopes(usize),
+    /// The DoG responses of all levels of the octave.
+    Scales,
+    /// Frame, motion stack, DoG response and merged frames.
+    TwoByTwo,
+}
+
+/// How many neighbouring slopes a strip can have.
+pub const STRIPS: [usize; 4] = [3, 5, 7, 9];
+
+/// Panes to lay out.
+#[derive(Debug, Clone)]
+pub struct Laid {
+    /// Rows of panes, from top to bottom.
+    pub rows: Vec<Vec<Pane>>,
+    /// Which of them, in reading order, goes on from the pane that was in focus.
+    pub focus: usize,
+}
+
+impl Preset {
+    /// All of them, in the order of the menu.
+    pub const ALL: [Self; 9] = [
+        Self::Single,
+        Self::FrameAndStack,
+        Self::TwoSlopes,
+        Self::Slopes(STRIPS[0]),
+        Self::Slopes(STRIPS[1]),
+        Self::Slopes(STRIPS[2]),
+        Self::Slopes(STRIPS[3]),
+        Self::Scales,
+        Self::TwoByTwo,
+    ];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Single => "Single pane",
+            Self::FrameAndStack => "Frame and motion stack",
+            Self::TwoSlopes => "Two slopes",
+            Self::Slopes(3) => "Strip of 3 slopes",
+            Self::Slopes(5) => "Strip of 5 slopes",
+            Self::Slopes(7) => "Strip of 7 slopes",
+            Self::Slopes(_) => "Strip of 9 slopes",
+            Self::Scales => "Strip of scales",
+            Self::TwoByTwo => "2 × 2: frame, stack, DoG, merge",
+        }
+    }
+
+    /// What it shows.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Single => "The pane in focus alone",
+            Self::FrameAndStack => "One frame beside the motion stack",
+            Self::TwoSlopes => "The slope beside the grid's next one, each moved on its own",
+            Self::Slopes(_) => "Neighbouring slopes of the grid, which move together",
+            Self::Scales => "The DoG responses of all levels of the octave",
+            Self::TwoByTwo => "Frame, motion stack, DoG response and merged frames of the same place",
+        }
+    }
+
+    /// The panes, made from the one in focus, whose burst is searched with `params`.
+    pub fn lay_out(self, base: &Pane, params: &DetectorParams) -> Laid {
+        let base = Pane { over: None, content: Content::Cursor, ..base.clone() };
+        let at = |change: &dyn Fn(&mut Pane)| {
+            let mut pane = base.clone();
+            change(&mut pane);
+            pane
+        };
+        // A frame shows no slope.
+        let moving = if base.cursor.kind == ViewKind::Frame { ViewKind::Stack } else { base.cursor.kind };
+        match self {
+            Self::Single => Laid { rows: vec![vec![base]], focus: 0 },
+            Self::FrameAndStack => {
+                let (frame, stack) = (at(&|p| p.show(ViewKind::Frame)), at(&|p| p.show(moving)));
+                let focus = usize::from(base.cursor.kind != ViewKind::Frame);
+                Laid { rows: vec![vec![frame, stack]], focus }
+            }
+            Self::TwoSlopes => {
+                let two = two_slopes(base.cursor.slope, params).map(|slope| {
+                    at(&|p| {
+                        p.show(moving);
+                        (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, false);
+                    })
+                });
+                Laid { rows: vec![two.to_vec()], focus: 0 }
+            }
+            Self::Slopes(count) => {
+                let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
+                let panes = slopes.into_iter().map(|slope| {
+                    at(&|p| {
+                        p.show(moving);
+                        (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, true);
+                    })
+                });
+                Laid { rows: in_rows(panes.collect()), focus }
+            }
+            Self::Scales => {
+                let levels = level_range(params);
+                let focus = (base.cursor.level - levels.start()).max(0) as usize;
+                let panes: Vec<Pane> = levels
+                    .map(|level| {
+                        at(&|p| {
+                            p.show(ViewKind::Dog);
+                            (p.cursor, p.links.cursor) = (Scrub { level, ..p.cursor }, true);
+                        })
+                    })
+                    .collect();
+                let focus = focus.min(panes.len() - 1);
+                Laid { rows: in_rows(panes), focus }
+            }
+            Self::TwoByTwo => {
+                let [frame, stack, dog] = ViewKind::ALL.map(|kind| at(&|p| p.show(kind)));
+                let merge = at(&|p| p.content = Content::Merge);
+                let focus = ViewKind::ALL.iter().position(|kind| *kind == base.cursor.kind).unwrap_or(1);
+                Laid { rows: vec![vec![frame, stack], vec![dog, merge]], focus }
+            }
+        }
+    }
+}
+
+/// Up to three in a row; more in rows that are as even as can be.
+fn in_rows(panes: Vec<Pane>) -> Vec<Vec<Pane>> {
+    let rows = match panes.len() {
+        0..=3 => 1,
+        4..=8 => 2,
+        _ => 3,
+    };
+    let longest = panes.len().div_ceil(rows);
+    panes.chunks(longest).map(<[Pane]>::to_vec).collect()
+}
+
+/// The slope itself and the grid's next one, or the one before where it is the last.
+fn two_slopes(slope: Slope, params: &DetectorParams) -> [Slope; 2] {
+    let grid = &params.slopes;
+    let along_v = grid.u.count <= 1 && grid.v.count > 1;
+    let next = stepped(grid, slope, along_v, true);
+    [slope, if next == slope { stepped(grid, slope, along_v, false) } else { next }]
+}
+
+/// `count` neighbouring slopes along the grid's first axis that has several, with the nearest to `slope` in the middle as far as the grid reaches; and the
+/// place of that one. A grid of one slope has its neighbours a quarter of a pixel per frame apart.
+fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (Vec<Slope>, usize) {
+    let grid = &params.slopes;
+    let along_v = grid.u.count <= 1 && grid.v.count > 1;
+    let has = if along_v { grid.v.count } else { grid.u.count };
+    if has <= 1 {
+        let middle = (count / 2) as f32;
+        let at = |i: usize| Slope::new(slope.u + 0.25 * (i as f32 - middle), slope.v);
+        return ((0..count).map(at).collect(), count / 2);
+    }
+    let count = count.min(has);
+    let (i, j) = nearest_on_grid(grid, slope);
+    let here = if along_v { j } else { i };
+    let first = here.saturating_sub(count / 2).min(has - count);
+    let at = |k: usize| if along_v { grid.at(i as f32, k as f32) } else { grid.at(k as f32, j as f32) };
+    ((first..first + count).map(at).collect(), here - first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::state::pair::Side;
+    use crate::detector::SlopeGrid;
+
+    fn base(slope_u: f32) -> Pane {
+        let mut pane = Pane::new(Side::A);
+        pane.cursor.slope = Slope::new(slope_u, 0.0);
+        pane
+    }
+
+    fn slopes(laid: &Laid) -> Vec<f32> {
+        laid.rows.iter().flatten().map(|pane| pane.cursor.slope.u).collect()
+    }
+
+    fn params() -> DetectorParams {
+        DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() }
+    }
+
+    #[test]
+    fn a_strip_has_the_slope_in_focus_in_its_middle_and_stays_on_the_grid() {
+        let laid = Preset::Slopes(5).lay_out(&base(0.1), &params());
+        assert_eq!((slopes(&laid), laid.focus), (vec![-2.0, -1.0, 0.0, 1.0, 2.0], 2));
+        assert_eq!(laid.rows.iter().map(Vec::len).collect::<Vec<_>>(), [3, 2]);
+        let laid = Preset::Slopes(3).lay_out(&base(3.0), &params());
+        assert_eq!((slopes(&laid), laid.focus), (vec![1.0, 2.0, 3.0], 2));
+        let laid = Preset::Slopes(9).lay_out(&base(0.0), &params());
+        assert_eq!(slopes(&laid).len(), 7, "the grid has no more");
+        let single = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params() };
+        assert_eq!(slopes(&Preset::Slopes(3).lay_out(&base(1.0), &single)), [0.75, 1.0, 1.25]);
+    }
+
+    #[test]
+    fn a_strip_of_scales_has_every_level_once() {
+        let laid = Preset::Scales.lay_out(&base(1.0), &params());
+        let levels: Vec<i32> = laid.rows.iter().flatten().map(|pane| pane.cursor.level).collect();
+        assert_eq!(levels, level_range(&params()).collect::<Vec<_>>());
+        assert!(laid.rows.iter().flatten().all(|pane| pane.shows(ViewKind::Dog)));
+        assert_eq!(levels[laid.focus], 0);
+    }
+
+    #[test]
+    fn two_slopes_differ_and_are_moved_on_their_own() {
+        for slope in [-3.0, 0.5, 3.0] {
+            let laid = Preset::TwoSlopes.lay_out(&base(slope), &params());
+            let two = slopes(&laid);
+            assert!(two[0] == slope && two[1] != slope, "{two:?}");
+            assert!(laid.rows.iter().flatten().all(|pane| !pane.links.cursor));
+        }
+    }
+
+    #[test]
+    fn the_pane_in_focus_goes_on_in_every_preset() {
+        for preset in Preset::ALL {
+            for kind in ViewKind::ALL {
+                let mut pane = base(1.0);
+                pane.show(kind);
+                let laid = preset.lay_out(&pane, &params());
+                let panes: Vec<&Pane> = laid.rows.iter().flatten().collect();
+                assert_eq!(panes[laid.focus].cursor.slope, Slope::new(1.0, 0.0), "{preset:?} {kind:?}");
+                assert!(panes.iter().all(|pane| pane.side == Side::A));
+            }
+        }
+    }
+}

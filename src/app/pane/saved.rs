@@ -1,0 +1,123 @@
+//! Panes as a session keeps them: without pictures, which are made again.
+
+use super::{Arrangement, Content, Over, Pane, PaneId, PaneLinks, Panes};
+use crate::app::canvas::View;
+use crate::app::state::look::Ranges;
+use crate::app::state::pair::Side;
+use crate::app::state::scrub::Scrub;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The panes of the inspector.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedPanes {
+    /// Which had the focus.
+    pub focus: PaneId,
+    /// Where they were.
+    pub arrangement: Arrangement,
+    /// Each of them.
+    pub panes: Vec<SavedPane>,
+}
+
+/// One pane.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedPane {
+    /// Its name.
+    pub id: PaneId,
+    /// Which burst it showed.
+    #[serde(default)]
+    pub side: Side,
+    /// What it showed.
+    #[serde(default)]
+    pub content: Content,
+    /// Where its cursor was.
+    #[serde(default)]
+    pub cursor: Scrub,
+    /// Pan and zoom.
+    #[serde(default)]
+    pub view: View,
+    /// What it shared.
+    #[serde(default)]
+    pub links: PaneLinks,
+    /// Value ranges of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own_ranges: Option<Ranges>,
+    /// What was laid over it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over: Option<Over>,
+}
+
+impl SavedPanes {
+    /// Those of the inspector.
+    pub fn of(panes: &Panes) -> Self {
+        let saved = |id: PaneId| {
+            let Pane { side, content, cursor, view, links, own_ranges, over, .. } = panes.get(id)?.clone();
+            Some(SavedPane { id, side, content, cursor, view, links, own_ranges, over })
+        };
+        let all = panes.shown().into_iter().filter_map(saved).collect();
+        Self { focus: panes.focus(), arrangement: panes.arrangement().clone(), panes: all }
+    }
+
+    /// Puts them into `panes`, in place of those that are there. What makes no sense is left out.
+    pub fn apply(&self, panes: &mut Panes) {
+        let pane = |saved: &SavedPane| {
+            let SavedPane { id, side, content, cursor, view, links, own_ranges, over } = saved.clone();
+            let over = over.map(|over| match over {
+                Over::Wipe { other, at } => {
+                    Over::Wipe { other, at: if at.is_finite() { at.clamp(0.0, 1.0) } else { 0.5 } }
+                }
+                flip @ Over::Flip { .. } => flip,
+            });
+            // A pane that shares its display has none of its own, and the other way round.
+            let own_ranges = if links.display { None } else { Some(own_ranges.unwrap_or_default().sanitised()) };
+            (id, Pane { content, cursor, view, links, own_ranges, over, slope_chosen: true, ..Pane::new(side) })
+        };
+        let all: BTreeMap<PaneId, Pane> = self.panes.iter().map(pane).collect();
+        panes.restore(self.arrangement.clone(), all, self.focus);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::pane::{Direction, Link, Preset};
+    use crate::detector::DetectorParams;
+
+    #[test]
+    fn panes_come_back_as_they_were() {
+        let mut panes = Panes::default();
+        panes.lay_out(Preset::Slopes(5), &DetectorParams::default());
+        panes.split_with(Direction::Down, |pane| {
+            (pane.content, pane.side) = (Content::Merge, Side::B);
+            pane.links.set(Link::Display, false);
+            pane.own_ranges = Some(Ranges::default());
+        });
+        panes.focus_next(true);
+        panes.next_over();
+        let saved = SavedPanes::of(&panes);
+        let text = toml::to_string(&saved).unwrap();
+        let read: SavedPanes = toml::from_str(&text).unwrap();
+        assert_eq!(read, saved, "{text}");
+        let mut other = Panes::default();
+        read.apply(&mut other);
+        assert_eq!(SavedPanes::of(&other), saved);
+        // The names of new panes are new.
+        let new = other.split(other.focus(), Direction::Right).expect("there is room");
+        assert!(saved.panes.iter().all(|pane| pane.id != new));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_left_out() {
+        let id = PaneId(7);
+        let text = "focus = 99\n[arrangement]\nrow = [{ share = -3.0, inner = { pane = 7 } }, { share = 1.0, inner = { pane = 8 } }]\n\
+                    [[panes]]\nid = 7\ncontent = { difference = [7, 8] }\nover = { wipe = { other = 8, at = nan } }\n";
+        let saved: SavedPanes = toml::from_str(text).unwrap();
+        let mut panes = Panes::default();
+        saved.apply(&mut panes);
+        assert_eq!((panes.shown(), panes.focus()), (vec![id], id));
+        let pane = panes.get(id).expect("it is there");
+        assert_eq!((pane.content, pane.over), (Content::Cursor, None));
+    }
+}

@@ -1,0 +1,134 @@
+//! What the window opens, from what was typed: one burst, two side by side, a dataset, or a session.
+
+use super::args::SequenceArgs;
+use super::failure::Failure;
+use super::inputs::{Input, Place, resolve, resolve_one};
+use crate::burst::SequenceCut;
+use crate::dataset::DatasetSource;
+use std::path::PathBuf;
+
+/// The two bursts that two arguments name, one each; `None` for anything else: two files may be frames of one burst, and a folder of bursts is a dataset.
+pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
+    let [first, second] = arguments else { return None };
+    let inputs = resolve(arguments);
+    let each = |argument: &PathBuf| resolve(std::slice::from_ref(argument)).len() == 1;
+    let two: [Input; 2] = inputs.try_into().ok()?;
+    (each(first) && each(second)).then_some(two)
+}
+
+/// What the window opens.
+#[derive(Debug)]
+pub(super) enum Opening {
+    /// One burst.
+    Burst(Input),
+    /// Two side by side.
+    Two([Input; 2]),
+    /// Many.
+    Dataset(DatasetSource),
+    /// What the window has kept in this file.
+    Session(PathBuf),
+}
+
+/// What `arguments` name: a session file of the window, one burst, two if each argument is one, or a dataset if there are more or a sequence is cut.
+///
+/// # Errors
+/// A cut that makes no sense; the demo among others; several bursts of which one was not found.
+pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
+    let SequenceArgs { burst_length, burst_step } = sequence;
+    if let [one] = arguments
+        && one.is_file()
+        && one.extension().is_some_and(|extension| extension == "toml")
+    {
+        return Ok(Opening::Session(one.clone()));
+    }
+    let inputs = resolve(arguments);
+    if inputs.len() < 2 && burst_length.is_none() {
+        return Ok(Opening::Burst(resolve_one(arguments, "the window")?));
+    }
+    if let Some(two) = two_of(arguments).filter(|_| burst_length.is_none()) {
+        return Ok(Opening::Two(two));
+    }
+    if let Some(length) = burst_length {
+        SequenceCut::new(length, burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
+    }
+    for input in inputs {
+        match input.place {
+            Place::Paths(_) => {}
+            Place::Broken(error) => return Err(error.into()),
+            Place::Demo { .. } | Place::Example(_) => {
+                return Err(Failure::usage(
+                    "the demo is a burst alone: open it without a cut, and beside one other burst at most",
+                ));
+            }
+        }
+    }
+    Ok(Opening::Dataset(DatasetSource { paths: arguments.to_vec(), burst_length, burst_step }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::inputs::{DEMO, DEMO_LATER};
+    use std::path::Path;
+
+    fn picture(path: &Path) {
+        image::GrayImage::from_pixel(8, 8, image::Luma([9])).save(path).expect("written");
+    }
+
+    #[test]
+    fn two_arguments_are_two_bursts_if_each_is_one() {
+        let home = tempfile::tempdir().expect("a folder");
+        let folder = home.path().join("night");
+        std::fs::create_dir(&folder).expect("made");
+        let file = |t: usize| home.path().join(format!("f{t}.png"));
+        for t in 0..2 {
+            picture(&folder.join(format!("{t}.png")));
+            picture(&file(t));
+        }
+        let names = |two: [Input; 2]| two.map(|input| input.name);
+        assert_eq!(
+            two_of(&[folder.clone(), DEMO_LATER.into()]).map(names),
+            Some(["night".into(), "demo-later".into()])
+        );
+        assert!(two_of(&[file(0), file(1)]).is_none(), "two pictures are frames of one burst");
+        assert!(two_of(std::slice::from_ref(&folder)).is_none());
+    }
+
+    #[test]
+    fn several_bursts_are_a_dataset_for_the_window() {
+        let home = tempfile::tempdir().expect("a folder");
+        let film = |name: &str| home.path().join(name);
+        for name in ["a", "b"] {
+            std::fs::create_dir(film(name)).expect("made");
+            (0..4).for_each(|t| picture(&film(name).join(format!("{t}.png"))));
+        }
+        let open =
+            |paths: &[PathBuf], burst_length| what_to_open(paths, SequenceArgs { burst_length, burst_step: None });
+        let dataset = |opening: Result<Opening, Failure>| match opening.expect("found") {
+            Opening::Dataset(source) => source.bursts().expect("bursts").into_iter().map(|b| b.name).collect(),
+            Opening::Burst(_) | Opening::Two(_) | Opening::Session(_) => Vec::new(),
+        };
+        assert!(matches!(open(&[film("a")], None), Ok(Opening::Burst(_))));
+        assert!(matches!(open(&[DEMO.into()], None), Ok(Opening::Burst(_))));
+        assert_eq!(dataset(open(&[home.path().into()], None)), ["a", "b"]);
+        assert_eq!(dataset(open(&[film("a")], Some(2))), ["1", "3"]);
+        assert_eq!(dataset(open(&[home.path().into()], Some(4))), ["a_2", "b_2"]);
+        assert!(matches!(open(&[DEMO.into(), film("a")], None), Ok(Opening::Two(_))));
+        assert!(open(&[DEMO.into(), home.path().into()], None).is_err() && open(&[DEMO.into()], Some(2)).is_err());
+        assert!(open(&[film("a"), film("b"), film("gone")], None).is_err() && open(&[film("a")], Some(0)).is_err());
+    }
+
+    #[test]
+    fn a_session_file_alone_is_a_session() {
+        let home = tempfile::tempdir().expect("a folder");
+        let file = home.path().join("night.burstscope.toml");
+        std::fs::write(&file, "version = 1\nburst = \"demo\"\n").expect("written");
+        let open = |paths: &[PathBuf]| what_to_open(paths, SequenceArgs::default());
+        assert!(matches!(open(std::slice::from_ref(&file)), Ok(Opening::Session(path)) if path == file));
+        let gone = home.path().join("gone.toml");
+        assert!(
+            open(&[gone]).is_ok_and(|opening| matches!(opening, Opening::Burst(_))),
+            "the opener says that it is gone"
+        );
+    }
+}

@@ -1,0 +1,82 @@
+//! What follows the search: of keypoints on one blob the strongest stays, and those that stay are localised and described.
+
+use super::search::{SEARCH_PART, Search};
+use crate::detector::describing::{self, Described, Describing};
+use crate::detector::distinct::{self, Blob};
+use crate::detector::keypoint::Keypoint;
+use crate::detector::params::{DescribeSlope, Distinct};
+use crate::detector::scale_space::octave_size;
+use crate::detector::two_motions::{FramesOfOctaves, Motions};
+use crate::monitor::{Cancelled, Stage};
+use crate::plane::Plane;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+impl Search<'_> {
+    /// For each keypoint the stronger one whose blob it shows too, if there is one; `None` for those that stay.
+    pub(super) fn distinct(&self, keypoints: &[Keypoint], frames: &FramesOfOctaves<'_>) -> Vec<Option<usize>> {
+        let Distinct::Radius(radius) = self.params.distinct else {
+            return vec![None; keypoints.len()];
+        };
+        let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.space)).collect();
+        let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
+        let motions = Motions {
+            frames,
+            times: self.times,
+            size_image: self.size_image,
+            space: &self.space,
+            interpolation: self.params.interpolation,
+        };
+        distinct::covered_by(&blobs, rule, |a, b| motions.are_two(&keypoints[a], &keypoints[b]))
+    }
+
+    /// The features of `keypoints`, which are in order of octaves.
+    pub(super) fn describe(
+        &self,
+        octaves: &Range<i32>,
+        keypoints: &[Keypoint],
+        bases: &[Vec<Plane>],
+        frames: &FramesOfOctaves<'_>,
+    ) -> Result<Vec<Described>, Cancelled> {
+        let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
+        let of_octave = |octave: i32| &bases[(octave - octaves.start) as usize];
+        let finished = AtomicUsize::new(0);
+        let described = |count: usize| {
+            let done = (finished.fetch_add(count, Ordering::Relaxed) + count) as f32 / keypoints.len() as f32;
+            self.monitor.report(Stage::Describe, SEARCH_PART + (1.0 - SEARCH_PART) * done);
+        };
+        self.monitor.report(Stage::Describe, SEARCH_PART);
+        let mut first = 0;
+        for in_octave in keypoints.chunk_by(|a, b| a.octave == b.octave) {
+            let octave = in_octave[0].octave;
+            let base = |slope_index: usize| self.base(octave, of_octave(octave), slope_index);
+            let finer = |slope_index: usize| self.base(octave - 1, of_octave(octave - 1), slope_index);
+            let own_slopes = self.describes_own_slopes(octave).then(|| frames.of(octave));
+            let describing = Describing {
+                base: &base,
+                finer: (octave > octaves.start).then_some(&finer as _),
+                offsets: &self.offsets,
+                octave,
+                size: octave_size(self.size_image, octave),
+                size_image: self.size_image,
+                grid: self.grid,
+                space: &self.space,
+                params: self.params,
+                own_slopes,
+                monitor: self.monitor,
+                described: &described,
+            };
+            found.extend(describing.describe(in_octave, first)?);
+            first += in_octave.len();
+        }
+        Ok(found)
+    }
+
+    /// Whether features of `octave` are described at their own slopes, so far as the octave can show the difference.
+    pub(super) fn describes_own_slopes(&self, octave: i32) -> bool {
+        let step = [self.grid.u.step(), self.grid.v.step()].into_iter().fold(0.0, f32::max);
+        let outermost_px = step * 0.5 * (self.times.frame_count as f32 - 1.0);
+        self.params.describe_slope == DescribeSlope::Refined
+            && describing::misaligned(outermost_px, self.space.sigma_image(octave, 0.0) as f32)
+    }
+}

@@ -1,0 +1,223 @@
+//! The search's judgement of one sample, test by test.
+//!
+//! Each answer comes from the function that the search itself calls. What the search does for a whole tile, slope after slope, is done here for one sample:
+//! the order of the tests and the neighbouring slopes are those of `slope_window`. The law in tests/inspect.rs holds both equal, sample by sample.
+
+use super::Trail;
+use super::search::{HELD, Search};
+use crate::detector::feature::Test;
+use crate::detector::keypoint::Keypoint;
+use crate::detector::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::params::SlopeNeighbours;
+use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
+use crate::detector::search::{Candidate, beats_all_27, own_slope_verdict};
+use crate::detector::slope_window::{OtherSlopes, refined_slope};
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::bank::FilterScratch;
+use crate::plane::tile::{Region, Tile};
+use rayon::prelude::*;
+
+/// A sample of D.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Sample {
+    /// Octave.
+    pub octave: i32,
+    /// DoG level, 0 … S−1.
+    pub level: i32,
+    /// Index in the slope grid.
+    pub slope_index: usize,
+    /// Column, octave pixels.
+    pub x: usize,
+    /// Row, octave pixels.
+    pub y: usize,
+}
+
+impl Sample {
+    /// Index of its DoG level among those that are made.
+    pub fn level_index(&self) -> usize {
+        (self.level + 1) as usize
+    }
+}
+
+/// D of all slopes and levels in a part of one octave: the very numbers that the search compares.
+#[derive(Debug)]
+pub struct Neighbourhood {
+    /// The octave.
+    pub octave: i32,
+    /// Its size.
+    pub size: (usize, usize),
+    /// The samples that can be judged.
+    pub region: Region,
+    /// One tile a slope, which holds the region and what its refinement may read.
+    pub tiles: Vec<DogTile>,
+}
+
+/// What the search says of one sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Judgement {
+    /// D there.
+    pub value: f32,
+    /// The first test of the search that rejects it, if one does. That it shows the same blob as a stronger keypoint is decided later.
+    pub rejected_by: Option<Test>,
+    /// σ_D at its level and slope where the noise is least.
+    pub sigma_d_least: f32,
+    /// σ_D at the sample.
+    pub sigma_d: f32,
+    /// The slope that beats it, if the joint rule asks and one does: the strongest of those that do.
+    pub beaten_by: Option<usize>,
+    /// The quadratic fit; `None` where D has none.
+    pub fit: Option<Fit>,
+    /// The keypoint that it makes, or would make if all tests let it pass; `None` where the fit did not settle inside the octave.
+    pub would_be: Option<Keypoint>,
+}
+
+impl Judgement {
+    /// The keypoint that it makes, where no test rejects it.
+    pub fn keypoint(&self) -> Option<Keypoint> {
+        self.would_be.filter(|_| self.rejected_by.is_none())
+    }
+}
+
+impl Trail {
+    /// D of all slopes around `region` of `octave`, at least one pixel of which must lie in the octave.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn neighbourhood(&self, octave: i32, region: &Region, monitor: &Monitor) -> Result<Neighbourhood, Cancelled> {
+        self.with_search(monitor, |search| {
+            let size = self.octave_size(octave);
+            let held = region.widened(HELD, size);
+            let first = octave == search.space.first_octave;
+            let bank = if first { &search.banks.0 } else { &search.banks.1 };
+            let filters = OctaveFilters::new(&search.space, bank, &search.space.all_levels(), size);
+            let inputs = filters.inputs(&held);
+            let bases = &self.bases[(octave - search.space.first_octave) as usize];
+            let one = |index: usize, scratch: &mut FilterScratch, stacked: &mut Vec<Tile>| -> Result<_, Cancelled> {
+                monitor.check()?;
+                let mut dog = DogTile::default();
+                let pixels = match search.base(octave, bases, index) {
+                    Base::Frames { .. } => {
+                        stack_tiles(search.frames, &search.offsets[index..=index], octave, &inputs, stacked);
+                        Pixels::Stacked(&stacked[0])
+                    }
+                    Base::Level(plane) => Pixels::Level(plane),
+                };
+                dog_tile(&filters, pixels, &held, scratch, &mut dog, None, &mut |_, _| ());
+                Ok(dog)
+            };
+            let tiles = (0..search.grid.len())
+                .into_par_iter()
+                .map_init(
+                    || (FilterScratch::default(), Vec::new()),
+                    |(scratch, stacked), index| one(index, scratch, stacked),
+                )
+                .collect::<Result<_, Cancelled>>()?;
+            Ok(Neighbourhood { octave, size, region: region.clone(), tiles })
+        })
+    }
+
+    /// What the search says of the samples `samples` of a neighbourhood; `None` for those on the octave's border, which it does not examine.
+    pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
+        let monitor = Monitor::default();
+        self.with_search(&monitor, |search| {
+            samples.iter().map(|sample| self.judge_one(search, around, sample)).collect()
+        })
+    }
+
+    fn judge_one(&self, search: &Search<'_>, around: &Neighbourhood, sample: &Sample) -> Option<Judgement> {
+        let &Sample { octave, slope_index, x, y, .. } = sample;
+        let level_index = sample.level_index();
+        let own = &around.tiles[slope_index];
+        let sigma_d = &self.sigma_d[(octave - search.space.first_octave) as usize];
+        let thresholds = search.thresholds(sigma_d, slope_index);
+        let at_own = own_slope_verdict(&own.levels, (x, y, level_index), around.size, &thresholds)?;
+        let value = own.at(level_index, x, y);
+        let candidate = Candidate { x, y, level_index, value };
+        let sigma_d_least = sigma_d[level_index][slope_index];
+        let sigma_d = sigma_d_least * search.place_factor(octave, slope_index, x, y);
+        let others = OtherSlopes::of(search.params);
+        let beaten_by = self.beaten_by(search, around, slope_index, &candidate, others);
+        let refined = refine(own, (x, y), level_index, around.size, search.limits()).map(|_| ());
+        let rejected_by = match at_own {
+            Err(test) => Some(test),
+            Ok(_) if !search.passes_gate(&candidate, sigma_d) => Some(Test::NoiseGate),
+            Ok(_) if beaten_by.is_some() => Some(Test::SlopeExtremum),
+            Ok(_) => refined.err(),
+        };
+        // No threshold: whatever the fit says.
+        let open = Limits { peak_threshold: -1.0, edge_threshold: f32::INFINITY };
+        let fit = fit(own, (x, y), level_index, around.size);
+        let settled = fit.filter(|fit| {
+            let tests = fit.tests(around.size, own.levels.len(), open);
+            tests.iter().all(|(test, passes)| *passes || matches!(test, Test::Edge | Test::InterpolatedContrast))
+        });
+        let would_be = settled.map(|fit| {
+            let refined = Refined::from(fit);
+            let d_around = d_around(search, around, slope_index, level_index, &refined);
+            let slope = refined_slope(&search.grid, others, slope_index, &d_around);
+            search.keypoint(octave, &candidate, &refined, (slope_index, slope), sigma_d)
+        });
+        Some(Judgement { value, rejected_by, sigma_d_least, sigma_d, beaten_by, fit, would_be })
+    }
+
+    /// The slope that beats a candidate by the joint rule: of several the one with the largest D around it.
+    fn beaten_by(
+        &self,
+        search: &Search<'_>,
+        around: &Neighbourhood,
+        slope_index: usize,
+        candidate: &Candidate,
+        others: OtherSlopes,
+    ) -> Option<usize> {
+        let OtherSlopes::Beaten(neighbours) = others else {
+            return None;
+        };
+        let Candidate { x, y, level_index, value } = *candidate;
+        let (i, j) = search.grid.coordinates(slope_index);
+        let compared = |&other: &usize| {
+            let (ii, jj) = search.grid.coordinates(other);
+            other != slope_index && (neighbours == SlopeNeighbours::All || (i.abs_diff(ii) <= 1 && j.abs_diff(jj) <= 1))
+        };
+        // Of two slopes with the same D the earlier one stays.
+        let beats =
+            |other: &usize| !beats_all_27(value, &around.tiles[*other], x, y, level_index, *other > slope_index);
+        let strongest = |other: usize| strongest_around(&around.tiles[other], x, y, level_index, value.signum()).1;
+        (0..search.grid.len()).filter(compared).filter(beats).max_by(|&a, &b| strongest(a).total_cmp(&strongest(b)))
+    }
+}
+
+/// The largest of sign·D among the 3×3×3 samples around (x, y, level index), the middle one among them: where, as (column, row, level index), and the value.
+pub fn strongest_around(
+    dog: &DogTile,
+    x: usize,
+    y: usize,
+    level_index: usize,
+    sign: f32,
+) -> ((usize, usize, usize), f32) {
+    let places = (level_index - 1..=level_index + 1)
+        .flat_map(|s| (y - 1..=y + 1).flat_map(move |v| (x - 1..=x + 1).map(move |u| (u, v, s))));
+    places
+        .map(|(u, v, s)| ((u, v, s), sign * dog.at(s, u, v)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .expect("there are 27 samples")
+}
+
+/// D of the refined sample at the slopes around slope `index`, 0 where there is none: what the search keeps for the refinement over slope.
+fn d_around(
+    search: &Search<'_>,
+    around: &Neighbourhood,
+    index: usize,
+    level_index: usize,
+    refined: &Refined,
+) -> [[f32; 3]; 3] {
+    let (i, j) = search.grid.coordinates(index);
+    std::array::from_fn(|dj| {
+        std::array::from_fn(|di| {
+            let at = |at: usize, step: usize, count: usize| (at + step).checked_sub(1).filter(|&at| at < count);
+            match (at(i, di, search.grid.u.count), at(j, dj, search.grid.v.count)) {
+                (Some(i), Some(j)) => around.tiles[j * search.grid.u.count + i].at(level_index, refined.x, refined.y),
+                _ => 0.0,
+            }
+        })
+    })
+}

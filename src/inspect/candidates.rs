@@ -1,0 +1,245 @@
+//! Where the candidates went: every candidate of a whole picture with the first test that it fails and by how much, and pictures of what decides between slopes.
+//!
+//! A candidate is a sample that is an extremum in place and scale at its own slope. Most of them are noise. The detection's tally counts samples; here those are
+//! counted that were candidates, so that a person sees what a test took of what might have been a feature.
+
+use super::telling::margin_of;
+use crate::detector::motion::coverage;
+use crate::detector::scale_space::octave_pixel;
+use crate::detector::search::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::{Neighbourhood, Sample, Slope, Tally, Test, Trail};
+use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::plane::Plane;
+use crate::plane::tile::{Region, cuts};
+use serde::Serialize;
+
+/// A candidate of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CandidateMark {
+    /// (u, v) of the sample, input pixels.
+    pub pos_image: [f32; 2],
+    /// Scale σ of its level, input pixels.
+    pub sigma: f32,
+    /// Octave.
+    pub octave: i32,
+    /// DoG level.
+    pub level: i32,
+    /// Index of its slope in the grid.
+    pub slope_index: usize,
+    /// The sample (column, row), octave pixels.
+    pub sample: [u32; 2],
+    /// D.
+    pub value: f32,
+    /// |D| over its noise.
+    pub snr: f32,
+    /// The first test that it fails; `None` for what was kept.
+    pub first_failed: Option<Test>,
+    /// By how much it fails that test, as a part of the limit: below 0. `None` where it was kept and where there is no limit to speak of.
+    pub margin: Option<f32>,
+}
+
+impl CandidateMark {
+    /// The sample, to be asked more closely.
+    pub fn of_sample(&self) -> Sample {
+        let [x, y] = self.sample.map(|at| at as usize);
+        Sample { octave: self.octave, level: self.level, slope_index: self.slope_index, x, y }
+    }
+}
+
+/// What one test took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct TestCount {
+    /// The test.
+    pub test: Test,
+    /// Samples that it rejected first, as in the detection's tally.
+    pub samples: u64,
+    /// Candidates among them.
+    pub candidates: u64,
+}
+
+/// The candidates of a picture.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Survey {
+    /// The candidates that were asked for, in order of octaves, tiles, slopes and levels.
+    pub marks: Vec<CandidateMark>,
+    /// Both counts for each test, in the order of [`Test::ALL`].
+    pub counts: Vec<TestCount>,
+    /// All candidates.
+    pub candidates: u64,
+    /// Candidates that were kept.
+    pub kept: u64,
+}
+
+/// Which candidates are listed; all are counted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurveyOptions {
+    /// Only those of at least this |D| over its noise. Noise alone has millions of weak ones.
+    pub least_snr: f32,
+    /// Only those that fail this test first; `None` lists those of all tests, and those that were kept.
+    pub test: Option<Test>,
+}
+
+impl Default for SurveyOptions {
+    fn default() -> Self {
+        Self { least_snr: 3.0, test: None }
+    }
+}
+
+/// Side of the parts in which a picture is surveyed, octave pixels.
+const PART_PX: usize = 160;
+
+/// Counts all candidates of the picture by the first test that they fail, and lists those that `options` ask for. It searches the picture again.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn survey(trail: &Trail, options: &SurveyOptions, monitor: &Monitor) -> Result<Survey, Cancelled> {
+    let tally = &trail.detection().tally;
+    let mut by_test = [0u64; Test::ALL.len()];
+    let mut survey = Survey { marks: Vec::new(), counts: Vec::new(), candidates: 0, kept: 0 };
+    let all_pixels: f32 = trail.octaves().map(|octave| pixels(trail, octave)).sum();
+    let mut done = 0.0;
+    for octave in trail.octaves() {
+        let (columns, rows) = (cuts(trail.octave_size(octave).0, PART_PX), cuts(trail.octave_size(octave).1, PART_PX));
+        let share = pixels(trail, octave) / all_pixels / (columns.len() * rows.len()) as f32;
+        for (columns, rows) in rows.iter().flat_map(|r| columns.iter().map(move |c| (c.clone(), r.clone()))) {
+            let around = trail.neighbourhood(octave, &Region { columns, rows }, monitor)?;
+            for mark in marks(trail, &around) {
+                survey.candidates += 1;
+                match mark.first_failed {
+                    Some(test) => by_test[test as usize] += 1,
+                    None => survey.kept += 1,
+                }
+                let asked = options.test.is_none_or(|test| mark.first_failed == Some(test));
+                if asked && mark.snr >= options.least_snr {
+                    survey.marks.push(mark);
+                }
+            }
+            done += share;
+            monitor.report(Stage::Search { octave }, done);
+        }
+    }
+    let count = |test: Test| TestCount { test, samples: tally.rejected_by(test), candidates: by_test[test as usize] };
+    survey.counts = Test::ALL.into_iter().map(count).collect();
+    Ok(survey)
+}
+
+fn pixels(trail: &Trail, octave: i32) -> f32 {
+    let (width, height) = trail.octave_size(octave);
+    width as f32 * height as f32
+}
+
+/// The candidates of a part of the picture, judged.
+fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
+    let levels = trail.space().levels;
+    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2] };
+    let mut samples = Vec::new();
+    for (slope_index, dog) in around.tiles.iter().enumerate() {
+        let mut found: Vec<Candidate> = Vec::new();
+        own_slope_extrema(&dog.levels, &around.region, around.size, &open, &mut Tally::default(), &mut found);
+        samples.extend(found.iter().map(|c| Sample {
+            octave: around.octave,
+            level: c.level_index as i32 - 1,
+            slope_index,
+            x: c.x,
+            y: c.y,
+        }));
+    }
+    let pixel = octave_pixel(around.octave);
+    let judged = trail.judge(around, &samples);
+    samples
+        .iter()
+        .zip(judged)
+        .filter_map(|(sample, judgement)| {
+            let judgement = judgement?;
+            let keypoint =
+                judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
+            let most = trail.params().max_features;
+            let first_failed = judgement.rejected_by.or_else(|| {
+                let keypoint = keypoint?;
+                match trail.covered_by(keypoint) {
+                    Some(_) => Some(Test::Duplicate),
+                    None if most > 0 && trail.ranks_of(keypoint).all(|rank| rank >= most) => Some(Test::MaxFeatures),
+                    None => None,
+                }
+            });
+            let margin = first_failed.and_then(|test| margin_of(trail, around, sample, &judgement, test));
+            let (value, sigma_d) = (judgement.value, judgement.sigma_d);
+            Some(CandidateMark {
+                pos_image: [sample.x as f32 * pixel, sample.y as f32 * pixel],
+                sigma: trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32,
+                octave: sample.octave,
+                level: sample.level,
+                slope_index: sample.slope_index,
+                sample: [sample.x as u32, sample.y as u32],
+                value,
+                snr: if sigma_d > 0.0 { value.abs() / sigma_d } else { f32::INFINITY },
+                first_failed,
+                margin: margin.map(|m| m as f32),
+            })
+        })
+        .collect()
+}
+
+/// How many frames show each pixel of the picture at a slope.
+pub fn coverage_map(trail: &Trail, slope: Slope) -> Plane {
+    let offsets = trail.offsets(slope);
+    let size = trail.size_image();
+    Plane::from_fn(size.0, size.1, |u, v| coverage(&offsets, u, v, size) as f32)
+}
+
+/// The slope that wins at each place of an octave, and how surely.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WinningSlopes {
+    /// The octave, whose pixels the planes have.
+    pub octave: i32,
+    /// The DoG level.
+    pub level: i32,
+    /// Index of the slope with the largest |D| over its noise.
+    pub slope_index: Plane,
+    /// |D| over its noise there.
+    pub snr: Plane,
+    /// 0 … 1: how far the strongest slope that is not a neighbour stays behind, 0 where nothing reaches the gate.
+    pub confidence: Plane,
+}
+
+/// The slope that wins at each place, at one octave and level that were searched: a picture of the motion.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor) -> Result<WinningSlopes, Cancelled> {
+    let (width, height) = trail.octave_size(octave);
+    let grid = trail.params().used_slopes();
+    let gate = trail.detection().noise_gate_factor;
+    let zeros = || Plane::zeros(width, height);
+    let mut out = WinningSlopes { octave, level, slope_index: zeros(), snr: zeros(), confidence: zeros() };
+    let (columns, rows) = (cuts(width, PART_PX), cuts(height, PART_PX));
+    let parts = columns.len() * rows.len();
+    let index = (level + 1) as usize;
+    let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_least((octave, level), slope)).collect();
+    for (part, (columns, rows)) in
+        rows.iter().flat_map(|r| columns.iter().map(move |c| (c.clone(), r.clone()))).enumerate()
+    {
+        let around = trail.neighbourhood(octave, &Region { columns: columns.clone(), rows: rows.clone() }, monitor)?;
+        for y in rows {
+            for x in columns.clone() {
+                let strength = |slope: usize| {
+                    let d = around.tiles[slope].at(index, x, y).abs();
+                    if sigma_d[slope] > 0.0 { d / sigma_d[slope] } else { d }
+                };
+                let best = (0..grid.len()).max_by(|&a, &b| strength(a).total_cmp(&strength(b))).unwrap_or(0);
+                let (i, j) = grid.coordinates(best);
+                let apart = |other: &usize| {
+                    let (ii, jj) = grid.coordinates(*other);
+                    i.abs_diff(ii) > 1 || j.abs_diff(jj) > 1
+                };
+                let most = strength(best);
+                let second = (0..grid.len()).filter(apart).map(strength).fold(0.0, f32::max);
+                out.slope_index.row_mut(y)[x] = best as f32;
+                out.snr.row_mut(y)[x] = most;
+                out.confidence.row_mut(y)[x] = if most > 0.0 && most >= gate { 1.0 - second / most } else { 0.0 };
+            }
+        }
+        monitor.report(Stage::Search { octave }, (part + 1) as f32 / parts as f32);
+    }
+    Ok(out)
+}

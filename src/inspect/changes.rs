@@ -1,0 +1,247 @@
+//! What a change did: two lists of features of one burst compared. Those of the other may be somebody else's ([`super::foreign`]).
+//!
+//! Two features are the same when the one finds the other by the rule of [`crate::evaluate::score`], taking it for a disc of radius √2·σ, and both are bright or both
+//! dark as far as that is known. Each is the same as one other at most; the strongest of the later list choose first, each the nearest that is free. The orientations of
+//! one keypoint count as one.
+
+use super::foreign::ForeignFeature;
+use crate::detector::{Feature, Slope};
+use crate::evaluate::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
+use serde::Serialize;
+
+/// A feature as this comparison sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// (u, v), input pixels.
+    pub pos_image: [f32; 2],
+    /// Scale σ, input pixels.
+    pub sigma: f32,
+    /// px/frame, if it is known.
+    pub slope: Option<Slope>,
+    /// Whether it is brighter than its surroundings, if that is known.
+    pub is_bright: Option<bool>,
+}
+
+impl From<&Feature> for Spot {
+    fn from(f: &Feature) -> Self {
+        Self {
+            pos_image: [f.u, f.v],
+            sigma: f.sigma,
+            slope: Some(f.slope),
+            // A bright blob is a negative extremum.
+            is_bright: Some(f.response < 0.0),
+        }
+    }
+}
+
+impl From<&ForeignFeature> for Spot {
+    fn from(f: &ForeignFeature) -> Self {
+        Self { pos_image: f.pos_image, sigma: f.sigma, slope: f.slope, is_bright: f.response.map(|r| r < 0.0) }
+    }
+}
+
+/// A feature that is in both lists.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Same {
+    /// Index in the earlier list.
+    pub before: usize,
+    /// Index in the later list.
+    pub after: usize,
+    /// How far it moved, input pixels.
+    pub moved_px: f32,
+    /// How far its slope moved, px/frame; 0 where one is not known.
+    pub slope_moved: f32,
+    /// Its scale now over its scale before.
+    pub scale_ratio: f32,
+}
+
+impl Same {
+    /// Whether it is somewhere else, of another scale or another slope, by more than people would overlook.
+    pub fn has_moved(&self) -> bool {
+        self.moved_px > MOVED_PX || self.slope_moved > MOVED_SLOPE || (self.scale_ratio.ln()).abs() > MOVED_SCALE.ln()
+    }
+}
+
+/// What a change did.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Changes {
+    /// Features of both, in the order of the later list.
+    pub same: Vec<Same>,
+    /// Indices in the later list of what the earlier one has not.
+    pub gained: Vec<usize>,
+    /// Indices in the earlier list of what the later one has not.
+    pub lost: Vec<usize>,
+}
+
+impl Changes {
+    /// Those of both that are not where they were.
+    pub fn moved(&self) -> impl Iterator<Item = &Same> {
+        self.same.iter().filter(|same| same.has_moved())
+    }
+
+    /// The counts in a sentence.
+    pub fn summary(&self) -> String {
+        format!(
+            "{} gained, {} lost, {} moved, {} as before",
+            self.gained.len(),
+            self.lost.len(),
+            self.moved().count(),
+            self.same.len() - self.moved().count()
+        )
+    }
+}
+
+const MOVED_PX: f32 = 0.5;
+const MOVED_SLOPE: f32 = 0.1;
+const MOVED_SCALE: f32 = 1.1;
+
+/// Compares two lists of features, each strongest first.
+pub fn compare(before: &[Spot], after: &[Spot]) -> Changes {
+    let (before_once, after_once) = (once(before), once(after));
+    let cells = Cells::new(before, &before_once);
+    let mut free = vec![true; before.len()];
+    let mut changes = Changes::default();
+    for &index in &after_once {
+        let spot = &after[index];
+        let near = cells.around(spot).filter(|&other| free[other] && finds(spot, &before[other]));
+        let nearest = near.min_by(|&a, &b| apart(spot, &before[a]).total_cmp(&apart(spot, &before[b])).then(a.cmp(&b)));
+        match nearest {
+            None => changes.gained.push(index),
+            Some(other) => {
+                free[other] = false;
+                let slopes = spot.slope.zip(before[other].slope);
+                changes.same.push(Same {
+                    before: other,
+                    after: index,
+                    moved_px: apart(spot, &before[other]),
+                    slope_moved: slopes.map_or(0.0, |(a, b)| (a.u - b.u).hypot(a.v - b.v)),
+                    scale_ratio: spot.sigma / before[other].sigma,
+                });
+            }
+        }
+    }
+    changes.lost = before_once.into_iter().filter(|&index| free[index]).collect();
+    changes
+}
+
+/// The first of each keypoint's features: those that differ in nothing but their orientation are one.
+fn once(spots: &[Spot]) -> Vec<usize> {
+    let mut seen = std::collections::HashSet::with_capacity(spots.len());
+    let key = |s: &Spot| {
+        let slope = s.slope.unwrap_or_default();
+        [s.pos_image[0], s.pos_image[1], s.sigma, slope.u, slope.v].map(f32::to_bits)
+    };
+    (0..spots.len()).filter(|&index| seen.insert(key(&spots[index]))).collect()
+}
+
+fn apart(a: &Spot, b: &Spot) -> f32 {
+    (a.pos_image[0] - b.pos_image[0]).hypot(a.pos_image[1] - b.pos_image[1])
+}
+
+/// How far from `spot` another may lie that is the same.
+fn reach(spot: &Spot) -> f32 {
+    REACH_IN_RADII as f32 * std::f32::consts::SQRT_2 * spot.sigma + REACH_PIXELS as f32
+}
+
+fn finds(spot: &Spot, earlier: &Spot) -> bool {
+    let ratio = f64::from(spot.sigma / earlier.sigma);
+    let is_alike = spot.is_bright.zip(earlier.is_bright).is_none_or(|(a, b)| a == b);
+    is_alike && apart(spot, earlier) <= reach(earlier) && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
+}
+
+/// Spots by place, in squares; those of a scale class together, so that no square holds what is far smaller than it.
+struct Cells {
+    /// By class of scale and square.
+    squares: std::collections::HashMap<(i32, i32, i32), Vec<usize>>,
+}
+
+/// Class of a scale: doublings of σ.
+fn class(sigma: f32) -> i32 {
+    sigma.max(1e-3).log2().floor() as i32
+}
+
+/// Side of the squares of a class: no spot of it reaches farther.
+fn side(class: i32) -> f32 {
+    REACH_IN_RADII as f32 * std::f32::consts::SQRT_2 * 2f32.powi(class + 1) + REACH_PIXELS as f32
+}
+
+impl Cells {
+    fn new(spots: &[Spot], which: &[usize]) -> Self {
+        let mut squares: std::collections::HashMap<_, Vec<usize>> = std::collections::HashMap::new();
+        for &index in which {
+            let class = class(spots[index].sigma);
+            squares.entry(Self::square(&spots[index], class)).or_default().push(index);
+        }
+        Self { squares }
+    }
+
+    fn square(spot: &Spot, class: i32) -> (i32, i32, i32) {
+        let at = |x: f32| (x / side(class)).floor() as i32;
+        (class, at(spot.pos_image[0]), at(spot.pos_image[1]))
+    }
+
+    /// Those that may be the same as `spot`.
+    fn around(&self, spot: &Spot) -> impl Iterator<Item = usize> + '_ {
+        let own = class(spot.sigma);
+        let spot = *spot;
+        (own - 1..=own + 1).flat_map(move |class| {
+            let (_, x, y) = Self::square(&spot, class);
+            let places = (y - 1..=y + 1).flat_map(move |y| (x - 1..=x + 1).map(move |x| (class, x, y)));
+            places.filter_map(|place| self.squares.get(&place)).flatten().copied()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn spot(u: f32, v: f32, sigma: f32) -> Spot {
+        Spot { pos_image: [u, v], sigma, slope: Some(Slope::default()), is_bright: None }
+    }
+
+    #[test]
+    fn gained_lost_and_moved_are_told_apart() {
+        let before = [spot(10.0, 10.0, 2.0), spot(50.0, 10.0, 2.0), spot(90.0, 10.0, 2.0)];
+        let after = [spot(10.1, 10.0, 2.0), spot(51.0, 10.0, 2.0), spot(30.0, 40.0, 2.0)];
+        let changes = compare(&before, &after);
+        assert_eq!((changes.gained.as_slice(), changes.lost.as_slice()), ([2].as_slice(), [2].as_slice()));
+        assert_eq!(changes.moved().map(|s| (s.before, s.after)).collect::<Vec<_>>(), [(1, 1)]);
+        assert_eq!(changes.summary(), "1 gained, 1 lost, 1 moved, 1 as before");
+        let dark = Spot { is_bright: Some(false), ..before[0] };
+        let bright = Spot { is_bright: Some(true), ..before[0] };
+        assert_eq!(compare(&[dark], &[bright]).same, []);
+        assert_eq!(compare(&[spot(0.0, 0.0, 2.0)], &[spot(0.0, 0.0, 4.1)]).same, []);
+    }
+
+    fn spots() -> impl Strategy<Value = Vec<Spot>> {
+        prop::collection::vec((0.0f32..60.0, 0.0f32..40.0, 0.7f32..12.0).prop_map(|(u, v, s)| spot(u, v, s)), 0..40)
+    }
+
+    proptest! {
+        #[test]
+        fn every_feature_is_accounted_for_once_and_nothing_differs_from_itself(a in spots(), b in spots()) {
+            let changes = compare(&a, &b);
+            let mut of_a: Vec<usize> = changes.same.iter().map(|s| s.before).chain(changes.lost.iter().copied()).collect();
+            let mut of_b: Vec<usize> = changes.same.iter().map(|s| s.after).chain(changes.gained.iter().copied()).collect();
+            of_a.sort_unstable();
+            of_b.sort_unstable();
+            prop_assert_eq!(of_a, once(&a));
+            prop_assert_eq!(of_b, once(&b));
+            let own = compare(&a, &a);
+            prop_assert!(own.gained.is_empty() && own.lost.is_empty() && own.moved().count() == 0);
+        }
+
+        #[test]
+        fn squares_lose_nobody(a in spots(), b in spots()) {
+            let cells = Cells::new(&a, &(0..a.len()).collect::<Vec<_>>());
+            for spot in &b {
+                let near: std::collections::HashSet<usize> = cells.around(spot).collect();
+                for (index, other) in a.iter().enumerate() {
+                    prop_assert!(!finds(spot, other) || near.contains(&index), "{spot:?} {other:?}");
+                }
+            }
+        }
+    }
+}

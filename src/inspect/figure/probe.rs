@@ -1,0 +1,260 @@
+//! The figure of a probe: the response over slope and scale, each frame's share, the slice along the motion, and the tests.
+
+use super::sheet::{Anchor, Area, BLUE, FAINT, GRID, INK, RED, Sheet};
+use crate::inspect::fate::{Outcome, Side};
+use crate::inspect::response::ResponseMap;
+use crate::inspect::shares::Shares;
+use crate::inspect::slices::Slice;
+use crate::inspect::words::{number, slope_text};
+use crate::inspect::{Fate, Probe};
+use crate::plane::Plane;
+use crate::plane::display::Display;
+use crate::plane::statistics::{Region, percentiles};
+
+const WIDTH: f64 = 980.0;
+const LEFT: f64 = 64.0;
+const RIGHT: f64 = 500.0;
+
+/// The figure as an SVG document; `name` is the burst's.
+pub fn probe_svg(probe: &Probe, name: &str) -> String {
+    let [u, v] = probe.pos_image;
+    let mut sheet = Sheet::new(WIDTH, &format!("{name} at ({u}, {v})"));
+    let title = format!("{name} at ({}, {})", number(u, 1), number(v, 1));
+    sheet.styled_text((24.0, 30.0), 16.0, Anchor::Start, r#"font-weight="bold""#, &title);
+    let top = sheet.paragraph((24.0, 52.0), 13.0, WIDTH - 48.0, &probe.summary) + 22.0;
+    let map = Area { x: LEFT, y: top, width: 360.0, height: 250.0 };
+    response(&mut sheet, map, probe);
+    let plot = Area { x: RIGHT + 52.0, y: top, width: 400.0, height: 150.0 };
+    shares(&mut sheet, plot, &probe.shares);
+    patches(&mut sheet, Area { x: RIGHT + 52.0, y: top + 206.0, width: 400.0, height: 60.0 }, &probe.shares);
+    let second = top + 340.0;
+    slice(&mut sheet, Area { x: LEFT, y: second, width: 360.0, height: 110.0 }, probe, &probe.slices[0]);
+    let mut end = second + 180.0;
+    if let Some(fate) = probe.subject_fate().or_else(|| probe.fates.first()) {
+        end = end.max(tests(&mut sheet, (RIGHT, second), fate));
+    }
+    for suspicion in &probe.suspicions {
+        end =
+            sheet.paragraph((24.0, end), 12.0, WIDTH - 48.0, &format!("{:?}? {}.", suspicion.kind, suspicion.evidence));
+    }
+    sheet.finish(end + 12.0)
+}
+
+fn heading(sheet: &mut Sheet, area: Area, text: &str) {
+    sheet.styled_text((area.x, area.y - 8.0), 13.0, Anchor::Start, r#"font-weight="bold""#, text);
+}
+
+/// The map of the response: slopes to the right, scales downwards from fine to coarse.
+fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
+    let map = &probe.response;
+    heading(sheet, area, "Response over slope and scale, σ of its noise");
+    let limit = map.snr.data().iter().fold(map.gate.max(1e-6), |most, x| most.max(x.abs()));
+    sheet.picture(area, &map.snr, &Display::symmetric(limit));
+    let (columns, rows) = (map.snr.width(), map.snr.height());
+    let x_of = |column: f64| area.x + (column + 0.5) / columns as f64 * area.width;
+    let y_of = |row: f64| area.y + (row + 0.5) / rows as f64 * area.height;
+    let column_of = |slope: f32| column_of(map, slope);
+    for &slope in &map.slopes.grid {
+        let x = x_of(column_of(slope));
+        sheet.line((x, area.bottom()), (x, area.bottom() + 5.0), INK, "");
+    }
+    if let (Some(&first), Some(&last)) = (map.slopes.values.first(), map.slopes.values.last())
+        && map.slopes.grid.len() > 1
+    {
+        // Beyond the slopes that are searched.
+        for rim in [map.slopes.grid[0], map.slopes.grid[map.slopes.grid.len() - 1]] {
+            let x = x_of(column_of(rim));
+            sheet.line((x, area.y), (x, area.bottom()), FAINT, r#"stroke-dasharray="3 3""#);
+        }
+        let half = 0.5 * f64::from(last - first) / (columns - 1).max(1) as f64;
+        let axis = if map.along_v { "slope v, px/frame" } else { "slope, px/frame" };
+        sheet.axis_below(area, (f64::from(first) - half, f64::from(last) + half), axis);
+    } else {
+        sheet.text((area.x + 0.5 * area.width, area.bottom() + 16.0), 11.0, Anchor::Middle, "a single slope");
+    }
+    // Where the response reaches the gate, cell by cell.
+    contour(sheet, map, &x_of, &y_of);
+    let each = rows.div_ceil(12).max(1);
+    for (row, scale) in map.scales.iter().enumerate().step_by(each) {
+        sheet.text((area.x - 7.0, y_of(row as f64) + 4.0), 11.0, Anchor::End, &number(scale.sigma, 1));
+    }
+    sheet.label_left(area, "scale σ, px");
+    for fate in probe.fates.iter().rev() {
+        let Some(row) = map.row_of(fate.octave, fate.level) else { continue };
+        let along = if map.along_v { fate.slope.v } else { along_of(map, fate) };
+        let place = (x_of(column_of(along)), y_of(row as f64));
+        let style = if fate.is_kept() {
+            format!(r#"fill="none" stroke="{INK}" stroke-width="2""#)
+        } else {
+            format!(r#"fill="none" stroke="{INK}" stroke-width="0.7" stroke-dasharray="1.5 1.5""#)
+        };
+        sheet.circle(place, if fate.is_kept() { 6.0 } else { 3.5 }, &style);
+    }
+    let legend = format!(
+        "rings: kept (bold) and other candidates; line: the gate, {} σ; dashes: the range searched",
+        number(map.gate, 2)
+    );
+    sheet.text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &legend);
+}
+
+/// The slope of a candidate along the map's axis: that of the nearest column.
+fn along_of(map: &ResponseMap, fate: &Fate) -> f32 {
+    let apart = |column: &usize| {
+        let slope = map.columns[*column];
+        (slope.u - fate.slope.u).hypot(slope.v - fate.slope.v)
+    };
+    let nearest = (0..map.columns.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)));
+    nearest.map_or(0.0, |column| map.slopes.values[column])
+}
+
+/// The column, between columns too, of a slope along the map's axis.
+fn column_of(map: &ResponseMap, slope: f32) -> f64 {
+    let values = &map.slopes.values;
+    match values[..] {
+        [first, second, ..] => f64::from((slope - first) / (second - first)),
+        _ => 0.0,
+    }
+}
+
+/// Lines between cells that reach the gate and cells that do not.
+fn contour(sheet: &mut Sheet, map: &ResponseMap, x_of: &dyn Fn(f64) -> f64, y_of: &dyn Fn(f64) -> f64) {
+    let reaches = |column: usize, row: usize| map.snr.at(column, row).abs() >= map.gate;
+    let (columns, rows) = map.snr.size();
+    let style = r#"stroke-width="1""#;
+    for row in 0..rows {
+        for column in 0..columns {
+            let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
+            if column + 1 < columns && reaches(column, row) != reaches(column + 1, row) {
+                sheet.line((x_of(x), y_of(y - 1.0)), (x_of(x), y_of(y)), INK, style);
+            }
+            if row + 1 < rows && reaches(column, row) != reaches(column, row + 1) {
+                sheet.line((x_of(x - 1.0), y_of(y)), (x_of(x), y_of(y)), INK, style);
+            }
+        }
+    }
+}
+
+/// Each frame's answer with its noise.
+fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
+    heading(
+        sheet,
+        area,
+        &format!("Each frame's answer at slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1)),
+    );
+    let covering: Vec<_> = shares.frames.iter().filter(|f| f.covers).collect();
+    let ends = covering.iter().flat_map(|f| [f.value - f.sigma_d, f.value + f.sigma_d]);
+    let (least, most) = ends.fold((0.0f32, 0.0f32), |(a, b), x| (a.min(x), b.max(x)));
+    let range = (f64::from(least) - 1e-9, f64::from(most) + 1e-9);
+    let y_of = |value: f32| area.bottom() - (f64::from(value) - range.0) / (range.1 - range.0) * area.height;
+    let count = shares.frames.len().max(1) as f64;
+    let x_of = |index: usize| area.x + (index as f64 + 0.5) / count * area.width;
+    sheet.rectangle(area, &format!(r#"fill="none" stroke="{GRID}""#));
+    sheet.line((area.x, y_of(0.0)), (area.right(), y_of(0.0)), INK, r#"stroke-width="0.7""#);
+    sheet.line((area.x, y_of(shares.mean)), (area.right(), y_of(shares.mean)), BLUE, r#"stroke-dasharray="6 4""#);
+    for (index, frame) in shares.frames.iter().enumerate() {
+        let x = x_of(index);
+        if frame.covers {
+            sheet.line((x, y_of(frame.value - frame.sigma_d)), (x, y_of(frame.value + frame.sigma_d)), INK, "");
+            sheet.circle((x, y_of(frame.value)), 3.2, &format!(r#"fill="{BLUE}""#));
+        } else {
+            sheet.styled_text((x, area.y + 14.0), 11.0, Anchor::Middle, &format!(r#"fill="{FAINT}""#), "–");
+        }
+    }
+    sheet.axis_left(area, range, "D");
+    let _ = sheet.paragraph(
+        (area.x, area.bottom() + 16.0),
+        11.0,
+        area.width,
+        &format!("dashes: their mean. {}.", shares.meaning),
+    );
+}
+
+/// The pixels along the way, one patch a frame.
+fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
+    let count = shares.frames.len().max(1);
+    let side = (area.width / count as f64).min(area.height);
+    let values: Vec<f32> =
+        shares.frames.iter().flat_map(|f| f.patch.data().iter().copied()).filter(|x| x.is_finite()).collect();
+    let (low, high) = percentiles_of(&values);
+    let display = Display::default().with_range(low, high);
+    for (index, frame) in shares.frames.iter().enumerate() {
+        let x = area.x + (index as f64 + 0.5) / count as f64 * area.width - 0.5 * side;
+        let place = Area { x: x + 1.0, y: area.y, width: side - 2.0, height: side - 2.0 };
+        sheet.picture(place, &frame.patch, &display);
+        if count <= 16 {
+            sheet.text((x + 0.5 * side, area.y + side + 11.0), 10.0, Anchor::Middle, &frame.frame.to_string());
+        }
+    }
+    let note = format!("the {} px around it in each frame", number(shares.patch_px, 0));
+    sheet.text((area.x, area.y + side + 25.0), 11.0, Anchor::Start, &note);
+}
+
+/// The range of values that a picture shows: all but the outermost percent.
+fn percentiles_of(values: &[f32]) -> (f32, f32) {
+    let row = Plane::from_vec(values.len(), 1, values.to_vec());
+    percentiles(&row, &Region::whole(&row), &[1.0, 99.0]).map_or((0.0, 1.0), |found| (found[0], found[1]))
+}
+
+fn slice(sheet: &mut Sheet, area: Area, probe: &Probe, slice: &Slice) {
+    heading(sheet, area, "Slice along the motion: one row a frame");
+    let finite: Vec<f32> = slice.plane.data().iter().copied().filter(|x| x.is_finite()).collect();
+    let (low, high) = percentiles_of(&finite);
+    sheet.picture(area, &slice.plane, &Display::default().with_range(low, high));
+    let (columns, rows) = slice.plane.size();
+    let x_of = |column: f32| area.x + (f64::from(column) + 0.5) / columns as f64 * area.width;
+    let y_of = |row: usize| area.y + (row as f64 + 0.5) / rows as f64 * area.height;
+    let inside = |row: usize| {
+        let column = slice.column_at(probe.subject.slope, row);
+        (0.0..=columns as f32 - 1.0).contains(&column).then(|| (x_of(column), y_of(row)))
+    };
+    sheet.polyline((0..rows).map(inside), &format!(r#"stroke="{RED}" stroke-width="1.5" stroke-dasharray="5 3""#));
+    let half = slice.centre_column as f64 + 0.5;
+    sheet.axis_below(area, (-half, half), "px along the motion");
+    for row in [0, rows.saturating_sub(1)] {
+        sheet.text((area.x - 7.0, y_of(row) + 4.0), 11.0, Anchor::End, &slice.frames[row].to_string());
+    }
+    sheet.label_left(area, "frame");
+}
+
+/// The tests of one candidate as a table; answers where it ends.
+fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
+    let area = Area { x, y, width: WIDTH - x - 24.0, height: 0.0 };
+    heading(sheet, area, "The tests, in order");
+    let columns = [x, x + 224.0, x + 310.0, x + 372.0];
+    let mut y = y + 12.0;
+    for report in fate.tests.iter().filter(|report| report.outcome != Outcome::NotAsked) {
+        let fails = report.outcome == Outcome::Fails;
+        let weight = if Some(report.test) == fate.first_failed { r#"font-weight="bold""# } else { "" };
+        let style = format!(r#"{weight} fill="{}""#, if fails { RED } else { INK });
+        let name = crate::inspect::report::test_name(report.test);
+        sheet.styled_text((columns[0], y), 12.0, Anchor::Start, &style, name);
+        let value = |x: Option<f64>| x.map_or_else(String::new, crate::inspect::report::value_text);
+        sheet.styled_text((columns[1], y), 12.0, Anchor::End, &style, &value(report.value));
+        let sign = if report.side == Side::AtLeast { "≥" } else { "≤" };
+        let limit = report.limit.map_or_else(String::new, |limit| format!("{sign} {}", value(Some(limit))));
+        sheet.styled_text((columns[2], y), 12.0, Anchor::End, &style, &limit);
+        let word = match report.outcome {
+            Outcome::Passes => "passes",
+            Outcome::Fails => "fails",
+            Outcome::Unknown => "unknown",
+            Outcome::NotAsked => "",
+        };
+        sheet.styled_text((columns[3], y), 12.0, Anchor::End, &style, word);
+        y += 17.0;
+    }
+    y = sheet.paragraph((x, y + 6.0), 12.0, area.width, &format!("{}.", capitalised(&fate.verdict)));
+    if let Some(remedy) = &fate.remedy {
+        y = sheet.paragraph(
+            (x, y),
+            12.0,
+            area.width,
+            &format!("{}: {}", capitalised(&remedy.sentence), remedy.change.option()),
+        );
+    }
+    y
+}
+
+fn capitalised(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
+}

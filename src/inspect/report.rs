@@ -1,0 +1,302 @@
+//! Explanations as text, for commands and messages.
+
+use super::fate::{Outcome, Side, TestReport};
+use super::shares::Shares;
+use super::spectrum::{SlopeBar, Spectrum};
+use super::words::{counted, number, slope_text};
+use super::{Fate, Probe};
+use crate::detector::Test;
+use std::fmt::Write;
+
+/// What a test is called in a table.
+pub fn test_name(test: Test) -> &'static str {
+    match test {
+        Test::PeakThreshold => "peak threshold",
+        Test::NoiseGate => "noise gate, σ",
+        Test::SpaceExtremum => "extremum in space",
+        Test::ScaleExtremum => "extremum in scale",
+        Test::SlopeExtremum => "extremum in slope",
+        Test::Refinement => "fit settles, samples",
+        Test::InterpolatedContrast => "interpolated contrast",
+        Test::Edge => "no edge, curvature ratio",
+        Test::Outside => "inside, samples from the end",
+        Test::Duplicate => "distinct, σ from a stronger one",
+        Test::MaxFeatures => "among the strongest",
+    }
+}
+
+/// A number of a test: short for people, whatever its size.
+pub fn value_text(x: f64) -> String {
+    match x.abs() {
+        a if !a.is_finite() => "∞".to_owned(),
+        a if a >= 1000.0 => number(x as f32, 0),
+        a if a >= 0.01 || a == 0.0 => number(x as f32, 2),
+        _ => format!("{x:.1e}").replace('-', "−"),
+    }
+}
+
+/// Candidates that the text lists.
+const LISTED: usize = 12;
+/// Width of the longest bar, characters.
+const BAR_WIDTH: f32 = 30.0;
+
+/// The answer of a probe as text; ends with an empty line. `name` is the burst's.
+pub fn probe_text(probe: &Probe, name: &str) -> String {
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = write_probe(&mut text, probe, name);
+    text
+}
+
+fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result {
+    let [u, v] = probe.pos_image;
+    writeln!(out, "{name} at ({}, {})", number(u, 1), number(v, 1))?;
+    writeln!(out, "  {}", probe.summary)?;
+    if let Some(fate) = probe.subject_fate() {
+        writeln!(out)?;
+        write_fate(out, fate)?;
+    }
+    for suspicion in &probe.suspicions {
+        let what = match suspicion.kind {
+            super::suspicion::Kind::Duplicate => "duplicate",
+            super::suspicion::Kind::Ghost => "ghost",
+            super::suspicion::Kind::AtLimit => "at the limit of the slopes",
+            super::suspicion::Kind::Alias => "alias",
+        };
+        writeln!(out, "  {what}? {}", suspicion.evidence)?;
+        if let Some(change) = &suspicion.change {
+            writeln!(out, "    try {}", change.option())?;
+        }
+    }
+    write_others(out, probe)?;
+    writeln!(out)?;
+    write_shares(out, &probe.shares)?;
+    writeln!(out)
+}
+
+/// The other candidates: those that stand for themselves one by one, keypoints on the blob of a feature together.
+fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
+    let others = probe.fates.iter().enumerate().filter(|(index, _)| Some(*index) != probe.subject.fate);
+    let (same, alone): (Vec<&Fate>, Vec<&Fate>) =
+        others.map(|(_, fate)| fate).partition(|fate| fate.first_failed == Some(Test::Duplicate));
+    if !alone.is_empty() {
+        writeln!(out)?;
+        let shown = alone.len().min(LISTED);
+        let which = if shown < alone.len() { format!(", the first {shown}") } else { String::new() };
+        writeln!(out, "  {} here{which}", counted(alone.len(), "other candidate"))?;
+        writeln!(out, "       u       v    σ px          slope   response  what happened")?;
+        for fate in &alone[..shown] {
+            writeln!(
+                out,
+                "  {:>6} {:>7} {:>7} {:>14} {:>8} σ  {}",
+                number(fate.pos_image[0], 1),
+                number(fate.pos_image[1], 1),
+                number(fate.sigma, 1),
+                slope_text(fate.slope),
+                if fate.snr.is_finite() { number(fate.snr, 1) } else { "∞".to_owned() },
+                fate.verdict
+            )?;
+        }
+    }
+    // By the keypoint that covers them, in order of the strongest covered.
+    let mut groups: Vec<(super::fate::Rival, Vec<&Fate>)> = Vec::new();
+    for fate in same {
+        let Some(rival) = fate.report(Test::Duplicate).rival else { continue };
+        match groups.iter_mut().find(|(other, _)| *other == rival) {
+            Some((_, fates)) => fates.push(fate),
+            None => groups.push((rival, vec![fate])),
+        }
+    }
+    for (rival, fates) in groups.iter().take(LISTED) {
+        let who = rival.feature.map_or_else(|| "a stronger keypoint".to_owned(), |index| format!("feature {index}"));
+        let strongest = fates.iter().map(|f| f.snr).fold(0.0, f32::max);
+        writeln!(
+            out,
+            "  {} on the blob of {who} at ({}, {}), σ {} px, slope {}: the strongest has {} σ",
+            counted(fates.len(), "weaker keypoint"),
+            number(rival.pos_image[0], 1),
+            number(rival.pos_image[1], 1),
+            number(rival.sigma, 1),
+            slope_text(rival.slope),
+            if strongest.is_finite() { number(strongest, 1) } else { "∞".to_owned() }
+        )?;
+    }
+    Ok(())
+}
+
+fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
+    let [u, v] = fate.pos_image;
+    writeln!(
+        out,
+        "  candidate at ({}, {}), σ {} px, slope {} px/frame (octave {}, level {}): D {:+.2e}, its noise {:.2e}",
+        number(u, 1),
+        number(v, 1),
+        number(fate.sigma, 1),
+        slope_text(fate.slope),
+        fate.octave,
+        fate.level,
+        fate.value,
+        fate.sigma_d
+    )?;
+    for report in fate.tests.iter().filter(|report| report.outcome != Outcome::NotAsked) {
+        writeln!(out, "    {}", report_line(report, Some(report.test) == fate.first_failed))?;
+    }
+    writeln!(out, "  → {}", fate.verdict)?;
+    if let Some(remedy) = &fate.remedy {
+        writeln!(out, "    {}: try {}", remedy.sentence, remedy.change.option())?;
+        if let Some(test) = remedy.then_fails {
+            writeln!(out, "    (it would then be rejected as {})", test.reason())?;
+        }
+    }
+    Ok(())
+}
+
+/// One test in a line: name, value, limit, margin, and what it says.
+fn report_line(report: &TestReport, is_first_failed: bool) -> String {
+    let value = report.value.map_or_else(|| "–".to_owned(), value_text);
+    let sign = if report.side == Side::AtLeast { '≥' } else { '≤' };
+    let limit = report.limit.map_or_else(String::new, |limit| format!("{sign} {}", value_text(limit)));
+    let margin = match report.margin() {
+        Some(margin) if margin.is_finite() && margin.abs() < 10.0 => {
+            format!("{:+.0} %", 100.0 * margin).replace('-', "−")
+        }
+        _ => String::new(),
+    };
+    let outcome = match report.outcome {
+        Outcome::Passes => "passes",
+        Outcome::Fails if is_first_failed => "FAILS",
+        Outcome::Fails => "would fail too",
+        Outcome::Unknown => "cannot be said",
+        Outcome::NotAsked => "",
+    };
+    format!("{:<32}{value:>9} {limit:<11}{margin:>8}  {outcome}", test_name(report.test))
+}
+
+fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
+    writeln!(
+        out,
+        "  each frame's answer along slope {} (σ {} px): {}",
+        slope_text(shares.slope),
+        number(shares.sigma, 1),
+        shares.meaning
+    )?;
+    let sign = if shares.mean < 0.0 { -1.0 } else { 1.0 };
+    let most =
+        shares.frames.iter().filter(|f| f.covers).map(|f| (sign * f.value).abs()).fold(f32::MIN_POSITIVE, f32::max);
+    for frame in &shares.frames {
+        if !frame.covers {
+            writeln!(out, "    frame {:>3}  does not show the place", frame.frame)?;
+            continue;
+        }
+        let length = (BAR_WIDTH * (sign * frame.value).max(0.0) / most).round() as usize;
+        writeln!(
+            out,
+            "    frame {:>3} {:>+10.2e} ± {:.1e}  {}",
+            frame.frame,
+            frame.value,
+            frame.sigma_d,
+            "#".repeat(length)
+        )?;
+    }
+    Ok(())
+}
+
+/// Slopes that the text lists at most.
+const SLOPES_LISTED: usize = 25;
+
+/// The answer about slopes as text; ends with an empty line. `name` is the burst's.
+pub fn spectrum_text(spectrum: &Spectrum, name: &str) -> String {
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = write_spectrum(&mut text, spectrum, name);
+    text
+}
+
+fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt::Result {
+    let cost = &spectrum.cost;
+    writeln!(
+        out,
+        "{name}: {} at {} in {} frames, {} of them at the limit; searched in {:.2} s",
+        counted(spectrum.features, "feature"),
+        counted(cost.slopes, "slope"),
+        spectrum.frames,
+        spectrum.at_limit,
+        cost.search_secs
+    )?;
+    writeln!(out, "  the frames show  {}", spectrum.finding.summary())?;
+    let most = spectrum.bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1);
+    let mut shown: Vec<&SlopeBar> =
+        spectrum.bars.iter().filter(|bar| bar.features > 0 || bar.evidence >= 0.005).collect();
+    let hidden = shown.len().saturating_sub(SLOPES_LISTED);
+    if hidden > 0 {
+        shown.sort_by(|a, b| b.features.cmp(&a.features).then(b.evidence.total_cmp(&a.evidence)));
+        shown.truncate(SLOPES_LISTED);
+    }
+    shown.sort_by(|a, b| (a.at[1], a.at[0]).cmp(&(b.at[1], b.at[0])));
+    writeln!(out, "           slope  features  evidence  seen by all frames")?;
+    for bar in &shown {
+        let place = match bar {
+            _ if !bar.is_searched => " beyond",
+            _ if bar.is_on_rim => " rim",
+            _ => "",
+        };
+        writeln!(
+            out,
+            "  {:>14} {:>9} {:>9} {:>7.0} %  {}{place}",
+            slope_text(bar.slope),
+            if bar.is_searched { bar.features.to_string() } else { "–".to_owned() },
+            if bar.evidence > 0.0 { format!("{:.1} %", 100.0 * bar.evidence) } else { "–".to_owned() },
+            100.0 * bar.coverage,
+            "#".repeat((bar.features * BAR_WIDTH as usize).div_ceil(most)),
+        )?;
+    }
+    if hidden > 0 {
+        writeln!(out, "  and {} with less", counted(hidden, "more slope"))?;
+    }
+    for alias in &spectrum.aliases {
+        let [u, v] = alias.places[0];
+        writeln!(
+            out,
+            "  repeats itself  every {} px around ({}, {}){}",
+            number(alias.period_px, 1),
+            number(u, 0),
+            number(v, 0),
+            if alias.places.len() > 1 {
+                format!(" and at {}", counted(alias.places.len() - 1, "more place"))
+            } else {
+                String::new()
+            }
+        )?;
+    }
+    if spectrum.advice.is_empty() {
+        writeln!(out, "  the slopes fit the burst; nothing to change")?;
+    }
+    for advice in &spectrum.advice {
+        writeln!(out, "  → {}", advice.sentence)?;
+        if !advice.changes.is_empty() {
+            let options: Vec<String> = advice.changes.iter().map(|change| change.option()).collect();
+            writeln!(out, "    try {}", options.join(" "))?;
+        }
+    }
+    writeln!(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_all_sizes_are_short() {
+        let cases = [
+            (4.643, "4.64"),
+            (0.000_31, "3.1e−4"),
+            (f64::INFINITY, "∞"),
+            (123_456.0, "123456"),
+            (0.0, "0"),
+            (-2.5, "−2.5"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(value_text(x), text);
+        }
+    }
+}

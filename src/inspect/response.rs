@@ -1,0 +1,250 @@
+//! The response at one place over slope and scale, finer than the grid: where a blob peaks, and whether it would peak beyond the slopes that are searched.
+//!
+//! Values are D in units of its noise, with its sign. They come from the frames themselves, shifted by each slope ([`Trail::point_response`]), so they are those
+//! of the search up to interpolation; no verdict comes from them.
+
+use crate::detector::{Slope, SlopeAxis, Trail};
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// One scale of the search.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Scale {
+    /// Octave.
+    pub octave: i32,
+    /// DoG level, 0 … S−1.
+    pub level: i32,
+    /// σ, input pixels.
+    pub sigma: f32,
+}
+
+/// The slopes of one axis of the grid and those between them, a step beyond both ends.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FineAxis {
+    /// The slope along the axis, px/frame, from the smallest to the largest.
+    pub values: Vec<f32>,
+    /// The grid's own slopes on this axis, px/frame.
+    pub grid: Vec<f32>,
+}
+
+impl FineAxis {
+    /// `finer` slopes for each of the axis, and as many beyond both ends. A single slope has one of nothing.
+    fn of(axis: &SlopeAxis, finer: usize) -> Self {
+        let grid: Vec<f32> = (0..axis.count).map(|i| axis.value(i as f32)).collect();
+        if axis.count == 1 {
+            return Self { values: grid.clone(), grid };
+        }
+        let finer = finer as i64;
+        let values = (-finer..=(axis.count as i64) * finer).map(|k| axis.value(k as f32 / finer as f32)).collect();
+        Self { values, grid }
+    }
+}
+
+/// The response over slope and scale.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResponseMap {
+    /// The place, input pixels at mid-burst.
+    pub pos_image: [f32; 2],
+    /// Scales, from fine to coarse: the rows.
+    pub scales: Vec<Scale>,
+    /// Slopes: the columns. Along the first axis that has several, through the subject's slope on the other axis.
+    pub slopes: FineAxis,
+    /// Whether the columns are slopes of the second axis, v.
+    pub along_v: bool,
+    /// The slope of each column, px/frame.
+    pub columns: Vec<Slope>,
+    /// D over its noise; columns × scales. In a burst without noise D itself.
+    #[serde(serialize_with = "rows")]
+    pub snr: Plane,
+    /// For two axes, the same over both slopes at the subject's scale.
+    pub plane: Option<SlopePlane>,
+    /// The factor of the noise gate: the contour that separates noise from what may be kept.
+    pub gate: f32,
+    /// Whether the values are D itself, because the burst has no noise.
+    pub is_noiseless: bool,
+}
+
+/// The response over both axes of slopes at one scale.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SlopePlane {
+    /// The scale.
+    pub scale: Scale,
+    /// Slopes of the first axis: the columns.
+    pub u: FineAxis,
+    /// Slopes of the second axis: the rows.
+    pub v: FineAxis,
+    /// D over its noise.
+    #[serde(serialize_with = "rows")]
+    pub snr: Plane,
+}
+
+/// A plane as a list of its rows.
+fn rows<S: serde::Serializer>(plane: &Plane, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq((0..plane.height()).map(|v| plane.row(v)))
+}
+
+impl ResponseMap {
+    /// The row of a scale, if it is among those held.
+    pub fn row_of(&self, octave: i32, level: i32) -> Option<usize> {
+        self.scales.iter().position(|s| (s.octave, s.level) == (octave, level))
+    }
+
+    /// The strongest response: (column, row, value).
+    pub fn strongest(&self) -> (usize, usize, f32) {
+        let at = |index: usize| (index % self.snr.width(), index / self.snr.width());
+        let best = self.snr.data().iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        best.map_or((0, 0, 0.0), |(index, &value)| (at(index).0, at(index).1, value))
+    }
+}
+
+/// Slopes from one of the grid to the next at which the response is computed, for a line of slopes.
+const FINER: usize = 4;
+/// The same for a plane, where every one counts twice.
+const FINER_IN_PLANE: usize = 3;
+/// Columns and rows that a map has at most: the window shows no more, and a probe should not take long on a grid of thousands of slopes.
+const MOST: usize = 121;
+
+/// The response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two axes, at `scale` over both.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn response_map(
+    trail: &Trail,
+    place: [f32; 2],
+    through: (usize, usize),
+    scale: (i32, i32),
+    monitor: &Monitor,
+) -> Result<ResponseMap, Cancelled> {
+    let grid = trail.params().used_slopes();
+    let finer = |axis: &SlopeAxis, wanted: usize| (MOST / (axis.count + 2)).clamp(1, wanted);
+    let along_v = grid.u.count == 1 && grid.v.count > 1;
+    let axis = if along_v { grid.v } else { grid.u };
+    let per_step = finer(&axis, FINER);
+    let slopes = FineAxis::of(&axis, per_step);
+    let coordinate = |k: usize| if axis.count == 1 { 0.0 } else { k as f32 / per_step as f32 - 1.0 };
+    let (i, j) = (through.0 as f32, through.1 as f32);
+    let columns: Vec<Slope> = (0..slopes.values.len())
+        .map(|k| if along_v { grid.at(i, coordinate(k)) } else { grid.at(coordinate(k), j) })
+        .collect();
+    let levels = trail.space().levels as i32;
+    let scales: Vec<Scale> = trail
+        .octaves()
+        .flat_map(|octave| (0..levels).map(move |level| (octave, level)))
+        .map(|s| scale_of(trail, s))
+        .collect();
+    let octaves: Vec<i32> = trail.octaves().collect();
+    // One patch serves all levels of an octave.
+    let jobs: Vec<(usize, i32)> =
+        (0..columns.len()).flat_map(|column| octaves.iter().map(move |&octave| (column, octave))).collect();
+    let values: Vec<Vec<f32>> = jobs
+        .par_iter()
+        .map(|&(column, octave)| {
+            monitor.check()?;
+            Ok(snr_at(trail, (octave, 0..levels), place, columns[column]))
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let of_levels = levels as usize;
+    let snr = Plane::from_fn(columns.len(), scales.len(), |column, row| {
+        values[column * octaves.len() + row / of_levels][row % of_levels]
+    });
+    let plane = if grid.is_plane() { Some(slope_plane(trail, place, scale, monitor)?) } else { None };
+    Ok(ResponseMap {
+        pos_image: place,
+        scales,
+        slopes,
+        along_v,
+        columns,
+        snr,
+        plane,
+        gate: trail.detection().noise_gate_factor,
+        is_noiseless: trail.detection().frame_noise <= 0.0,
+    })
+}
+
+fn scale_of(trail: &Trail, (octave, level): (i32, i32)) -> Scale {
+    Scale { octave, level, sigma: trail.space().sigma_image(octave, f64::from(level)) as f32 }
+}
+
+fn slope_plane(
+    trail: &Trail,
+    place: [f32; 2],
+    (octave, level): (i32, i32),
+    monitor: &Monitor,
+) -> Result<SlopePlane, Cancelled> {
+    let grid = trail.params().used_slopes();
+    let per_step = |axis: &SlopeAxis| (MOST / (axis.count + 2)).clamp(1, FINER_IN_PLANE);
+    let steps = (per_step(&grid.u), per_step(&grid.v));
+    let (u, v) = (FineAxis::of(&grid.u, steps.0), FineAxis::of(&grid.v, steps.1));
+    let at = |k: usize, steps: usize| k as f32 / steps as f32 - 1.0;
+    let rows: Vec<Vec<f32>> = (0..v.values.len())
+        .into_par_iter()
+        .map(|row| {
+            (0..u.values.len())
+                .map(|column| {
+                    monitor.check()?;
+                    let slope = grid.at(at(column, steps.0), at(row, steps.1));
+                    Ok(snr_at(trail, (octave, level..level + 1), place, slope)[0])
+                })
+                .collect()
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let snr = Plane::from_vec(u.values.len(), v.values.len(), rows.concat());
+    Ok(SlopePlane { scale: scale_of(trail, (octave, level)), u, v, snr })
+}
+
+/// D over its noise at each of the levels, of the mean over all frames; D itself where there is no noise.
+pub(super) fn snr_at(
+    trail: &Trail,
+    (octave, levels): (i32, std::ops::Range<i32>),
+    [u, v]: [f32; 2],
+    slope: Slope,
+) -> Vec<f32> {
+    let covering = covering(trail, [u, v], slope);
+    let values = trail.point_response((octave, levels.clone()), ((u, v), slope), &covering);
+    let of_noise = |(level, value): (i32, f32)| {
+        let sigma_d = trail.sigma_d_at((octave, level), ((u, v), slope), &covering);
+        if sigma_d > 0.0 { value / sigma_d } else { value }
+    };
+    levels.zip(values).map(of_noise).collect()
+}
+
+/// The frames (indices among those that took part) that show the place at a slope; all of them where none does.
+pub(super) fn covering(trail: &Trail, place: [f32; 2], slope: Slope) -> Vec<usize> {
+    let (width, height) = trail.size_image();
+    let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
+    let at = (pixel(place[0], width), pixel(place[1], height));
+    let offsets = trail.offsets(slope);
+    let covering: Vec<usize> =
+        (0..offsets.len()).filter(|&index| offsets[index].covers(at.0, at.1, (width, height))).collect();
+    if covering.is_empty() { (0..offsets.len()).collect() } else { covering }
+}
+
+/// Whether the response at `scale` rises from a slope on the grid's rim to the slopes a step beyond it, and by what factor: the largest of them over the
+/// one on the rim. `None` for a slope that is not on the rim.
+pub fn beyond_the_rim(trail: &Trail, place: [f32; 2], (octave, level): (i32, i32), slope_index: usize) -> Option<f32> {
+    let grid = trail.params().used_slopes();
+    let (i, j) = grid.coordinates(slope_index);
+    if !grid.on_rim(i, j) {
+        return None;
+    }
+    let steps = |at: usize, count: usize| -> Vec<f32> {
+        let mut steps = vec![0.0];
+        if count > 1 && at == 0 {
+            steps.extend([-0.5, -1.0]);
+        }
+        if count > 1 && at + 1 == count {
+            steps.extend([0.5, 1.0]);
+        }
+        steps
+    };
+    let (i, j) = (i as f32, j as f32);
+    let at = |di: f32, dj: f32| snr_at(trail, (octave, level..level + 1), place, grid.at(i + di, j + dj))[0];
+    let here = at(0.0, 0.0);
+    let sign = here.signum();
+    let (along_u, along_v) = (steps(i as usize, grid.u.count), steps(j as usize, grid.v.count));
+    let beyond = along_u.iter().flat_map(|&di| along_v.iter().map(move |&dj| (di, dj)));
+    let most = beyond.filter(|step| *step != (0.0, 0.0)).map(|(di, dj)| sign * at(di, dj)).fold(0.0, f32::max);
+    (here != 0.0).then(|| most / here.abs())
+}

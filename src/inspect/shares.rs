@@ -1,0 +1,283 @@
+//! Each frame's share: what every single frame answers along the way of a feature, beside its noise.
+//!
+//! A true feature is there in every frame: the answers are level. A ghost — a blob of another motion that shows in the stack of a wrong slope — answers only in the
+//! frames in which the true blob crosses the way, so its answers are a bump. Whether two keypoints at one place are two things is judged by the search
+//! itself from the frames in which their ways are apart (`two_motions`); the number here is for people.
+
+use crate::detector::{Slope, Trail};
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use crate::plane::sample::sample_patch;
+use serde::Serialize;
+
+/// One frame along a feature's way.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrameShare {
+    /// Index of the frame in the burst.
+    pub frame: usize,
+    /// Where the feature is in it, input pixels.
+    pub pos_frame: [f32; 2],
+    /// Whether the frame shows the place and was not left out.
+    pub covers: bool,
+    /// D of this frame alone, fraction of full scale.
+    pub value: f32,
+    /// Its noise.
+    pub sigma_d: f32,
+    /// The pixels around it; NaN beyond the frame.
+    #[serde(skip)]
+    pub patch: Plane,
+}
+
+/// What the frames' answers look like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// The same in all frames, as far as the noise lets one see.
+    Level,
+    /// They differ more than noise does.
+    Uneven,
+    /// A part of the frames answers, next to each other, and the others do not.
+    Bump,
+    /// Too few frames, or too much noise in each, to tell.
+    Unclear,
+}
+
+/// All frames' shares.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Shares {
+    /// Octave at which they answer.
+    pub octave: i32,
+    /// DoG level.
+    pub level: i32,
+    /// (u, v) at mid-burst, input pixels.
+    pub pos_image: [f32; 2],
+    /// The way, px/frame.
+    pub slope: Slope,
+    /// Scale σ, input pixels.
+    pub sigma: f32,
+    /// The frames, in time order.
+    pub frames: Vec<FrameShare>,
+    /// Their mean: D of the stack.
+    pub mean: f32,
+    /// The coherence, 0 … 1: the square of the mean over the mean square, both less what the noise adds. 1 when all frames answer alike; a part m of
+    /// the frames that answers alone gives m. `None` where single frames are too noisy to tell.
+    pub coherence: Option<f32>,
+    /// By how many standard deviations the answers differ more from their mean than noise would make them.
+    pub unevenness: f32,
+    /// What that means.
+    pub shape: Shape,
+    /// The same as a sentence.
+    pub meaning: String,
+    /// Side of a patch, input pixels.
+    pub patch_px: f32,
+}
+
+/// Samples along a side of a patch.
+const PATCH_SIDE: usize = 33;
+/// A patch reaches this many σ to each side.
+const PATCH_SIGMAS: f32 = 4.0;
+/// From this many standard deviations on the answers are said to differ.
+const UNEVEN: f32 = 3.0;
+/// Below this coherence uneven answers are a bump.
+const BUMP_COHERENCE: f32 = 0.6;
+/// A frame counts as answering from this part of the largest smoothed answer on.
+const ANSWERS: f32 = 0.5;
+
+/// The shares of all frames at `octave` and `level`, along the way through `place` (input pixels, at mid-burst) at `slope`.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn shares(
+    trail: &Trail,
+    (octave, level): (i32, i32),
+    place: [f32; 2],
+    slope: Slope,
+    monitor: &Monitor,
+) -> Result<Shares, Cancelled> {
+    let (planes, kept, frame_count) = trail.frames();
+    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let first_frame = trail.detection().frames_used.start;
+    let size = trail.size_image();
+    let offsets = trail.offsets(slope);
+    let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
+    let at = (pixel(place[0], size.0), pixel(place[1], size.1));
+    let sigma = trail.space().sigma_image(octave, f64::from(level)) as f32;
+    let half_px = PATCH_SIGMAS * sigma;
+    let mut frames = Vec::with_capacity(planes.len());
+    for (index, (plane, &t)) in planes.iter().zip(kept).enumerate() {
+        monitor.check()?;
+        let dt = t as f32 - t0;
+        let pos_frame = [place[0] + dt * slope.u, place[1] + dt * slope.v];
+        let covers = offsets[index].covers(at.0, at.1, size);
+        let place = ((place[0], place[1]), slope);
+        let value =
+            if covers { trail.point_response((octave, level..level + 1), place, &[index])[0] } else { f32::NAN };
+        frames.push(FrameShare {
+            frame: first_frame + t,
+            pos_frame,
+            covers,
+            value,
+            sigma_d: trail.sigma_d_at((octave, level), place, &[index]),
+            patch: sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, PATCH_SIDE),
+        });
+    }
+    let answers: Vec<(f32, f32)> = frames.iter().filter(|f| f.covers).map(|f| (f.value, f.sigma_d)).collect();
+    let Evenness { mean, coherence, unevenness, shape } = evenness(&answers);
+    let meaning = meaning(&frames, shape, coherence);
+    Ok(Shares {
+        octave,
+        level,
+        pos_image: place,
+        slope,
+        sigma,
+        frames,
+        mean,
+        coherence,
+        unevenness,
+        shape,
+        meaning,
+        patch_px: 2.0 * half_px,
+    })
+}
+
+/// How even answers are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Evenness {
+    /// Their mean.
+    pub mean: f32,
+    /// See [`Shares::coherence`].
+    pub coherence: Option<f32>,
+    /// See [`Shares::unevenness`].
+    pub unevenness: f32,
+    /// See [`Shares::shape`].
+    pub shape: Shape,
+}
+
+/// How even `answers` are: values with their standard deviations, in time order.
+pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
+    let n = answers.len() as f64;
+    if answers.is_empty() {
+        return Evenness { mean: 0.0, coherence: None, unevenness: 0.0, shape: Shape::Unclear };
+    }
+    let value = |a: &(f32, f32)| f64::from(a.0);
+    let mean = answers.iter().map(value).sum::<f64>() / n;
+    let square = answers.iter().map(|a| value(a).powi(2)).sum::<f64>() / n;
+    let noise = answers.iter().map(|a| f64::from(a.1).powi(2)).sum::<f64>() / n;
+    let (of_mean, of_all) = (mean * mean - noise / n, square - noise);
+    // The mean square is known to about √(2/n) of the noise's; below twice that nothing is left to compare.
+    let is_seen = of_all > 2.0 * (2.0 / n).sqrt() * noise && of_all > 0.0;
+    let coherence = is_seen.then(|| (of_mean / of_all).clamp(0.0, 1.0) as f32);
+    let free = n - 1.0;
+    let unevenness = match () {
+        () if free < 1.0 => 0.0,
+        () if noise <= 0.0 => {
+            // Without noise rounding is what is left: differences of a thousandth are none.
+            let spread = ((square - mean * mean).max(0.0)).sqrt();
+            if spread > 1e-3 * mean.abs() { f64::from(UNEVEN) * (spread / (0.3 * mean.abs().max(1e-30))) } else { 0.0 }
+        }
+        () => {
+            let chi2: f64 = answers.iter().map(|a| ((value(a) - mean) / f64::from(a.1).max(1e-30)).powi(2)).sum();
+            (chi2 - free) / (2.0 * free).sqrt()
+        }
+    };
+    let uneven = unevenness > f64::from(UNEVEN);
+    let shape = match coherence {
+        _ if answers.len() < 3 => Shape::Unclear,
+        Some(coherence) if uneven && coherence < BUMP_COHERENCE && is_one_bump(answers) => Shape::Bump,
+        _ if uneven => Shape::Uneven,
+        Some(_) => Shape::Level,
+        None => Shape::Unclear,
+    };
+    Evenness { mean: mean as f32, coherence, unevenness: unevenness as f32, shape }
+}
+
+/// Whether the frames that answer lie next to each other and are not all.
+fn is_one_bump(answers: &[(f32, f32)]) -> bool {
+    let smooth: Vec<f32> = answering(answers);
+    let most = smooth.iter().copied().fold(0.0, f32::max);
+    let on: Vec<bool> = smooth.iter().map(|&x| x >= ANSWERS * most).collect();
+    let starts = (0..on.len()).filter(|&i| on[i] && (i == 0 || !on[i - 1])).count();
+    most > 0.0 && starts == 1 && on.iter().any(|&x| !x)
+}
+
+/// The answers with the sign of their mean, each averaged with its neighbours.
+fn answering(answers: &[(f32, f32)]) -> Vec<f32> {
+    let sign = answers.iter().map(|a| a.0).sum::<f32>().signum();
+    let at = |i: i64| answers[i.clamp(0, answers.len() as i64 - 1) as usize].0;
+    (0..answers.len() as i64).map(|i| sign * (0.25 * at(i - 1) + 0.5 * at(i) + 0.25 * at(i + 1))).collect()
+}
+
+fn meaning(frames: &[FrameShare], shape: Shape, coherence: Option<f32>) -> String {
+    let number = coherence.map_or_else(String::new, |c| format!("coherence {c:.2}: "));
+    let covering: Vec<&FrameShare> = frames.iter().filter(|f| f.covers).collect();
+    match shape {
+        Shape::Level => format!("{number}every frame answers alike, as a thing that moves this way does"),
+        Shape::Uneven => format!("{number}the frames differ more than their noise, but no part of them answers alone"),
+        Shape::Bump => {
+            let answers: Vec<(f32, f32)> = covering.iter().map(|f| (f.value, f.sigma_d)).collect();
+            let smooth = answering(&answers);
+            let most = smooth.iter().copied().fold(0.0, f32::max);
+            let on: Vec<usize> =
+                (0..smooth.len()).filter(|&i| smooth[i] >= ANSWERS * most).map(|i| covering[i].frame).collect();
+            let (first, last) = (on.first().copied().unwrap_or(0), on.last().copied().unwrap_or(0));
+            let which = if first == last {
+                format!("frame {first} answers")
+            } else {
+                format!("frames {first} to {last} answer")
+            };
+            format!("{number}only {which}, as a ghost does: something of another motion crosses this way")
+        }
+        Shape::Unclear if covering.len() < 3 => "too few frames show the place to compare them".to_owned(),
+        Shape::Unclear => "a single frame is too noisy here to compare the frames".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Stream;
+    use proptest::prelude::*;
+
+    #[test]
+    fn level_answers_are_coherent_and_a_bump_is_its_part() {
+        let level: Vec<(f32, f32)> = vec![(-0.1, 0.0); 10];
+        assert_eq!(evenness(&level).coherence, Some(1.0));
+        assert_eq!(evenness(&level).shape, Shape::Level);
+        // Three of ten answer: the coherence is 0.3.
+        let bump: Vec<(f32, f32)> = (0..10).map(|t| (if (4..7).contains(&t) { 0.2 } else { 0.0 }, 0.005)).collect();
+        let seen = evenness(&bump);
+        assert!((seen.coherence.expect("clear") - 0.3).abs() < 0.02, "{seen:?}");
+        assert_eq!(seen.shape, Shape::Bump);
+        // The same answers, but not side by side.
+        let apart: Vec<(f32, f32)> = (0..10).map(|t| (if t % 4 == 1 { 0.2 } else { 0.0 }, 0.005)).collect();
+        assert_eq!(evenness(&apart).shape, Shape::Uneven);
+    }
+
+    #[test]
+    fn noise_alone_says_nothing_and_hides_nothing_strong() {
+        let mut noise = Stream::new(4, 0);
+        let (mut unclear, mut level) = (0, 0);
+        for _ in 0..200 {
+            let nothing: Vec<(f32, f32)> = (0..10).map(|_| (noise.normal() as f32, 1.0)).collect();
+            unclear += usize::from(evenness(&nothing).shape == Shape::Unclear);
+            let there: Vec<(f32, f32)> = (0..10).map(|_| (4.0 + noise.normal() as f32, 1.0)).collect();
+            level += usize::from(evenness(&there).shape == Shape::Level);
+        }
+        assert!(unclear > 180 && level > 190, "{unclear} {level}");
+    }
+
+    proptest! {
+        #[test]
+        fn coherence_is_a_part_and_does_not_depend_on_sign_or_unit(
+            values in prop::collection::vec(-1.0f32..1.0, 0..20), noise in 0.0f32..0.5, gain in 0.1f32..10.0,
+        ) {
+            let answers = |gain: f32| values.iter().map(|v| (gain * v, gain.abs() * noise)).collect::<Vec<_>>();
+            let (a, b) = (evenness(&answers(1.0)), evenness(&answers(-gain)));
+            prop_assert!(a.coherence.is_none_or(|c| (0.0..=1.0).contains(&c)));
+            if let (Some(a), Some(b)) = (a.coherence, b.coherence) {
+                prop_assert!((a - b).abs() < 1e-3);
+            }
+            prop_assert!(a.mean.is_finite() && a.unevenness.is_finite());
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Periodic textures: where in the picture they are, and at which slopes they answer again.
+
+use crate::detector::slopes::SlopeEvidence;
+use crate::detector::{Slope, SlopeGrid};
+use crate::inspect::ProbeCache;
+use crate::inspect::slices::direction_of;
+use crate::inspect::suspicion::stack_around;
+use crate::inspect::texture::{dirichlet, period_along};
+use crate::monitor::{Cancelled, Monitor};
+use serde::Serialize;
+
+/// A texture that repeats itself along an axis of the slopes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Alias {
+    /// After how many pixels it repeats itself: slopes so many px/frame apart look alike.
+    pub period_px: f32,
+    /// How alike it is then, 0 … 1.
+    pub correlation: f32,
+    /// The direction of the slopes along which it does, u and v, of length 1.
+    pub direction: [f32; 2],
+    /// Its slope, px/frame, as far as one can be told from the others.
+    pub slope: Slope,
+    /// How many aliases of that slope lie within the slopes searched.
+    pub inside_range: usize,
+    /// The height (0 … 1) of the side lobes between them, for the frames used.
+    pub side_lobe: f32,
+    /// Where it is: (u, v) of the middle of each window, input pixels, the clearest first.
+    pub places: Vec<[f32; 2]>,
+}
+
+/// Windows of this ambiguity or more are looked at.
+const AMBIGUOUS: f32 = 0.5;
+/// Significance from which a window counts at all.
+const SIGNIFICANT: f32 = 6.5;
+/// Windows that are looked at, at most: the most significant ones.
+const MOST_WINDOWS: usize = 120;
+/// Periods that differ by less than this part are the same.
+const SAME_PERIOD: f32 = 0.12;
+/// Pixels to each side in which a period is looked for.
+const HALF_PX: usize = 32;
+
+/// The periodic textures of a burst, those with the most places first. `all` is the evidence of every window, `confirmed` what counts.
+pub(super) fn aliases(
+    cache: &ProbeCache,
+    confirmed: &[SlopeEvidence],
+    all: &[SlopeEvidence],
+    monitor: &Monitor,
+) -> Result<Vec<Alias>, Cancelled> {
+    let grid = cache.params().used_slopes();
+    let frames = cache.trail.frames().0.len();
+    if frames < 2 {
+        return Ok(Vec::new());
+    }
+    let mut windows: Vec<&SlopeEvidence> =
+        all.iter().filter(|e| e.significance >= SIGNIFICANT && e.ambiguity >= AMBIGUOUS).collect();
+    windows.sort_by(|a, b| b.significance.total_cmp(&a.significance));
+    windows.truncate(MOST_WINDOWS);
+    let mut found: Vec<Alias> = Vec::new();
+    for window in windows {
+        monitor.check()?;
+        let slope = believed(window, confirmed);
+        let (stack, centre) = stack_around(&cache.trail, window.centre, slope, HALF_PX + 8, monitor)?;
+        for direction in directions(&grid) {
+            let Some(period) = period_along(&stack, centre, direction, HALF_PX) else { continue };
+            let same = |alias: &&mut Alias| {
+                alias.direction == direction && (alias.period_px / period.px - 1.0).abs() < SAME_PERIOD
+            };
+            match found.iter_mut().find(same) {
+                Some(alias) => {
+                    alias.correlation = alias.correlation.max(period.correlation);
+                    let is_new = alias
+                        .places
+                        .iter()
+                        .all(|[u, v]| (u - window.centre[0]).hypot(v - window.centre[1]) > HALF_PX as f32);
+                    if is_new {
+                        alias.places.push(window.centre);
+                    }
+                }
+                None => found.push(Alias {
+                    period_px: period.px,
+                    correlation: period.correlation,
+                    direction,
+                    slope,
+                    inside_range: inside_range(&grid, slope, direction, period.px),
+                    side_lobe: highest_lobe(frames),
+                    places: vec![window.centre],
+                }),
+            }
+        }
+    }
+    // Those that matter first: they answer again within the slopes searched.
+    let matters = |alias: &Alias| (alias.inside_range > 0, alias.places.len());
+    found.sort_by(|a, b| matters(b).cmp(&matters(a)).then(b.correlation.total_cmp(&a.correlation)));
+    Ok(found)
+}
+
+/// The slope of a window: what confirmed evidence says that holds its middle, or its own where there is none.
+fn believed(window: &SlopeEvidence, confirmed: &[SlopeEvidence]) -> Slope {
+    let holds = |e: &&SlopeEvidence| {
+        (e.centre[0] - window.centre[0]).abs() <= 0.5 * e.size[0]
+            && (e.centre[1] - window.centre[1]).abs() <= 0.5 * e.size[1]
+    };
+    let area = |e: &SlopeEvidence| e.size[0] * e.size[1];
+    let smallest = confirmed.iter().filter(holds).min_by(|a, b| area(a).total_cmp(&area(b)));
+    smallest.map_or(window.slope, |e| e.slope)
+}
+
+/// The directions of the axes that have several slopes.
+fn directions(grid: &SlopeGrid) -> Vec<[f32; 2]> {
+    let origin = grid.at(0.0, 0.0);
+    let towards = |to: Slope| direction_of(Slope::new(to.u - origin.u, to.v - origin.v));
+    let axes = [(grid.u.count, grid.at(1.0, 0.0)), (grid.v.count, grid.at(0.0, 1.0))];
+    axes.into_iter().filter(|(count, _)| *count > 1).map(|(_, to)| towards(to)).collect()
+}
+
+/// How many slopes whole periods away from `slope` the axis along `direction` holds.
+fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32) -> usize {
+    let along = |s: Slope| s.u * direction[0] + s.v * direction[1];
+    let own = along(slope);
+    let (least, most) =
+        grid.slopes().map(along).fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let reach = ((most - least).abs() / period).ceil() as i64 + 1;
+    let around = |k: &i64| *k != 0 && (least..=most).contains(&(own + *k as f32 * period));
+    (-reach..=reach).filter(around).count()
+}
+
+/// The highest side lobe of the mean over `frames` frames, between two aliases.
+fn highest_lobe(frames: usize) -> f32 {
+    // Beyond the first zero, which lies 1/N of a period beside the peak.
+    let first = 1.0 / frames as f64;
+    let lobes = (0..=200).map(|k| first + (0.5 - first) * f64::from(k) / 200.0).map(|x| dirichlet(frames, 1.0, x));
+    if frames > 2 { lobes.fold(0.0, f64::max) as f32 } else { 0.0 }
+}

@@ -1,0 +1,175 @@
+//! Which slopes a burst needs: what was found at each slope, what the frames show before any threshold, and what to change.
+//!
+//! The features say where the detector found something; the *evidence* ([`crate::detector::SlopeFinding`]) says where the motion stack has power that single frames do
+//! not have alone, also beyond the slopes that were searched. Advice compares the two with the grid.
+
+mod advice;
+mod aliases;
+mod frames;
+mod loss;
+mod range;
+
+pub use advice::{SlopeAdvice, Subject};
+pub use aliases::Alias;
+pub use loss::step_loss;
+
+use super::ProbeCache;
+use crate::detector::slopes::SlopeEvidence;
+use crate::detector::{Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
+use crate::monitor::{Cancelled, Monitor};
+use serde::Serialize;
+
+/// What there is at one slope.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SlopeBar {
+    /// Coordinates in the grid, first axis and second; outside the grid beyond its rim.
+    pub at: [i64; 2],
+    /// px/frame.
+    pub slope: Slope,
+    /// Whether it was searched.
+    pub is_searched: bool,
+    /// Whether it is on the rim of what was searched.
+    pub is_on_rim: bool,
+    /// Features whose slope is nearest to this one.
+    pub features: usize,
+    /// The part (0 … 1) of all evidence, by its significance, whose slope is nearest to this one.
+    pub evidence: f32,
+    /// The share (0 … 1) of the picture that all frames show at this slope.
+    pub coverage: f32,
+}
+
+/// What a search costs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Cost {
+    /// Slopes searched.
+    pub slopes: usize,
+    /// Samples of D examined.
+    pub samples: u64,
+    /// Seconds that the search took, by the clock.
+    pub search_secs: f32,
+}
+
+/// The slopes of a burst.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Spectrum {
+    /// The slopes searched.
+    pub grid: SlopeGrid,
+    /// Those of the grid in its order, first axis fastest, and those beyond its rim on which there is evidence.
+    pub bars: Vec<SlopeBar>,
+    /// Features in all.
+    pub features: usize,
+    /// Features at the limit of the slopes.
+    pub at_limit: usize,
+    /// What the frames themselves show.
+    pub finding: SlopeFinding,
+    /// The evidence that counts, strongest first.
+    #[serde(skip)]
+    pub evidence: Vec<SlopeEvidence>,
+    /// Textures that repeat themselves.
+    pub aliases: Vec<Alias>,
+    /// What was paid.
+    pub cost: Cost,
+    /// Frames used.
+    pub frames: usize,
+    /// What to change, the most important first; empty when all is well.
+    pub advice: Vec<SlopeAdvice>,
+}
+
+/// Grid steps beyond the rim that are shown at most.
+const MOST_BEYOND: i64 = 40;
+
+impl Spectrum {
+    /// The slope searched with the most features that do not lie at the limit; `None` without features. Those at the limit are mostly of motions beyond it.
+    pub fn most_features(&self) -> Option<Slope> {
+        let inner = self.bars.iter().filter(|bar| bar.is_searched && bar.features > 0 && !bar.is_on_rim);
+        let all = self.bars.iter().filter(|bar| bar.is_searched && bar.features > 0);
+        let most = |bars: &mut dyn Iterator<Item = &SlopeBar>| {
+            bars.max_by(|a, b| a.features.cmp(&b.features).then(b.slope.magnitude().total_cmp(&a.slope.magnitude())))
+                .map(|bar| bar.slope)
+        };
+        most(&mut inner.into_iter()).or_else(|| most(&mut all.into_iter()))
+    }
+}
+
+/// The slopes of the burst behind `cache`.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cancelled> {
+    let (trail, params) = (&cache.trail, cache.params());
+    let grid = params.used_slopes();
+    let finding = match &cache.finding {
+        // One that was asked for on a line has not seen the rest of the plane.
+        Some(finding) if cache.asked.slopes == SlopeChoice::AUTO => finding.clone(),
+        _ => find_slopes(&cache.burst, params, None, monitor)?,
+    };
+    let mut evidence = finding.confirmed(params, cache.burst.len());
+    evidence.sort_by(|a, b| b.significance.total_cmp(&a.significance));
+    let detection = trail.detection();
+    let bars = bars(cache, &grid, &evidence);
+    let aliases = aliases::aliases(cache, &evidence, &finding.evidence, monitor)?;
+    let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
+    let spectrum = Spectrum {
+        grid,
+        bars,
+        features: detection.features.len(),
+        at_limit,
+        finding,
+        evidence,
+        aliases,
+        cost: Cost { slopes: grid.len(), samples: detection.tally.samples, search_secs: detection.times.search_secs },
+        frames: detection.frames_used.len(),
+        advice: Vec::new(),
+    };
+    let advice = advice::advice(cache, &spectrum);
+    Ok(Spectrum { advice, ..spectrum })
+}
+
+/// The share of a picture of `size` that all of `frames` frames show at `slope`.
+pub fn coverage_share(slope: Slope, frames: usize, size: (usize, usize)) -> f32 {
+    let part = |slope: f32, n: usize| (1.0 - slope.abs() * (frames.saturating_sub(1)) as f32 / n as f32).max(0.0);
+    part(slope.u, size.0) * part(slope.v, size.1)
+}
+
+/// Coordinates of the grid's slope, or of the one beyond its rim at the same step, that is nearest to a slope.
+fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
+    let (i, j) = grid.position(slope);
+    [i.round() as i64, j.round() as i64]
+}
+
+fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec<SlopeBar> {
+    let detection = cache.detection();
+    let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
+    let inside = |[i, j]: [i64; 2]| (0..nu).contains(&i) && (0..nv).contains(&j);
+    let mut places: Vec<[i64; 2]> = (0..nv).flat_map(|j| (0..nu).map(move |i| [i, j])).collect();
+    let within = |x: i64, n: i64| (-MOST_BEYOND..n + MOST_BEYOND).contains(&x);
+    let seen: Vec<([i64; 2], f32)> = evidence.iter().map(|e| (nearest(grid, e.slope), e.significance)).collect();
+    let mut beyond: Vec<[i64; 2]> =
+        seen.iter().map(|(at, _)| *at).filter(|at| !inside(*at) && within(at[0], nu) && within(at[1], nv)).collect();
+    beyond.sort_by_key(|[i, j]| (*j, *i));
+    beyond.dedup();
+    places.extend(beyond);
+    let total = seen.iter().fold(0.0f32, |sum, (_, significance)| sum + significance).max(f32::MIN_POSITIVE);
+    let clamped = |[i, j]: [i64; 2]| [i.clamp(0, nu - 1), j.clamp(0, nv - 1)];
+    let mut counts = std::collections::HashMap::new();
+    for feature in &detection.features {
+        *counts.entry(clamped(nearest(grid, feature.slope))).or_insert(0usize) += 1;
+    }
+    places
+        .into_iter()
+        .map(|at| {
+            let is_searched = inside(at);
+            let slope = grid.at(at[0] as f32, at[1] as f32);
+            SlopeBar {
+                at,
+                slope,
+                is_searched,
+                is_on_rim: is_searched && grid.on_rim(at[0] as usize, at[1] as usize),
+                features: if is_searched { counts.get(&at).copied().unwrap_or(0) } else { 0 },
+                // A sum over nothing would be −0.
+                evidence: seen.iter().filter(|(place, _)| *place == at).fold(0.0, |sum, (_, s)| sum + s) / total,
+                coverage: coverage_share(slope, detection.frames_used.len(), cache.burst.size()),
+            }
+        })
+        .collect()
+}

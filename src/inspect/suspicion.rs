@@ -1,0 +1,277 @@
+//! Kept features that look wrong: a second one on a blob, a ghost of another motion, one whose slope lies beyond the range, an alias of periodic texture.
+//! Each suspicion comes with its evidence in numbers; whether it is right is for people to say.
+
+use super::remedy::{nearest_slope, widened_towards};
+use super::response::{beyond_the_rim, covering, snr_at};
+use super::shares::{Shape, Shares};
+use super::slices::direction_of;
+use super::texture::{Period, dirichlet, period_along};
+use super::words::{number, slope_text};
+use crate::detector::motion::motion_stack;
+use crate::detector::{Feature, ParamChange, Slope, Trail};
+use crate::inspect::Fate;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use serde::Serialize;
+
+/// What may be wrong with a feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Another feature shows the same blob, just beyond the radius of distinct keypoints.
+    Duplicate,
+    /// A blob of another motion that shows in this slope's stack.
+    Ghost,
+    /// It lies on the rim of the slopes and its response rises beyond.
+    AtLimit,
+    /// The texture repeats itself, and another slope, whole periods away, shows it as well or better.
+    Alias,
+}
+
+/// A suspicion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Suspicion {
+    /// What may be wrong.
+    pub kind: Kind,
+    /// What speaks for it, as a sentence.
+    pub evidence: String,
+    /// The number on which it rests: σ apart, coherence, rise beyond the rim, response at the other slope over this one's.
+    pub number: f32,
+    /// The other feature, where there is one.
+    pub other: Option<usize>,
+    /// The other slope, px/frame, where there is one.
+    pub other_slope: Option<Slope>,
+    /// What would mend it.
+    pub change: Option<ParamChange>,
+}
+
+/// Features nearer than this many σ of the stronger one are suspected to share a blob.
+const NEAR_SIGMAS: f32 = 2.0;
+/// and of scales that differ by less than this factor.
+const NEAR_SCALES: f32 = 2.0;
+/// The ways of a ghost and of what it belongs to pass each other within this many σ.
+const CROSSES_SIGMAS: f32 = 2.0;
+/// A response that is larger by this factor a step beyond the rim rises.
+const RISES: f32 = 1.02;
+/// Slopes are whole periods apart when they are so within this part of one.
+const PERIOD_PART: f32 = 0.2;
+/// The part of a feature's response that another slope must have, to speak of an alias.
+const ALIAS_RESPONSE: f32 = 0.7;
+/// Pixels to each side in which a period is looked for: in σ, at least, and at most. Longer periods are farther apart than any slopes searched.
+const TEXTURE_SIGMAS: f32 = 8.0;
+const TEXTURE_LEAST_PX: usize = 24;
+const TEXTURE_MOST_PX: usize = 64;
+
+/// What may be wrong with a kept candidate, whose frames' shares are `shares`. Empty for one that became no feature.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn suspicions(trail: &Trail, fate: &Fate, shares: &Shares, monitor: &Monitor) -> Result<Vec<Suspicion>, Cancelled> {
+    let Some(&index) = fate.features.first() else {
+        return Ok(Vec::new());
+    };
+    let feature = trail.detection().features[index];
+    let mut found: Vec<Suspicion> = Vec::new();
+    found.extend(duplicate(trail, index, &feature));
+    found.extend(ghost(trail, index, &feature, shares));
+    found.extend(at_limit(trail, fate, &feature));
+    found.extend(alias(trail, &feature, monitor)?);
+    Ok(found)
+}
+
+/// The stronger feature that shows the same blob, perhaps.
+fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion> {
+    let own = trail.keypoint_of_feature(index);
+    let features = &trail.detection().features;
+    let nearest = (0..index)
+        .filter(|&other| {
+            trail.keypoint_of_feature(other) != own && features[other].response.signum() == feature.response.signum()
+        })
+        .map(|other| {
+            let f = &features[other];
+            (
+                other,
+                (f.u - feature.u).hypot(f.v - feature.v) / f.sigma,
+                f.sigma.max(feature.sigma) / f.sigma.min(feature.sigma),
+            )
+        })
+        .filter(|(_, apart, ratio)| *apart < NEAR_SIGMAS && *ratio < NEAR_SCALES)
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (other, apart, ratio) = nearest;
+    let stronger = &features[other];
+    Some(Suspicion {
+        kind: Kind::Duplicate,
+        evidence: format!(
+            "feature {other}, which is stronger, lies {} σ away, of {} times the scale, with slope {}",
+            number(apart, 2),
+            number(ratio, 2),
+            slope_text(stronger.slope)
+        ),
+        number: apart,
+        other: Some(other),
+        other_slope: Some(stronger.slope),
+        change: None,
+    })
+}
+
+/// The stronger feature whose way crosses this one's, where only a part of the frames answers.
+fn ghost(trail: &Trail, index: usize, feature: &Feature, shares: &Shares) -> Option<Suspicion> {
+    if shares.shape != Shape::Bump {
+        return None;
+    }
+    let features = &trail.detection().features;
+    let (_, kept, frame_count) = trail.frames();
+    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let crosses = |other: &Feature| {
+        let apart = |t: usize| {
+            let dt = t as f32 - t0;
+            let (du, dv) = (other.u - feature.u, other.v - feature.v);
+            (du + dt * (other.slope.u - feature.slope.u)).hypot(dv + dt * (other.slope.v - feature.slope.v))
+        };
+        kept.iter().any(|&t| apart(t) < CROSSES_SIGMAS * other.sigma.max(feature.sigma))
+    };
+    let of = (0..index).find(|&other| {
+        let f = &features[other];
+        let differ = (f.slope.u - feature.slope.u).hypot(f.slope.v - feature.slope.v) * 2.0 * t0;
+        differ > f.sigma && crosses(f)
+    });
+    let coherence = shares.coherence.unwrap_or(0.0);
+    let of_what = of.map_or_else(
+        || "nothing stronger that was kept crosses its way".to_owned(),
+        |other| {
+            let f = &features[other];
+            format!(
+                "feature {other} at ({}, {}) with slope {} crosses its way",
+                number(f.u, 1),
+                number(f.v, 1),
+                slope_text(f.slope)
+            )
+        },
+    );
+    Some(Suspicion {
+        kind: Kind::Ghost,
+        evidence: format!("only a part of the frames answers (coherence {coherence:.2}); {of_what}"),
+        number: coherence,
+        other: of,
+        other_slope: of.map(|other| features[other].slope),
+        change: None,
+    })
+}
+
+fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> {
+    if !feature.at_slope_limit {
+        return None;
+    }
+    let rim = nearest_slope(&trail.params().used_slopes(), feature.slope);
+    let rise = beyond_the_rim(trail, [feature.u, feature.v], (feature.octave, feature.level), rim)?;
+    let change = widened_towards(&trail.params().used_slopes(), fate)?;
+    (rise > RISES).then(|| Suspicion {
+        kind: Kind::AtLimit,
+        evidence: format!(
+            "it lies on the rim of the slopes, and beyond the rim the response is {} times as large: widen them to {}",
+            number(rise, 2),
+            change.value
+        ),
+        number: rise,
+        other: None,
+        other_slope: None,
+        change: Some(change),
+    })
+}
+
+/// The slopes of the range, whole periods of the texture away, at which the place answers as well.
+fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
+    let Some((period, direction)) = period_at(trail, feature, monitor)? else {
+        return Ok(None);
+    };
+    let grid = trail.params().used_slopes();
+    let here =
+        snr_at(trail, (feature.octave, feature.level..feature.level + 1), [feature.u, feature.v], feature.slope)[0];
+    let along = |s: Slope| s.u * direction[0] + s.v * direction[1];
+    let mut best: Option<(Slope, f32)> = None;
+    for slope in grid.slopes() {
+        monitor.check()?;
+        let periods = (along(slope) - along(feature.slope)) / period.px;
+        let off = (periods - periods.round()).abs();
+        if periods.round() == 0.0 || off > PERIOD_PART {
+            continue;
+        }
+        // The alias itself lies between the grid's slopes.
+        let by = (periods.round() - periods) * period.px;
+        let slope = Slope::new(slope.u + by * direction[0], slope.v + by * direction[1]);
+        let there = snr_at(trail, (feature.octave, feature.level..feature.level + 1), [feature.u, feature.v], slope)[0];
+        let ratio = there / here;
+        if best.is_none_or(|(_, most)| ratio > most) {
+            best = Some((slope, ratio));
+        }
+    }
+    let Some((slope, ratio)) = best.filter(|(_, ratio)| *ratio > ALIAS_RESPONSE) else {
+        return Ok(None);
+    };
+    let (_, kept, _) = trail.frames();
+    let lobe = dirichlet(kept.len(), 1.0, 1.5 / kept.len() as f64);
+    Ok(Some(Suspicion {
+        kind: Kind::Alias,
+        evidence: format!(
+            "the texture repeats itself every {} px (correlation {:.2}), so slopes {} px/frame apart look alike: slope {} answers {} times as strongly, and the side lobes between reach {:.0} %",
+            number(period.px, 1),
+            period.correlation,
+            number(period.px, 1),
+            slope_text(slope),
+            number(ratio, 2),
+            100.0 * lobe
+        ),
+        number: ratio,
+        other: None,
+        other_slope: Some(slope),
+        change: None,
+    }))
+}
+
+/// The period of the texture around a feature, in the stack at its own slope, along the direction of the grid in which it is clearest.
+fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<(Period, [f32; 2])>, Cancelled> {
+    let grid = trail.params().used_slopes();
+    let half_px = ((TEXTURE_SIGMAS * feature.sigma) as usize).clamp(TEXTURE_LEAST_PX, TEXTURE_MOST_PX);
+    let (stack, centre) = stack_around(trail, [feature.u, feature.v], feature.slope, half_px + 8, monitor)?;
+    let axis = |count: usize, towards: Slope, from: Slope| {
+        (count > 1).then(|| direction_of(Slope::new(towards.u - from.u, towards.v - from.v)))
+    };
+    let origin = grid.at(0.0, 0.0);
+    let directions = [axis(grid.u.count, grid.at(1.0, 0.0), origin), axis(grid.v.count, grid.at(0.0, 1.0), origin)];
+    let found = directions.into_iter().flatten().filter_map(|d| Some((period_along(&stack, centre, d, half_px)?, d)));
+    Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
+}
+
+/// The motion stack at `slope` in a square around a place, and where the place is in it. The square is smaller at the border of the image.
+pub(super) fn stack_around(
+    trail: &Trail,
+    [u, v]: [f32; 2],
+    slope: Slope,
+    half_px: usize,
+    monitor: &Monitor,
+) -> Result<(Plane, [f32; 2]), Cancelled> {
+    let (width, height) = trail.size_image();
+    let range = |at: f32, n: usize| {
+        let at = (at.round().max(0.0) as usize).min(n - 1);
+        at.saturating_sub(half_px)..(at + half_px + 1).min(n)
+    };
+    let (columns, rows) = (range(u, width), range(v, height));
+    let (frames, kept, frame_count) = trail.frames();
+    let shown = covering(trail, [u, v], slope);
+    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    // Each frame's part along the way, so that only the square is stacked.
+    let parts: Vec<Plane> = shown
+        .iter()
+        .map(|&index| {
+            let dt = kept[index] as f32 - t0;
+            Plane::from_fn(columns.len(), rows.len(), |x, y| {
+                let place = ((columns.start + x) as f32 + dt * slope.u, (rows.start + y) as f32 + dt * slope.v);
+                let inside = (place.0.clamp(0.0, (width - 1) as f32), place.1.clamp(0.0, (height - 1) as f32));
+                crate::plane::sample::bilinear(&frames[index], inside.0, inside.1).unwrap_or(0.0)
+            })
+        })
+        .collect();
+    let parts: Vec<&Plane> = parts.iter().collect();
+    let stack = motion_stack(&parts, Slope::default(), trail.params().interpolation, monitor)?;
+    Ok((stack, [u - columns.start as f32, v - rows.start as f32]))
+}

@@ -1,0 +1,127 @@
+//! Periodic texture: whether what is around a place repeats itself along a direction, and after how many pixels.
+//!
+//! Slopes that differ by a period p in p px/frame show such a texture alike: from frame to frame it moves on by a whole period, which nothing can see. Between them lie
+//! the side lobes of the mean over N frames.
+
+use crate::plane::Plane;
+use crate::plane::sample::bilinear;
+use serde::Serialize;
+
+/// A repetition.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Period {
+    /// After how many pixels.
+    pub px: f32,
+    /// How alike it is then, 0 … 1: the correlation with itself.
+    pub correlation: f32,
+}
+
+/// The finest period that is looked for, pixels.
+const FINEST_PX: usize = 3;
+/// Least correlation of what repeats itself.
+const LEAST_CORRELATION: f32 = 0.35;
+/// The correlation must fall below this part of its height between two repetitions.
+const TROUGH: f32 = 0.3;
+/// Lines beside the one through the place, to each side, a pixel apart.
+const LINES: i32 = 6;
+
+/// The period of `plane` around `centre` (u, v) along `direction` (of length 1), within `half_px` pixels to each side; `None` where nothing repeats itself at
+/// least twice there.
+pub fn period_along(plane: &Plane, centre: [f32; 2], direction: [f32; 2], half_px: usize) -> Option<Period> {
+    let [du, dv] = direction;
+    let lines: Vec<Vec<f32>> =
+        (-LINES..=LINES).filter_map(|line| profile(plane, centre, [du, dv], line as f32, half_px)).collect();
+    let n = 2 * half_px + 1;
+    let most = n * 2 / 5;
+    if lines.is_empty() || most <= FINEST_PX {
+        return None;
+    }
+    // Unbiased: each lag over the products that it has, and over the energy of the parts that take part.
+    let correlation = |lag: usize| -> f32 {
+        let (mut product, mut energy) = (0.0f64, 0.0f64);
+        for line in &lines {
+            for i in 0..n - lag {
+                let (a, b) = (f64::from(line[i]), f64::from(line[i + lag]));
+                product += a * b;
+                energy += 0.5 * (a * a + b * b);
+            }
+        }
+        if energy > 0.0 { (product / energy) as f32 } else { 0.0 }
+    };
+    let r: Vec<f32> = (0..=most).map(correlation).collect();
+    // The first peak beyond the first trough.
+    let trough = (1..most).find(|&lag| r[lag] < r[lag + 1] && r[lag] < TROUGH * r[1].max(LEAST_CORRELATION))?;
+    let peak = (trough.max(FINEST_PX)..most)
+        .filter(|&lag| r[lag] >= r[lag - 1] && r[lag] > r[lag + 1])
+        .find(|&lag| r[lag] > LEAST_CORRELATION)?;
+    let (a, b, c) = (r[peak - 1], r[peak], r[peak + 1]);
+    let curvature = a - 2.0 * b + c;
+    let offset = if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
+    Some(Period { px: peak as f32 + offset, correlation: b.clamp(0.0, 1.0) })
+}
+
+/// A line of pixels beside the place, less its trend; `None` where it leaves the plane.
+fn profile(plane: &Plane, centre: [f32; 2], [du, dv]: [f32; 2], beside: f32, half_px: usize) -> Option<Vec<f32>> {
+    let at = |i: i64| {
+        let along = i as f32;
+        bilinear(plane, centre[0] + along * du - beside * dv, centre[1] + along * dv + beside * du)
+    };
+    let half = half_px as i64;
+    let mut line: Vec<f32> = (-half..=half).map(at).collect::<Option<_>>()?;
+    let n = line.len() as f32;
+    let mean = line.iter().sum::<f32>() / n;
+    let place = |i: usize| i as f32 - half as f32;
+    let squares: f32 = (0..line.len()).map(|i| place(i).powi(2)).sum();
+    let trend = line.iter().enumerate().map(|(i, x)| place(i) * x).sum::<f32>() / squares.max(1.0);
+    line.iter_mut().enumerate().for_each(|(i, x)| *x -= mean + trend * place(i));
+    Some(line)
+}
+
+/// The mean of `frames` frames of a wave of period `period_px` px, when each is `slope_error` px/frame off: the Dirichlet kernel
+/// |sin(N·ω·δ/2) / (N·sin(ω·δ/2))|, ω = 2π/p. 1 where nothing is lost, and at every whole multiple of p.
+pub fn dirichlet(frames: usize, period_px: f64, slope_error: f64) -> f64 {
+    let n = frames as f64;
+    let half = std::f64::consts::PI * slope_error / period_px;
+    let below = half.sin();
+    if below.abs() < 1e-9 { 1.0 } else { ((n * half).sin() / (n * below)).abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Stream;
+
+    #[test]
+    fn a_grating_has_its_period_in_its_direction_and_noise_has_none() {
+        let mut noise = Stream::new(8, 0);
+        for period in [5.0f32, 8.3, 13.0] {
+            let plane = Plane::from_fn(160, 120, |u, _| {
+                0.3 + 0.05 * (std::f32::consts::TAU * u as f32 / period).sin() + 0.01 * noise.normal() as f32
+            });
+            let found = period_along(&plane, [80.0, 60.0], [1.0, 0.0], 40).expect("it repeats itself");
+            assert!((found.px / period - 1.0).abs() < 0.02 && found.correlation > 0.8, "{period}: {found:?}");
+            assert_eq!(period_along(&plane, [80.0, 60.0], [0.0, 1.0], 40), None);
+        }
+        let mut seen = 0;
+        for _ in 0..20 {
+            let plane = Plane::from_fn(160, 120, |_, _| noise.normal() as f32);
+            seen += usize::from(period_along(&plane, [80.0, 60.0], [1.0, 0.0], 40).is_some());
+        }
+        assert_eq!(seen, 0);
+        let blob =
+            Plane::from_fn(160, 120, |u, v| (-((u as f32 - 80.0).powi(2) + (v as f32 - 60.0).powi(2)) / 50.0).exp());
+        assert_eq!(period_along(&blob, [80.0, 60.0], [1.0, 0.0], 40), None);
+        // Beyond the border there is nothing to see.
+        assert_eq!(period_along(&blob, [-90.0, 60.0], [1.0, 0.0], 40), None);
+    }
+
+    #[test]
+    fn the_kernel_is_one_at_whole_periods_and_small_between() {
+        assert!((dirichlet(10, 8.0, 0.0) - 1.0).abs() < 1e-12 && (dirichlet(10, 8.0, 16.0) - 1.0).abs() < 1e-9);
+        // The first zero lies p/N beside the peak.
+        assert!(dirichlet(10, 8.0, 0.8) < 1e-9);
+        // The first side lobe of a mean of ten is about 0.22 high.
+        let lobe = (81..160).map(|i| dirichlet(10, 8.0, f64::from(i) * 0.01)).fold(0.0, f64::max);
+        assert!((lobe - 0.22).abs() < 0.01, "{lobe}");
+    }
+}

@@ -1,0 +1,174 @@
+//! Found, missed, repeated and false: the features of a burst against what is really there, and why each miss was missed.
+//!
+//! What counts as found is the rule of [`crate::evaluate::score`].
+
+use super::probe::fates_near;
+use super::{Fate, ProbeCache};
+use crate::burst::Burst;
+use crate::evaluate::score::{Ranking, finds, judge};
+use crate::monitor::{Cancelled, Monitor};
+use crate::synth::{FeatureTruth, Truth, demo_burst, demo_truth};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Why there is no truth to compare with.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TruthError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The file is not a truth.
+    #[error("{}: is no truth of a synthetic burst: {reason}; give the truth.json that 'burstscope synth' writes", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and where.
+        reason: String,
+    },
+    /// It belongs to another burst.
+    #[error("{}: is of {truth:?} pixels, but the burst has {burst:?}", path.display())]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Its columns and rows.
+        truth: (usize, usize),
+        /// The burst's.
+        burst: (usize, usize),
+    },
+}
+
+/// Reads a `truth.json`.
+///
+/// # Errors
+/// See [`TruthError`].
+pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
+    let text =
+        std::fs::read_to_string(path).map_err(|e| TruthError::Read { path: path.into(), reason: e.to_string() })?;
+    serde_json::from_str(&text).map_err(|e| TruthError::Json { path: path.into(), reason: e.to_string() })
+}
+
+/// The truth of a burst: the `truth.json` in its folder, or what is known of the built-in demo. `None` where there is none.
+///
+/// # Errors
+/// A `truth.json` that cannot be read, is none, or is of pictures of another size.
+pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
+    let [source] = &burst.sources[..] else {
+        let is_demo = burst.sources.is_empty() && burst.name == demo_burst().name;
+        return Ok(is_demo.then(demo_truth));
+    };
+    let path = source.join("truth.json");
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let truth = read_truth(&path)?;
+    let size = (truth.width, truth.height);
+    if size != burst.size() {
+        return Err(TruthError::Size { path, truth: size, burst: burst.size() });
+    }
+    Ok(Some(truth))
+}
+
+/// A disc that no feature found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Miss {
+    /// Index in the truth.
+    pub disc: usize,
+    /// The candidate that would have found it and came farthest, the strongest of several; `None` where there is none.
+    pub fate: Option<Fate>,
+    /// Why it was missed, as a clause.
+    pub why: String,
+}
+
+/// Features against the truth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AgainstTruth {
+    /// (feature, disc) for what was found.
+    pub found: Vec<(usize, usize)>,
+    /// Discs that were not.
+    pub missed: Vec<Miss>,
+    /// Features on a disc that a stronger one found already.
+    pub repeated: Vec<usize>,
+    /// Features where there is no disc.
+    pub false_features: Vec<usize>,
+}
+
+impl AgainstTruth {
+    /// The counts in a sentence.
+    pub fn summary(&self) -> String {
+        format!(
+            "{} of {} found; {} missed, {} repeated, {} false",
+            self.found.len(),
+            self.found.len() + self.missed.len(),
+            self.missed.len(),
+            self.repeated.len(),
+            self.false_features.len()
+        )
+    }
+}
+
+/// Compares what was found with `truth`.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Result<AgainstTruth, Cancelled> {
+    let features = &cache.detection().features;
+    let judged = judge(features, truth, Ranking::Strength);
+    let mut out =
+        AgainstTruth { found: Vec::new(), missed: Vec::new(), repeated: Vec::new(), false_features: Vec::new() };
+    for one in &judged {
+        match one.disc {
+            Some(disc) => out.found.push((one.feature, disc)),
+            None if truth.features.iter().any(|disc| finds(&features[one.feature], disc)) => {
+                out.repeated.push(one.feature);
+            }
+            None => out.false_features.push(one.feature),
+        }
+    }
+    let is_found: std::collections::HashSet<usize> = out.found.iter().map(|(_, disc)| *disc).collect();
+    for (index, disc) in truth.features.iter().enumerate().filter(|(index, _)| !is_found.contains(index)) {
+        monitor.check()?;
+        out.missed.push(miss(cache, index, disc, monitor)?);
+    }
+    Ok(out)
+}
+
+fn miss(cache: &ProbeCache, index: usize, disc: &FeatureTruth, monitor: &Monitor) -> Result<Miss, Cancelled> {
+    let (width, height) = cache.burst.size();
+    let inside = disc.u >= 0.0 && disc.v >= 0.0 && disc.u <= (width - 1) as f64 && disc.v <= (height - 1) as f64;
+    if !inside {
+        return Ok(Miss { disc: index, fate: None, why: "it lies outside the picture at mid-burst".to_owned() });
+    }
+    let place = [disc.u as f32, disc.v as f32];
+    let fates = fates_near(&cache.trail, place, REACH_SIGMAS, monitor)?;
+    // What would have found it: at its place, of its size, and of its sign (a bright disc is a negative extremum).
+    let would_find = |fate: &&Fate| {
+        let feature = crate::detector::Feature {
+            u: fate.pos_image[0],
+            v: fate.pos_image[1],
+            sigma: fate.sigma,
+            orientation: 0.0,
+            slope: fate.slope,
+            response: fate.value,
+            snr: fate.snr,
+            octave: fate.octave,
+            level: fate.level,
+            slope_index: fate.slope_index,
+            at_slope_limit: fate.at_slope_limit,
+        };
+        finds(&feature, disc) && (fate.value < 0.0) == (disc.contrast_sign > 0)
+    };
+    let best = fates.into_iter().find(|fate| would_find(&fate));
+    let why = match &best {
+        None => "no candidate of its size stands out there at any slope".to_owned(),
+        Some(fate) => fate.verdict.clone(),
+    };
+    Ok(Miss { disc: index, fate: best, why })
+}
+
+/// Candidates within this many σ are asked.
+const REACH_SIGMAS: f32 = 1.5;

@@ -1,0 +1,285 @@
+//! Why a feature is not matched, or why it is matched as it is.
+//!
+//! A feature of A goes the way of all: its nearest descriptor in B must be clearly nearer than the second (ratio test), B's feature must choose it too (mutual check), and the
+//! pair must fit the geometry. What is told here is where on that way it was lost, and, where a geometry is known, whether B has a keypoint at all where the
+//! feature must be.
+
+use crate::detector::{Descriptor, Detection, Slope};
+use crate::matching::nearest::{Nearest, nearest_two};
+use crate::matching::{MatchParams, MatchResult, TwoViewModel};
+use crate::monitor::{Cancelled, Monitor};
+use serde::Serialize;
+
+/// Where a feature of A was lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Lost {
+    /// It is an inlier.
+    Not,
+    /// B has no feature at all to compare with, or none of its size where the geometry says that it must be.
+    NoKeypoint,
+    /// The second nearest descriptor is almost as near.
+    RatioTest,
+    /// The nearest one in B is nearer to another feature of A.
+    MutualCheck,
+    /// Its match does not fit the geometry.
+    Geometry,
+}
+
+impl Lost {
+    /// All of them, in order.
+    pub const ALL: [Self; 5] = [Self::Not, Self::NoKeypoint, Self::RatioTest, Self::MutualCheck, Self::Geometry];
+}
+
+/// A feature of B that may be the same as one of A.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Rivalry {
+    /// Index in B.
+    pub feature: usize,
+    /// Distance of the descriptors.
+    pub distance: f32,
+    /// That distance over the one of the next one in this list; 0 for the last.
+    pub ratio: f32,
+    /// Distance from where the geometry says that it must be, pixels; `None` where none is known.
+    pub error_px: Option<f32>,
+    /// Its slope, px/frame.
+    pub slope: Slope,
+    /// Whether it lies on the same blob as the first of the list: then the two are no rivals, but one.
+    pub is_same_blob: bool,
+}
+
+/// Why a feature is not matched.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unmatched {
+    /// Where it was lost.
+    pub lost: Lost,
+    /// The nearest of B, nearest first.
+    pub candidates: Vec<Rivalry>,
+    /// The feature of A that B's nearest would choose instead, where the mutual check failed.
+    pub preferred: Option<usize>,
+    /// Where the geometry says that it must be in B: one place, or a line through these; empty where none is known, and where that lies outside the picture.
+    pub expected: Vec<[f64; 2]>,
+    /// The features of B there, nearest descriptor first, with their rank among all of B.
+    pub there: Vec<(usize, usize)>,
+    /// The same as a sentence.
+    pub sentence: String,
+}
+
+/// Two features of one picture nearer than this many σ share a blob.
+const SAME_BLOB_SIGMAS: f32 = 2.0;
+/// Scales of the same thing differ by at most this factor from picture to picture.
+const SAME_SCALE: f32 = 2.0;
+
+/// The pair that is asked about: both detections, what came of matching them, and with which parameters.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    /// Image A.
+    pub a: &'a Detection,
+    /// Image B.
+    pub b: &'a Detection,
+    /// (columns, rows) of B.
+    pub size_b: (usize, usize),
+    /// Their matches.
+    pub result: &'a MatchResult,
+    /// How they were matched.
+    pub params: &'a MatchParams,
+}
+
+impl Pair<'_> {
+    fn model(&self) -> Option<&TwoViewModel> {
+        self.result.verification.as_ref()?.model.as_ref()
+    }
+
+    fn place_a(&self, index: usize) -> [f64; 2] {
+        let f = &self.a.features[index];
+        [f64::from(f.u), f64::from(f.v)]
+    }
+
+    fn place_b(&self, index: usize) -> [f64; 2] {
+        let f = &self.b.features[index];
+        [f64::from(f.u), f64::from(f.v)]
+    }
+
+    /// Features of B that lie where the geometry says that feature `index` of A must be, and have its size.
+    fn there(&self, model: &TwoViewModel, index: usize) -> Vec<usize> {
+        let own = &self.a.features[index];
+        let limit = f64::from(self.params.max_error_px);
+        (0..self.b.features.len())
+            .filter(|&other| {
+                let sigma = self.b.features[other].sigma;
+                sigma.max(own.sigma) / sigma.min(own.sigma) <= SAME_SCALE
+                    && model.error_px(self.place_a(index), self.place_b(other)) <= limit
+            })
+            .collect()
+    }
+
+    /// For each feature of A its match, by number.
+    fn matched(&self) -> Vec<Option<usize>> {
+        let mut matched = vec![None; self.a.features.len()];
+        for (number, m) in self.result.matches.iter().enumerate() {
+            matched[m.a] = Some(number);
+        }
+        matched
+    }
+}
+
+/// A pair that is ready to be asked: the nearest descriptors of both sides are known.
+#[derive(Debug)]
+pub struct Losses<'a> {
+    pair: Pair<'a>,
+    of_a: Vec<Nearest>,
+    of_b: Vec<Nearest>,
+    matched: Vec<Option<usize>>,
+}
+
+impl<'a> Losses<'a> {
+    /// Compares the descriptors of `pair`, as matching does.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn new(pair: Pair<'a>, monitor: &Monitor) -> Result<Self, Cancelled> {
+        let (a, b) = (&pair.a.descriptors, &pair.b.descriptors);
+        let (of_a, of_b) = (nearest_two(a, b, monitor)?, nearest_two(b, a, monitor)?);
+        Ok(Self { pair, of_a, of_b, matched: pair.matched() })
+    }
+
+    /// Where feature `index` of A was lost.
+    ///
+    /// # Panics
+    /// When A has no such feature: a mistake of the caller.
+    pub fn lost(&self, index: usize) -> Lost {
+        let Self { pair, of_a, of_b, matched } = self;
+        if let Some(number) = matched[index] {
+            let inlier = pair.result.verification.as_ref().is_none_or(|v| v.inlier[number]);
+            return if inlier { Lost::Not } else { Lost::Geometry };
+        }
+        let Some(nearest) = of_a.get(index) else {
+            return Lost::NoKeypoint;
+        };
+        if pair.model().is_some_and(|model| pair.there(model, index).is_empty()) {
+            return Lost::NoKeypoint;
+        }
+        if pair.params.mutual && of_b[nearest.index].index != index { Lost::MutualCheck } else { Lost::RatioTest }
+    }
+
+    /// How many features of A were lost where, in the order of [`Lost::ALL`].
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn counts(&self, monitor: &Monitor) -> Result<[(Lost, usize); 5], Cancelled> {
+        let mut counts = Lost::ALL.map(|lost| (lost, 0));
+        for index in 0..self.pair.a.features.len() {
+            if index % 256 == 0 {
+                monitor.check()?;
+            }
+            counts[self.lost(index) as usize].1 += 1;
+        }
+        Ok(counts)
+    }
+
+    /// Why feature `index` of A is matched as it is; the `count` nearest of B are listed.
+    ///
+    /// # Panics
+    /// When A has no such feature: a mistake of the caller.
+    pub fn of(&self, index: usize, count: usize) -> Unmatched {
+        unmatched(self, index, count)
+    }
+}
+
+fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
+    let Losses { pair, of_a, of_b, .. } = losses;
+    let (pair, lost) = (*pair, losses.lost(index));
+    let own = &pair.a.descriptors[index];
+    let mut order: Vec<(usize, f32)> =
+        pair.b.descriptors.iter().enumerate().map(|(other, d)| (other, distance(own, d))).collect();
+    // Of equally near ones the first counts as the nearest, as in matching.
+    order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    let model = pair.model();
+    let first = order.first().map(|(other, _)| pair.b.features[*other]);
+    let candidates = order
+        .iter()
+        .take(count)
+        .enumerate()
+        .map(|(rank, &(feature, distance))| {
+            let f = &pair.b.features[feature];
+            let next = order.get(rank + 1).map(|(_, next)| *next);
+            let error = model.map(|model| model.error_px(pair.place_a(index), pair.place_b(feature)) as f32);
+            Rivalry {
+                feature,
+                distance,
+                ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
+                error_px: error,
+                slope: f.slope,
+                is_same_blob: first.is_some_and(|first| {
+                    (f.u - first.u).hypot(f.v - first.v) < SAME_BLOB_SIGMAS * first.sigma.max(f.sigma)
+                }),
+            }
+        })
+        .collect::<Vec<_>>();
+    let there = model.map(|model| pair.there(model, index)).unwrap_or_default();
+    let ranked = order.iter().enumerate().filter(|(_, (other, _))| there.contains(other));
+    let there: Vec<(usize, usize)> = ranked.map(|(rank, (other, _))| (*other, rank)).collect();
+    let preferred = of_a.get(index).filter(|_| lost == Lost::MutualCheck).map(|nearest| of_b[nearest.index].index);
+    let expected = model.map(|model| model.locus_in_b(pair.place_a(index), pair.size_b)).unwrap_or_default();
+    let leaves = model.is_some() && expected.is_empty();
+    let sentence = if lost == Lost::NoKeypoint && leaves {
+        "the geometry puts it outside the other picture".to_owned()
+    } else {
+        sentence(pair, lost, &candidates, preferred, &there)
+    };
+    Unmatched { lost, candidates, preferred, expected, there, sentence }
+}
+
+fn distance(a: &Descriptor, b: &Descriptor) -> f32 {
+    let squared: u32 = a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b)).pow(2)).sum();
+    f64::from(squared).sqrt() as f32
+}
+
+fn sentence(
+    pair: Pair<'_>,
+    lost: Lost,
+    candidates: &[Rivalry],
+    preferred: Option<usize>,
+    there: &[(usize, usize)],
+) -> String {
+    let Some(best) = candidates.first() else {
+        return "the other picture has no feature to compare with".to_owned();
+    };
+    let where_it_is = match there.first() {
+        Some((feature, 0)) => format!("; the nearest, feature {feature}, lies where the geometry expects it"),
+        Some((feature, rank)) => {
+            format!("; feature {feature} lies where the geometry expects it, but {rank} others have nearer descriptors")
+        }
+        None => String::new(),
+    };
+    match lost {
+        Lost::Not => {
+            format!("matched with feature {} at distance {:.0}, ratio {:.2}", best.feature, best.distance, best.ratio)
+        }
+        Lost::NoKeypoint => {
+            "the other picture has no keypoint of its size where the geometry says that it must be".to_owned()
+        }
+        Lost::RatioTest => {
+            let second = candidates.get(1);
+            let twin = match second {
+                Some(second) if second.is_same_blob => ", which lies on the same blob: of the two one is too many",
+                _ => "",
+            };
+            let who = second.map_or_else(String::new, |second| format!(" to feature {}{twin}", second.feature));
+            format!(
+                "ratio test: the nearest is feature {} at {:.0}, {:.2} times the distance{who}; at most {:.2} is allowed{where_it_is}",
+                best.feature, best.distance, best.ratio, pair.params.ratio
+            )
+        }
+        Lost::MutualCheck => format!(
+            "mutual check: its nearest, feature {}, is nearer to feature {} of this picture{where_it_is}",
+            best.feature,
+            preferred.map_or_else(|| "?".to_owned(), |index| index.to_string())
+        ),
+        Lost::Geometry => {
+            let error =
+                best.error_px.map_or_else(String::new, |error| format!(": {error:.1} px from where it must be"));
+            format!("geometry: its match, feature {}, does not fit{error}", best.feature)
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! How explanations write numbers.
+
+use crate::detector::Slope;
+
+/// A slope in px/frame, short: one number where it is horizontal, two otherwise.
+pub fn slope_text(slope: Slope) -> String {
+    if slope.v == 0.0 { number(slope.u, 2) } else { format!("({}, {})", number(slope.u, 2), number(slope.v, 2)) }
+}
+
+/// A number with at most `digits` behind the point and no zeros at its end.
+pub fn number(x: f32, digits: usize) -> String {
+    let text = format!("{x:.digits$}");
+    let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if short == "-0" { "0".to_owned() } else { short.replace('-', "−") }
+}
+
+/// The largest number with `significant` digits that is not above `x`, for a limit that `x` must pass; 0 for what is not above 0.
+pub fn rounded_down(x: f64, significant: i32) -> f64 {
+    rounded(x, significant, f64::floor)
+}
+
+/// The smallest number with `significant` digits that is not below `x`.
+pub fn rounded_up(x: f64, significant: i32) -> f64 {
+    rounded(x, significant, f64::ceil)
+}
+
+fn rounded(x: f64, significant: i32, round: fn(f64) -> f64) -> f64 {
+    if x <= 0.0 || !x.is_finite() {
+        return 0.0;
+    }
+    let digits = significant - 1 - x.log10().floor() as i32;
+    // By way of text, so that 0.0031 is not 0.0031000000000000003.
+    let power = 10f64.powi(digits);
+    let value = round(x * power) / power;
+    format!("{value:.*}", digits.max(0) as usize).parse().unwrap_or(value)
+}
+
+/// “1 feature”, “2 features”.
+pub fn counted(count: usize, what: &str) -> String {
+    let grouped = crate::detector::advice::grouped(count as u64);
+    if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(slope_text(Slope::new(-2.10, 0.0)), "−2.1");
+        assert_eq!(slope_text(Slope::new(1.0, -0.25)), "(1, −0.25)");
+        assert_eq!((number(-0.001, 2), number(100.0, 0)), ("0".to_owned(), "100".to_owned()));
+        assert_eq!((counted(1, "feature"), counted(2_345, "feature")), ("1 feature".into(), "2 345 features".into()));
+    }
+
+    #[test]
+    fn limits_are_rounded_to_the_passing_side() {
+        assert_eq!((rounded_down(3.987, 2), rounded_up(3.912, 2)), (3.9, 4.0));
+        assert_eq!((rounded_down(0.003_19, 2), rounded_down(0.0, 2), rounded_down(812.0, 2)), (0.0031, 0.0, 810.0));
+        assert_eq!(rounded_down(3.9, 2), 3.9);
+    }
+}

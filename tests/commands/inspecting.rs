@@ -1,0 +1,128 @@
+//! `probe` and `slopes`.
+
+use super::support::{names, run_badly, run_well};
+use serde_json::Value;
+use std::path::Path;
+
+fn json(home: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&run_well(home, arguments)).expect("JSON")
+}
+
+const GARLANDS: [&str; 3] = ["demo-aliasing", "--slopes-u", "-9:9:37"];
+
+#[test]
+fn probe_says_what_became_of_a_place() {
+    let home = tempfile::tempdir().expect("a folder");
+    // The moon.
+    let text = run_well(home.path(), &["probe", "demo", "--at", "92,58", "--slopes-u", "-3:3:13"]);
+    for words in ["demo at (92, 58)", "noise gate", "kept as", "frame   0", "coherence"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let found = json(home.path(), &["probe", "demo", "--at", "92,58", "--slopes-u", "-3:3:13", "--json"]);
+    assert_eq!(found["command"], "probe");
+    let fates = found["probe"]["fates"].as_array().expect("fates");
+    assert!(fates.iter().any(|f| f["first_failed"].is_null()), "something was kept");
+    for fate in fates {
+        let tests = fate["tests"].as_array().expect("tests");
+        assert_eq!(tests.len(), 11);
+        let failed = tests.iter().find(|t| t["outcome"] == "fails").map_or(Value::Null, |t| t["test"].clone());
+        assert_eq!(failed, fate["first_failed"], "{fate:#}");
+    }
+    assert_eq!(found["probe"]["shares"]["frames"].as_array().map(Vec::len), Some(10));
+    let rows = found["probe"]["response"]["snr"].as_array().expect("a map");
+    assert_eq!(rows.len(), found["probe"]["response"]["scales"].as_array().map_or(0, Vec::len));
+}
+
+#[test]
+fn probe_of_a_feature_is_that_of_its_place_and_draws_it() {
+    let home = tempfile::tempdir().expect("a folder");
+    let line = ["--slopes-u", "-3:3:13", "--quiet"];
+    run_well(home.path(), &[&["probe", "demo", "--feature", "0", "--plot", "deep/why.svg"], &line[..]].concat());
+    let svg = std::fs::read_to_string(home.path().join("deep/why.svg")).expect("a figure");
+    let document = roxmltree::Document::parse(&svg).expect("valid XML");
+    let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
+    // The map, the slice, and a patch for each of ten frames.
+    assert_eq!(count("image"), 12);
+    assert!(count("circle") > 10 && count("text") > 30);
+    assert!(svg.contains("Kept as"), "the tests are told");
+    let found = json(home.path(), &["probe", "demo", "--feature", "0", "--slopes-u", "-3:3:13", "--json"]);
+    let subject = found["probe"]["subject"]["fate"].as_u64().expect("a candidate") as usize;
+    let features = found["probe"]["fates"][subject]["features"].as_array().expect("indices");
+    assert!(features.contains(&Value::from(0)));
+}
+
+#[test]
+fn an_option_that_probe_proposes_keeps_what_was_lost() {
+    let home = tempfile::tempdir().expect("a folder");
+    let place = ["demo-low-contrast", "--at", "160,120", "--slopes-u", "-2:2:9"];
+    let asked = json(home.path(), &[&["probe", "--json"], &place[..]].concat());
+    let fates = asked["probe"]["fates"].as_array().expect("fates");
+    let lost = fates
+        .iter()
+        .find(|f| f["first_failed"] == "noise_gate" && f["remedy"]["then_fails"].is_null() && f["remedy"].is_object())
+        .unwrap_or_else(|| panic!("nothing was lost to the gate alone: {}", asked["probe"]["summary"]));
+    let change = &lost["remedy"]["change"];
+    let option = format!("--{}", change["parameter"].as_str().expect("a name"));
+    let value = change["value"].as_str().expect("a value");
+    let again = json(home.path(), &[&["probe", "--json", &option, value], &place[..]].concat());
+    let same = |f: &&Value| ["octave", "level", "slope_index", "sample"].iter().all(|key| f[*key] == lost[*key]);
+    let now = again["probe"]["fates"].as_array().expect("fates").iter().find(same).expect("the same candidate");
+    assert_ne!(now["first_failed"], "noise_gate", "{now:#}");
+}
+
+#[test]
+fn slopes_tells_what_is_there_and_what_to_change() {
+    let home = tempfile::tempdir().expect("a folder");
+    // The sign moves by −2.1 px/frame, the lanterns by 1.6: a range of ±1 holds neither.
+    let text = run_well(home.path(), &["slopes", "demo", "--slopes-u", "-1:1:5"]);
+    assert!(text.contains("beyond") && text.contains("try --slopes-u"), "{text}");
+    let narrow = json(home.path(), &["slopes", "demo", "--slopes-u", "-1:1:5", "--json"]);
+    let advice = narrow["spectrum"]["advice"].as_array().expect("advice");
+    assert!(advice.iter().any(|a| a["subject"] == "range" || a["subject"] == "direction"), "{advice:#?}");
+    // What is found by itself needs none.
+    let found = json(home.path(), &["slopes", "demo", "--json"]);
+    assert_eq!(found["spectrum"]["advice"], Value::Array(Vec::new()));
+    let bars = found["spectrum"]["bars"].as_array().expect("bars");
+    let features: u64 = bars.iter().map(|bar| bar["features"].as_u64().expect("a count")).sum();
+    assert_eq!(Some(features), found["spectrum"]["features"].as_u64());
+}
+
+#[test]
+fn slopes_sees_a_garland_repeat_itself_and_draws_it() {
+    let home = tempfile::tempdir().expect("a folder");
+    let text = run_well(home.path(), &[&["slopes", "--plot", "garlands.svg"], &GARLANDS[..]].concat());
+    assert!(text.contains("repeats itself  every 8"), "{text}");
+    let svg = std::fs::read_to_string(home.path().join("garlands.svg")).expect("a figure");
+    assert!(roxmltree::Document::parse(&svg).is_ok() && svg.contains("A texture of period"));
+}
+
+#[test]
+fn wrong_use_says_what_would_be_right() {
+    let home = tempfile::tempdir().expect("a folder");
+    for (arguments, code, words) in [
+        (vec!["probe", "demo"], 2, "--at"),
+        (vec!["probe", "demo", "--at", "9"], 2, "is not U,V"),
+        (vec!["probe", "demo", "--at", "480,3"], 2, "outside the 480×360 image"),
+        (vec!["probe", "demo", "--feature", "99999", "--slopes-u", "0"], 2, "there is no feature 99999"),
+        (vec!["probe", "demo", "--at", "3,3", "--plot", "x.png"], 2, "name the file .svg"),
+        (vec!["probe", "gone", "--at", "3,3"], 1, "gone"),
+        (vec!["slopes", "demo", "--plot", "x"], 2, "name the file .svg"),
+        (vec!["slopes", "demo", "demo-later"], 2, "takes one burst"),
+        (vec!["slopes", "gone"], 1, "gone"),
+    ] {
+        let error = run_badly(home.path(), &arguments, code);
+        assert!(error.contains(words), "{arguments:?}: {error}");
+    }
+    assert_eq!(names(home.path()), Vec::<String>::new(), "nothing was written");
+}
+
+#[test]
+fn the_examples_are_bursts_like_any_other() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["demo-aliasing", "demo-low-contrast"] {
+        run_well(home.path(), &["detect", name, "--slopes-u", "-2:2:5", "--out", "found"]);
+        assert!(home.path().join(format!("found/{name}.csv")).is_file());
+    }
+    run_well(home.path(), &["render", "demo-aliasing", "--no-detect", "--out", "x.png"]);
+    assert!(home.path().join("x.png").is_file(), "the window opens them too");
+}

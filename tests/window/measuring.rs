@@ -1,0 +1,107 @@
+//! A line and a rectangle drawn on a picture.
+
+use crate::support::{Start, Window};
+use burstscope::app::measure::Tool;
+use burstscope::app::state::BottomTab;
+use burstscope::plane::profile::{profile, region_statistics};
+use burstscope::plane::statistics::Region;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, pos2};
+use egui_kittest::kittest::Queryable;
+
+fn open() -> Window {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    window.key(Key::Num6);
+    window.settle();
+    window
+}
+
+/// Drags from one place of the image of the pane in focus to another.
+fn drag(window: &mut Window, from: Pos2, to: Pos2) {
+    let [from, to] = [from, to].map(|pos| window.app().ui_from_image(pos).unwrap());
+    window.harness.hover_at(from);
+    window.harness.run_steps(1);
+    window.harness.drag_at(from);
+    window.harness.run_steps(1);
+    for i in 1..=4 {
+        window.harness.hover_at(from + (to - from) * (i as f32 / 4.0));
+        window.harness.run_steps(1);
+    }
+    window.harness.drop_at(to);
+    window.harness.run_steps(2);
+}
+
+#[test]
+fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("profile.csv");
+    let mut window = open();
+    let view = window.app().model.focused().view;
+    window.key(Key::Q);
+    drag(&mut window, pos2(100.0, 80.0), pos2(220.0, 170.0));
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.focused().view.centre_image, view.centre_image, "the tool draws and does not pan");
+    let line = model.measure.line.expect("a line was drawn");
+    assert!((line.from_image - pos2(100.0, 80.0)).length() < 1.5, "{line:?}");
+    assert_eq!(model.bottom_tab, BottomTab::Profile);
+    assert!(window.harness.query_by_role_and_label(Role::Image, "Profile of 2 pictures").is_some());
+    window.dialogs.will_choose(&file);
+    window.click("Export as CSV…");
+    window.settle();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let rows: Vec<&str> = text.lines().skip(1).collect();
+    // The stack is the second pane; the frame shows the line half a frame later, moved along its slope.
+    let model = &window.app().model;
+    let stack = model.focused().picture.as_ref().unwrap().plane.clone();
+    let expected = profile(&stack, line.from_image.into(), line.to_image.into(), 1.0);
+    let of_stack: Vec<&&str> = rows.iter().filter(|row| row.starts_with("\"2  Stack")).collect();
+    assert_eq!((of_stack.len(), rows.len()), (expected.len(), 2 * expected.len()));
+    let value: f32 = of_stack[10].rsplit(',').next().unwrap().parse().unwrap();
+    assert_eq!(value, expected[10].value);
+    let u = |row: &str| row.rsplit(',').nth(2).unwrap().parse::<f32>().unwrap();
+    assert!((u(rows[0]) - u(of_stack[0]) + 1.0).abs() < 1e-3, "{} {}", rows[0], of_stack[0]);
+    // Escape puts the tool away, and then the pointer pans again.
+    window.key(Key::Escape);
+    assert_eq!(window.app().model.measure.tool, Tool::Pan);
+    window.click("Clear line");
+    assert!(window.shows("Drag a line on a picture"));
+}
+
+#[test]
+fn a_rectangle_is_measured_in_all_linked_panes() {
+    let mut window = open();
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::Q);
+    window.harness.run_steps(2);
+    drag(&mut window, pos2(200.0, 60.0), pos2(300.0, 130.0));
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.bottom_tab, BottomTab::Region);
+    let rect = model.measure.region.expect("a rectangle was drawn").rect_image;
+    let stack = model.focused().picture.as_ref().unwrap().plane.clone();
+    let pixels = |low: f32, high: f32| (low + 0.5).floor() as usize..(high + 0.5).ceil() as usize;
+    let region = Region { u: pixels(rect.min.x, rect.max.x), v: pixels(rect.min.y, rect.max.y) };
+    let expected = region_statistics(&stack, &region).unwrap();
+    assert!(window.shows(&expected.count.to_string()));
+    assert!(window.shows(&burstscope::app::canvas::number(expected.mean as f32, 5)));
+    let noise = expected.noise.unwrap() as f32;
+    assert!(window.shows(&burstscope::app::canvas::number(noise, 4)));
+    assert!(window.harness.query_by_role_and_label(Role::Image, "Histogram of the region").is_some());
+}
+
+#[test]
+fn line_profile() {
+    let mut window = open();
+    window.key(Key::Q);
+    drag(&mut window, pos2(40.0, 150.0), pos2(440.0, 110.0));
+    window.snapshot("line_profile");
+}
+
+#[test]
+fn region_statistics_panel() {
+    let mut window = open();
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::Q);
+    window.harness.run_steps(2);
+    drag(&mut window, pos2(200.0, 30.0), pos2(330.0, 120.0));
+    window.snapshot("region_statistics");
+}

@@ -1,0 +1,333 @@
+//! Panes of the inspector: presets, splitting, links, a wipe, a flip, a difference.
+
+use crate::support::{Start, Window};
+use burstscope::Monitor;
+use burstscope::app::canvas::Zoom;
+use burstscope::app::pane::{Content, Over, PaneId};
+use burstscope::app::state::pair::Side;
+use burstscope::app::state::scrub::ViewKind;
+use burstscope::baseline::merge_burst;
+use burstscope::detector::Slope;
+use burstscope::detector::view::{dog_view, stack_view};
+use burstscope::engine::BurstSource;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, pos2};
+use egui_kittest::kittest::Queryable;
+
+fn open() -> Window {
+    Start { size: [1280.0, 800.0], ..Start::default() }.open()
+}
+
+fn small() -> Window {
+    Start { size: [1024.0, 700.0], ..Start::default() }.open()
+}
+
+/// The window after a key that lays out a preset.
+fn laid_out(mut window: Window, key: Key) -> Window {
+    window.key(key);
+    window.settle();
+    window
+}
+
+fn shown(window: &Window) -> Vec<PaneId> {
+    window.app().model.panes.shown()
+}
+
+fn slopes(window: &Window) -> Vec<f32> {
+    let panes = &window.app().model.panes;
+    panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
+}
+
+/// The middle of the canvas of pane `number`, in points.
+fn middle(window: &Window, number: usize) -> Pos2 {
+    window.harness.get_by_role_and_label(Role::Canvas, &format!("Picture {number}")).rect().center()
+}
+
+fn zoom_at(window: &mut Window, pos: Pos2) {
+    window.harness.hover_at(pos);
+    window.harness.run_steps(1);
+    window.harness.event(egui::Event::Zoom(1.8));
+    window.harness.run_steps(4);
+}
+
+#[test]
+fn every_kind_of_picture_is_what_the_library_makes() {
+    let window = laid_out(open(), Key::Num9);
+    let model = &window.app().model;
+    let burst = &model.burst.as_ref().unwrap().burst;
+    let planes: Vec<_> =
+        shown(&window).iter().map(|id| model.panes.get(*id).unwrap().picture.clone().unwrap().plane).collect();
+    let (cursor, params, monitor) = (*model.hand(), &model.params, Monitor::default());
+    assert_eq!(planes[0], burst.frames[cursor.frame]);
+    assert_eq!(*planes[1], stack_view(burst, params, cursor.slope, &monitor).unwrap());
+    assert_eq!(*planes[2], dog_view(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap());
+    assert_eq!(planes[3], merge_burst(burst, 0..burst.len(), &monitor).unwrap().frames[0]);
+    assert!(window.shows("Merged frames"));
+}
+
+#[test]
+fn panes_are_split_by_buttons_and_keys_and_closed() {
+    let mut window = open();
+    assert!(window.harness.query_by_role_and_label(Role::Canvas, "Picture").is_some());
+    window.click("Split right");
+    window.settle();
+    assert_eq!(shown(&window).len(), 2);
+    let new = window.app().model.panes.focus();
+    assert_eq!(new, shown(&window)[1], "the new pane has the focus");
+    window.key(Key::Num1);
+    window.settle();
+    let panes = &window.app().model.panes;
+    assert!(panes.get(new).unwrap().shows(ViewKind::Frame) && panes.of(Side::A).shows(ViewKind::Stack));
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
+    window.harness.run_steps(2);
+    window.settle();
+    assert_eq!(shown(&window).len(), 3);
+    // The same buttons on each pane, by its number.
+    window.click("Close pane 2");
+    window.settle();
+    assert_eq!(shown(&window).len(), 2);
+    window.ctrl(Key::W);
+    window.settle();
+    assert_eq!(shown(&window), [PaneId::of(Side::A)]);
+    window.ctrl(Key::W);
+    assert_eq!(shown(&window).len(), 1, "the last one stays");
+    assert!(window.harness.query_by_role_and_label(Role::Canvas, "Picture").is_some());
+}
+
+#[test]
+fn a_click_gives_a_pane_the_focus_and_keys_move_it() {
+    let mut window = laid_out(open(), Key::Num7);
+    assert_eq!(slopes(&window), [-2.0, -1.0]);
+    let pos = middle(&window, 2) + egui::vec2(0.0, 150.0);
+    window.click_at(pos);
+    assert_eq!(window.app().model.panes.focus(), shown(&window)[1]);
+    window.key(Key::ArrowRight);
+    window.settle();
+    assert_eq!(slopes(&window), [-2.0, 0.0], "two slopes are moved each on its own");
+    window.key(Key::J);
+    window.key(Key::ArrowRight);
+    window.settle();
+    assert_eq!(slopes(&window), [-1.0, 0.0]);
+    assert!(window.app().model.pictures_are_current());
+}
+
+#[test]
+fn a_strip_moves_as_one_until_a_pane_is_let_go() {
+    let mut window = laid_out(open(), Key::Num8);
+    assert_eq!(slopes(&window), [-3.0, -2.0, -1.0, 0.0, 1.0]);
+    window.key(Key::ArrowRight);
+    window.settle();
+    assert_eq!(slopes(&window), [-2.0, -1.0, 0.0, 1.0, 2.0]);
+    window.click("Link cursor of pane 5");
+    window.slide("Slope u", 0.5);
+    window.settle();
+    assert_eq!(slopes(&window), [-0.5, 0.5, 1.5, 2.5, 2.0]);
+    let model = &window.app().model;
+    let last = model.panes.get(shown(&window)[0]).unwrap();
+    let burst = &model.burst.as_ref().unwrap().burst;
+    let expected = stack_view(burst, &model.params, Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
+    assert_eq!(*last.picture.clone().unwrap().plane, expected);
+}
+
+#[test]
+fn views_move_together_where_they_are_linked() {
+    let mut window = laid_out(open(), Key::Num6);
+    let zooms = |window: &Window| -> Vec<Zoom> {
+        let panes = &window.app().model.panes;
+        panes.shown().iter().map(|id| panes.get(*id).unwrap().view.zoom).collect()
+    };
+    let pos = middle(&window, 1);
+    zoom_at(&mut window, pos);
+    let first = zooms(&window);
+    assert!(first[0] != Zoom::Fit && first[0] == first[1], "{first:?}");
+    window.harness.remove_cursor();
+    window.harness.run_steps(2);
+    window.click("Link view of pane 2");
+    zoom_at(&mut window, pos);
+    let second = zooms(&window);
+    assert!(second[0] != first[0] && second[1] == first[1], "{second:?}");
+}
+
+#[test]
+fn a_display_of_its_own_is_changed_alone() {
+    let mut window = laid_out(open(), Key::Num7);
+    window.click("Link display of pane 1");
+    window.settle();
+    assert!(window.shows("This pane's range for frames and motion stacks"));
+    window.click("Full range");
+    window.settle();
+    let model = &window.app().model;
+    let displays: Vec<_> = shown(&window).iter().map(|id| model.display_of(*id)).collect();
+    assert_ne!(displays[0].max, displays[1].max);
+    window.click("Link display of pane 1");
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.display_of(shown(&window)[0]), displays[1]);
+}
+
+#[test]
+fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it() {
+    let mut window = laid_out(open(), Key::Num6);
+    window.key(Key::J);
+    for _ in 0..4 {
+        window.key(Key::Period);
+    }
+    window.settle();
+    // The frame is the last one now, 4.5 frames after the middle; the stack is at slope −2.
+    let [frame, stack] = shown(&window)[..] else { panic!("two panes") };
+    let model = &window.app().model;
+    assert_eq!(
+        (model.panes.get(frame).unwrap().cursor.frame, model.panes.get(stack).unwrap().cursor.slope.u),
+        (9, -2.0)
+    );
+    let place = pos2(200.3, 150.2);
+    let at = window.app().widgets.pos_ui(stack, place).unwrap();
+    window.harness.hover_at(at);
+    window.harness.run_steps(3);
+    let values = window.app().widgets.values.clone();
+    assert_eq!(values.iter().map(|v| v.id).collect::<Vec<_>>(), [stack, frame]);
+    assert!((values[0].readout.u - 200.3).abs() < 0.6);
+    let moved = values[1].readout.u - values[0].readout.u;
+    assert!((moved + 9.0).abs() < 0.01, "{moved}");
+    let burst = &window.app().model.burst.as_ref().unwrap().burst;
+    assert_eq!(values[1].readout.value, burst.frames[9].at(values[1].readout.pixel.0, values[1].readout.pixel.1));
+    assert!(window.shows("v 150.") && window.shows("2: 0."), "the status bar has both values");
+    window.click("Link place of pane 1");
+    window.harness.hover_at(at);
+    window.harness.run_steps(3);
+    assert_eq!(window.app().widgets.values.len(), 1);
+}
+
+#[test]
+fn a_pane_is_laid_over_another_as_a_wipe_and_as_a_flip() {
+    let mut window = laid_out(open(), Key::Num6);
+    let focus = window.app().model.panes.focus();
+    let other = shown(&window)[0];
+    let over = |window: &Window| window.app().model.panes.get(focus).unwrap().over;
+    window.key(Key::W);
+    window.settle();
+    assert_eq!(over(&window), Some(Over::Wipe { other, at: 0.5 }));
+    let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
+    window.harness.drag_at(handle);
+    window.harness.run_steps(1);
+    window.harness.hover_at(handle + egui::vec2(60.0, 0.0));
+    window.harness.run_steps(1);
+    window.harness.drop_at(handle + egui::vec2(60.0, 0.0));
+    window.harness.run_steps(2);
+    let Some(Over::Wipe { at, .. }) = over(&window) else { panic!("still a wipe") };
+    assert!(at > 0.55, "{at}");
+    window.key(Key::W);
+    window.key(Key::Y);
+    window.settle();
+    assert_eq!(over(&window), Some(Over::Flip { other, flipped: true }));
+    assert!(window.shows("1  ·  Frame 5"), "what is on show is said");
+    window.key(Key::W);
+    assert_eq!(over(&window), None);
+}
+
+#[test]
+fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
+    let mut window = laid_out(open(), Key::Num7);
+    window.key(Key::S);
+    window.settle();
+    let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
+    let number = window.app().model.panes.number(window.app().model.panes.focus()).unwrap();
+    window.click(&format!("Menu of pane {number}"));
+    window.harness.run_steps(3);
+    window.click("Difference");
+    window.harness.run_steps(3);
+    let others: Vec<usize> = (1..=3).filter(|n| *n != number).collect();
+    window.click(&format!("{} minus", others[0]));
+    window.harness.run_steps(3);
+    window.click(&format!("{} − {}", others[0], others[1]));
+    window.settle();
+    let model = &window.app().model;
+    let focus = model.panes.focus();
+    let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
+    assert_eq!(model.panes.get(focus).unwrap().content, Content::Difference(rest[0], rest[1]));
+    let plane = |id: PaneId| model.panes.get(id).unwrap().picture.clone().unwrap().plane;
+    assert_eq!(plane(focus).at(100, 80), plane(rest[0]).at(100, 80) - plane(rest[1]).at(100, 80));
+}
+
+#[test]
+fn a_pane_shows_the_other_burst() {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::default() };
+    start.startup.second = Some(BurstSource::DemoLater);
+    let mut window = start.open();
+    window.click("One burst");
+    window.key(Key::S);
+    window.click("Menu of pane 2");
+    window.harness.run_steps(3);
+    window.harness.get_by_role_and_label(Role::RadioButton, "B").click();
+    window.harness.run_steps(2);
+    window.key(Key::Escape);
+    window.settle();
+    let model = &window.app().model;
+    let pane = model.panes.get(shown(&window)[1]).unwrap();
+    assert_eq!(pane.side, Side::B);
+    assert_eq!(pane.picture.as_ref().unwrap().request.burst.id, model.burst_of(Side::B).unwrap().id);
+    // Closing B takes the pane with it.
+    window.run_action("close b");
+    window.settle();
+    assert_eq!(shown(&window), [PaneId::of(Side::A)]);
+}
+
+#[test]
+fn preset_frame_and_stack() {
+    laid_out(open(), Key::Num6).snapshot("preset_frame_and_stack");
+}
+
+#[test]
+fn preset_two_slopes() {
+    laid_out(small(), Key::Num7).snapshot("preset_two_slopes");
+}
+
+#[test]
+fn preset_strip_of_slopes() {
+    laid_out(open(), Key::Num8).snapshot("preset_strip_of_slopes");
+}
+
+#[test]
+fn preset_nine_slopes_small() {
+    let mut start = Start { size: [1024.0, 700.0], ..Start::default() };
+    start.startup.params.detector.slopes = burstscope::detector::SlopeGrid::line(-3.0..=3.0, 13);
+    let mut window = start.open();
+    window.run_action("strip of 9 slopes");
+    window.settle();
+    window.snapshot("preset_nine_slopes");
+}
+
+#[test]
+fn preset_strip_of_scales() {
+    let mut window = open();
+    window.run_action("strip of scales");
+    window.settle();
+    window.snapshot("preset_strip_of_scales");
+}
+
+#[test]
+fn preset_two_by_two() {
+    laid_out(open(), Key::Num9).snapshot("preset_two_by_two");
+}
+
+#[test]
+fn linked_place() {
+    let mut window = laid_out(open(), Key::Num9);
+    let stack = shown(&window)[1];
+    let at = window.app().widgets.pos_ui(stack, pos2(122.0, 96.0)).unwrap();
+    window.snapshot_with_pointer("linked_place", at);
+}
+
+#[test]
+fn wipe_and_difference() {
+    let mut window = laid_out(open(), Key::Num6);
+    window.key(Key::W);
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
+    window.harness.run_steps(2);
+    let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
+    let focus = window.app().model.panes.focus();
+    let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
+    window.app_mut().model.panes.get_mut(focus).unwrap().content = Content::Difference(rest[0], rest[1]);
+    window.settle();
+    window.snapshot("wipe_and_difference");
+}
