@@ -21,7 +21,7 @@ fn plane(peak_threshold: f32) -> DetectorParams {
     DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), ..line(peak_threshold) }
 }
 
-/// What the window asks for while the hand moves, beside a copy of the burst.
+/// What the window asks for while a slider moves, beside a copy of the burst.
 fn pictures(c: &mut Criterion) {
     let burst = common::burst(1600, 1200);
     let (params, quiet) = (line(0.0015), Monitor::default());

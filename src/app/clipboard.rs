@@ -2,10 +2,10 @@
 
 use super::canvas::Readout;
 use super::pane::PaneId;
-use super::state::Model;
-use super::state::pair::{MatchColumn, MatchRow};
-use super::state::room::Room;
 use super::window::BurstscopeApp;
+use crate::app::project::Model;
+use crate::app::project::pair::{MatchColumn, MatchRow};
+use crate::app::project::workspace::Workspace;
 use crate::detector::Feature;
 use crate::export::{COLUMNS, FeatureRow};
 use crate::plane::display::to_rgba8;
@@ -57,8 +57,10 @@ impl BurstscopeApp {
     /// Copies the selected feature or match, or else the value under the pointer.
     pub(super) fn copy_row(&mut self, ctx: &egui::Context) {
         let pair = &self.model.pair;
-        let row = match self.model.room {
-            Room::Pair => pair.matches.as_ref().and_then(|matches| Some(match_text(&matches.row(pair.selected?)?))),
+        let row = match self.model.workspace {
+            Workspace::Pair => {
+                pair.matches.as_ref().and_then(|matches| Some(match_text(&matches.row(pair.selected?)?)))
+            }
             _ => self.model.selected_feature().map(feature_text),
         };
         let readouts = self.model.visible_panes().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);

@@ -4,7 +4,7 @@
 //! person. On a Linux desktop without a portal the system's dialog answers "nothing chosen" at once; nobody cancels that quickly, so then the
 //! path field opens instead.
 
-use super::state::pair::Side;
+use crate::app::project::pair::Side;
 use crate::engine::OnUpdate;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
@@ -309,7 +309,7 @@ impl PathField {
             let edit = ui.add(
                 egui::TextEdit::singleline(&mut self.text).hint_text(self.purpose.hint()).desired_width(f32::INFINITY),
             );
-            super::panels::widgets::name_field(&edit, "Path", &self.text);
+            crate::app::panel::widgets::name_field(&edit, "Path", &self.text);
             if std::mem::take(&mut self.fresh) {
                 edit.request_focus();
             }

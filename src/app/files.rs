@@ -3,9 +3,9 @@
 use super::dataset::Which;
 use super::dialogs::{Answer, ExportKind, PathField, Purpose, Question};
 use super::session::Session;
-use super::state::room::Room;
-use super::state::scrub::ViewKind;
 use super::window::BurstscopeApp;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::engine::BurstSource;
@@ -35,7 +35,7 @@ impl BurstscopeApp {
                 let is_session = std::fs::read_to_string(one).is_ok_and(|text| Session::from_toml(&text).is_ok());
                 self.use_files(if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }, paths);
             }
-            [one] if self.model.room == Room::Trajectories => {
+            [one] if self.model.workspace == Workspace::Trajectories => {
                 // The first that comes is the estimate, the second the truth; a third takes the place of the estimate.
                 let compared = &self.model.trajectories.compared;
                 let truth = compared.estimate.is_some() && compared.truth.is_none();
@@ -49,7 +49,7 @@ impl BurstscopeApp {
     /// Whether what is dropped now falls on the pane of the second burst.
     fn is_dropped_on_b(&self, ctx: &egui::Context) -> bool {
         let pointer = ctx.input(|i| i.pointer.latest_pos());
-        self.model.room == Room::Pair
+        self.model.workspace == Workspace::Pair
             && self.pair_panels.rect_b.zip(pointer).is_some_and(|(pane, pos)| pane.contains(pos))
     }
 
@@ -72,7 +72,7 @@ impl BurstscopeApp {
             Purpose::SaveSession => format!("{stem}.burstscope.toml"),
             Purpose::SaveParams => "params.toml".to_owned(),
             Purpose::Export(kind) => {
-                let what = match (kind, self.model.hand().kind) {
+                let what = match (kind, self.model.cursor().kind) {
                     (ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz, _) => "features",
                     (ExportKind::Matches | ExportKind::MatchPicture, _) => "matches",
                     (ExportKind::Profile, _) => "profile",
@@ -138,7 +138,7 @@ impl BurstscopeApp {
     }
 
     fn write(&mut self, purpose: Purpose, path: PathBuf) {
-        match super::writing::prepare(purpose, &self.model, &self.widgets) {
+        match crate::app::jobs::writing::prepare(purpose, &self.model, &self.widgets) {
             Ok(work) => {
                 self.engine.task(purpose.title(), move || {
                     work(&path)?;

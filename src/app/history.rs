@@ -4,7 +4,7 @@
 //! slope with most features) is no step. While something goes on (a drag, typing, playing through the slopes) all of it is one step.
 
 use super::pane::PaneId;
-use super::state::Model;
+use crate::app::project::Model;
 use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
 
@@ -134,10 +134,10 @@ mod tests {
         pass(&mut history, &mut model, false, |_| {});
         history.undo(&mut model);
         history.undo(&mut model);
-        assert_eq!((model.hand().slope, model.params.levels), (Slope::default(), 5));
+        assert_eq!((model.cursor().slope, model.params.levels), (Slope::default(), 5));
         assert_eq!(model.pair.params, MatchParams::default());
         history.redo(&mut model);
-        assert_eq!(model.hand().slope, Slope::new(1.0, 0.0));
+        assert_eq!(model.cursor().slope, Slope::new(1.0, 0.0));
         // A new step forgets what was undone.
         pass(&mut history, &mut model, false, |m| m.params.octaves = 2);
         assert!(!history.can_redo());

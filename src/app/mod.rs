@@ -2,15 +2,13 @@
 //!
 //! [`window::BurstscopeApp`] holds the [`state::Model`] (plain values), the workers of [`crate::engine`], and what the widgets remember. Each
 //! pass takes what the workers have published, runs the [`actions`] that were asked for, draws the [`panels`], and asks the workers for what is
-//! wanted and not there. What lies between toolbar and status bar is a room: one burst, two, several methods, or many bursts ([`dataset`]).
-//! Pictures are shown in [panes](pane), each with its own cursor; the [`inspector`] draws any arrangement of them. On their pictures a hand can [`measure`], and
+//! wanted and not there. What lies between toolbar and status bar is a workspace: one burst, two, several methods, or many bursts ([`dataset`]).
+//! Pictures are shown in [panes](pane), each with its own cursor; the [`inspector`] draws any arrangement of them. On their pictures one can [`measure`], and
 //! a [`figure`] is made of what they show. [`canvas`] is the picture's widget, [`gpu`] draws its pixels, [`histogram`] sets their range.
 
 pub mod actions;
-mod burst_work;
 pub mod canvas;
 pub mod clipboard;
-mod compare_work;
 pub mod dataset;
 pub mod dialogs;
 pub mod figure;
@@ -19,23 +17,21 @@ pub mod gpu;
 pub mod histogram;
 pub mod history;
 pub mod inspector;
+mod jobs;
 pub mod measure;
 pub mod offscreen;
 mod overlays;
-mod pair_work;
 pub mod pane;
-pub mod panels;
-mod panes_work;
+pub mod panel;
+pub mod project;
 mod render;
-pub mod rooms;
 mod run;
 pub mod session;
 pub mod settings;
 mod shell;
-pub mod state;
 mod style;
 pub mod window;
-mod writing;
+pub mod workspace;
 
 pub use render::{RenderError, RenderOptions, render_to_png};
 pub use run::run;

@@ -3,8 +3,8 @@
 use super::actions::{Queue, palette::Palette, shortcuts_sheet};
 use super::dataset::CutDialog;
 use super::dialogs::PathField;
-use super::state::pair::Side;
 use super::window::BurstscopeApp;
+use crate::app::project::pair::Side;
 use crate::engine::BurstSource;
 
 /// What floats over the window.
@@ -42,7 +42,7 @@ impl BurstscopeApp {
     pub(super) fn overlays_ui(&mut self, ctx: &egui::Context, queue: &mut Queue) {
         self.overlays.palette.ui(ctx, &self.model, queue);
         shortcuts_sheet::sheet_ui(ctx, &mut self.overlays.sheet_open);
-        super::panels::about::about_ui(ctx, &mut self.overlays.about_open);
+        crate::app::panel::about::about_ui(ctx, &mut self.overlays.about_open);
         super::figure::figure_dialog_ui(ctx, &mut self.overlays.figure_open, &mut self.model.figure, queue);
         if let Some(field) = &mut self.overlays.path_field {
             let purpose = field.purpose;
@@ -54,7 +54,7 @@ impl BurstscopeApp {
                 self.use_files(purpose, vec![path]);
             }
         }
-        if let Some(burst) = super::panels::chooser::chooser_ui(ctx, &mut self.overlays.choice) {
+        if let Some(burst) = crate::app::panel::chooser::chooser_ui(ctx, &mut self.overlays.choice) {
             match self.overlays.choice_side {
                 Side::A => self.open(burst),
                 Side::B => self.open_second(burst),
@@ -69,7 +69,7 @@ impl BurstscopeApp {
                 self.open_dataset(source);
             }
         }
-        super::panels::messages::messages_ui(ctx, &mut self.model.messages);
+        crate::app::panel::messages::messages_ui(ctx, &mut self.model.messages);
     }
 
     /// Asks the person which of `bursts` is to be opened as `side`.

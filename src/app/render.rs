@@ -2,8 +2,8 @@
 
 use super::offscreen::{OffscreenError, render_offscreen};
 use super::settings::Settings;
-use super::state::scrub::ViewKind;
 use super::window::{BurstscopeApp, Startup};
+use crate::app::project::cursor::ViewKind;
 use crate::dataset::DatasetSource;
 use crate::detector::{SearchParams, Slope};
 use crate::engine::BurstSource;
@@ -156,7 +156,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     Ok(())
 }
 
-/// Puts the hand where the options say.
+/// Puts the cursor where the options say.
 fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     let model = &mut app.model;
     let pane = model.focused_mut();

@@ -6,14 +6,14 @@
 use super::canvas::{View, overlay::ColourBy};
 use super::dataset::{Dataset, Trajectories};
 use super::pane::{Content, PaneId, SavedPanes};
-use super::state::compare::CompareLook;
-use super::state::filter::{Column, Filter};
-use super::state::look::Look;
-use super::state::order::Order;
-use super::state::pair::{Links, MatchColumn, MatchLook, SavedMatch, Side};
-use super::state::room::Room;
-use super::state::scrub::Scrub;
-use super::state::{BottomTab, Model, SavedSelection};
+use crate::app::project::compare::CompareLook;
+use crate::app::project::cursor::Cursor;
+use crate::app::project::filter::{Column, Filter};
+use crate::app::project::look::Look;
+use crate::app::project::order::Order;
+use crate::app::project::pair::{Links, MatchColumn, MatchLook, SavedMatch, Side};
+use crate::app::project::workspace::Workspace;
+use crate::app::project::{BottomTab, Model, SavedSelection};
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::engine::BurstSource;
@@ -79,7 +79,7 @@ pub struct Session {
     pub params: SearchParams,
     /// Where the cursor of A's own pane was.
     #[serde(default)]
-    pub scrub: Scrub,
+    pub scrub: Cursor,
     /// Its pan and zoom.
     #[serde(default)]
     pub view: View,
@@ -104,9 +104,9 @@ pub struct Session {
     /// The trajectories.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trajectories: Option<SavedTrajectories>,
-    /// The room that was open.
-    #[serde(default)]
-    pub room: Room,
+    /// The workspace that was open.
+    #[serde(default, alias = "room")]
+    pub workspace: Workspace,
     /// The second burst and the matches.
     #[serde(default)]
     pub pair: PairSession,
@@ -128,14 +128,14 @@ pub struct PairSession {
     /// Where its gold standard comes from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
-    /// Whose slope and scale the hand moved.
+    /// Whose cursor moved.
     pub active: Side,
     /// What moved together.
     pub links: Links,
     /// The parameters of matching.
     pub params: MatchParams,
-    /// Where B's hand was.
-    pub scrub: Scrub,
+    /// Where B's cursor was.
+    pub scrub: Cursor,
     /// B's pan and zoom.
     pub view: View,
     /// B's ranges and maps, where they were its own.
@@ -201,7 +201,7 @@ impl Session {
             filter: model.filter,
             order: model.order,
             selection: model.saved_selection(),
-            room: model.room,
+            workspace: model.workspace,
             pair: PairSession::of(model),
             methods: model.compare.look.clone(),
             gold: gold_source(model, Side::A),
@@ -256,7 +256,7 @@ impl Session {
         model.colour_by = self.colour_by;
         model.bottom_tab = self.bottom_tab;
         model.reselect = self.selection;
-        model.room = self.room;
+        model.workspace = self.workspace;
         model.compare.look = self.methods.clone().sanitised();
         model.check_params();
     }
@@ -324,7 +324,7 @@ mod tests {
         let mut restored = Model::default();
         session.apply(&mut restored);
         assert_eq!(restored.params.peak_threshold, 0.01);
-        assert_eq!(restored.hand().slope, Slope::new(1.25, -0.5));
+        assert_eq!(restored.cursor().slope, Slope::new(1.25, -0.5));
         assert!(!restored.look.motion_vectors && restored.filter.hide_slope_limit);
     }
 
@@ -357,7 +357,7 @@ mod tests {
             if let Ok(session) = Session::from_toml(&text) {
                 let mut model = model();
                 session.apply(&mut model);
-                prop_assert!(model.hand().slope.u.is_finite());
+                prop_assert!(model.cursor().slope.u.is_finite());
             }
         }
     }

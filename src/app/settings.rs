@@ -1,8 +1,8 @@
 //! What the window remembers from one start to the next.
 
 use super::figure::FigureChoice;
-use super::state::pair::{Links, MatchLook};
-use super::state::{Model, Panels};
+use crate::app::project::pair::{Links, MatchLook};
+use crate::app::project::{Model, Panels};
 use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
 use serde::{Deserialize, Serialize};

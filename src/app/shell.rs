@@ -1,11 +1,11 @@
-//! Where everything is: menus and toolbar above, the open room in the middle, the status below.
+//! Where everything is: menus and toolbar above, the open workspace in the middle, the status below.
 
 use super::actions::{Queue, menu::menu_bar_ui};
 use super::dataset::filmstrip;
-use super::panels;
 use super::settings::Recent;
-use super::state::room::Room;
 use super::window::BurstscopeApp;
+use crate::app::panel;
+use crate::app::project::workspace::Workspace;
 use egui::{CentralPanel, Frame, Margin, Panel};
 
 /// Draws the whole window except what floats over it.
@@ -17,33 +17,33 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
     Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
         ui.horizontal(|ui| {
             menu_bar_ui(ui, &app.model, app.remembered(), queue, &mut open_recent);
-            super::rooms::switch_ui(ui, &app.model, queue);
+            crate::app::workspace::switch_ui(ui, &app.model, queue);
         });
     });
-    Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar::toolbar_ui(ui, &app.model, queue));
+    Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &app.model, queue));
     Panel::bottom("status bar")
         .frame(bar(ui))
-        .show(ui, |ui| panels::status::status_ui(ui, &app.model, app.readout().as_deref(), queue));
+        .show(ui, |ui| panel::status::status_ui(ui, &app.model, app.readout().as_deref(), queue));
 
     if app.model.datasets.open.is_some() && app.model.panels.filmstrip {
         Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
             open_burst = filmstrip::filmstrip_ui(ui, &mut app.model, &mut app.thumbnails, queue).open;
         });
     }
-    if app.model.burst.is_none() && app.model.room.needs_burst() {
+    if app.model.burst.is_none() && app.model.workspace.needs_burst() {
         CentralPanel::default().show(ui, |ui| {
-            panels::welcome::welcome_ui(ui, &app.model, app.remembered(), queue, &mut open_recent);
+            panel::welcome::welcome_ui(ui, &app.model, app.remembered(), queue, &mut open_recent);
         });
     } else {
-        super::rooms::room_ui(app, ui, queue);
+        crate::app::workspace::workspace_ui(app, ui, queue);
     }
     let whole = ui.ctx().content_rect();
-    match app.pair_panels.rect_b.filter(|_| app.model.room == Room::Pair && app.model.burst.is_some()) {
+    match app.pair_panels.rect_b.filter(|_| app.model.workspace == Workspace::Pair && app.model.burst.is_some()) {
         Some(b) => {
             let a = b.translate(egui::vec2(-b.width(), 0.0));
-            panels::welcome::drop_hint_ui(ui.ctx(), &[(a, "Let go to open as A"), (b, "Let go to open as B")]);
+            panel::welcome::drop_hint_ui(ui.ctx(), &[(a, "Let go to open as A"), (b, "Let go to open as B")]);
         }
-        None => panels::welcome::drop_hint_ui(ui.ctx(), &[(whole, "Let go to open")]),
+        None => panel::welcome::drop_hint_ui(ui.ctx(), &[(whole, "Let go to open")]),
     }
     if let Some(place) = open_burst {
         app.open_burst_at(place);

@@ -34,7 +34,7 @@ fn common(style: &mut Style) {
     style.spacing.item_spacing = vec2(6.0, 4.0);
     style.spacing.button_padding = vec2(7.0, 2.0);
     style.spacing.interact_size.y = 20.0;
-    // Room is kept for the scroll bar, so that it never lies over what one wants to click.
+    // Workspace is kept for the scroll bar, so that it never lies over what one wants to click.
     style.spacing.scroll = ScrollStyle { floating_allocated_width: 9.0, ..ScrollStyle::floating() };
     style.spacing.combo_width = 60.0;
     for widget in [

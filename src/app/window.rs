@@ -3,24 +3,24 @@
 
 use super::actions::{self, ActionId, Queue};
 use super::canvas::{Readout, number};
-use super::compare_work::CompareAsked;
 use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, SystemDialogs};
 use super::history;
 use super::inspector::{PaneWidgets, PlaceValue};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
-use super::pair_work::PairAsked;
 use super::pane::PaneId;
-use super::panels::selection::SelectionState;
-use super::panes_work::Hands;
-use super::rooms::compare::ComparePictures;
-use super::rooms::pair::PairPanels;
 use super::session::Session;
 use super::settings::Settings;
-use super::state::Model;
-use super::state::pair::Side;
-use super::state::room::Room;
+use crate::app::jobs::compare::CompareAsked;
+use crate::app::jobs::pair::PairAsked;
+use crate::app::jobs::panes::CursorsBefore;
+use crate::app::panel::selection::SelectionState;
+use crate::app::project::Model;
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
+use crate::app::workspace::compare::ComparePictures;
+use crate::app::workspace::pair::PairPanels;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::engine::{BurstSource, Engine, JobId, OnUpdate, OpenBurst, PictureRequest};
@@ -93,9 +93,9 @@ pub struct BurstscopeApp {
     pub engine: Engine,
     /// What the panes' widgets keep.
     pub widgets: PaneWidgets,
-    /// What the room of two bursts keeps.
+    /// What the workspace of two bursts keeps.
     pub pair_panels: PairPanels,
-    /// What the room of methods keeps.
+    /// What the workspace of methods keeps.
     pub compare_pictures: ComparePictures,
     pub(super) selection: SelectionState,
     /// What was computed of the rectangle that is measured.
@@ -107,7 +107,7 @@ pub struct BurstscopeApp {
     pub(super) compare_asked: CompareAsked,
     pub(super) play: Play,
     /// Whether cursors were set on purpose, each to its own place, so that none follows another.
-    pub(super) hands_set: bool,
+    pub(super) cursors_set: bool,
     /// Whether what is set was changed otherwise than by a step that can be undone.
     pub(super) history_set: bool,
     pub(super) desk: Desk,
@@ -145,7 +145,7 @@ impl BurstscopeApp {
             pair_asked: PairAsked::default(),
             compare_asked: CompareAsked::default(),
             play: Play::default(),
-            hands_set: false,
+            cursors_set: false,
             history_set: false,
             desk: Desk::new(startup.dialogs, on_update),
             settings: startup.settings,
@@ -184,7 +184,7 @@ impl BurstscopeApp {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
-        let hands = Hands::of(&self.model);
+        let cursors_before = CursorsBefore::of(&self.model);
         self.take_updates(&ctx);
         self.take_pair_updates();
         self.take_compare_updates();
@@ -208,8 +208,8 @@ impl BurstscopeApp {
         }
         self.model.check_params();
         self.model.check_pair();
-        if !std::mem::take(&mut self.hands_set) {
-            hands.lead(&mut self.model);
+        if !std::mem::take(&mut self.cursors_set) {
+            cursors_before.lead(&mut self.model);
         }
         self.keep_history(&ctx, before);
         self.model.refresh_listed();
@@ -273,7 +273,7 @@ impl BurstscopeApp {
 
     /// The value under the pointer; with several panes those of all that are linked.
     pub(super) fn readout(&self) -> Option<String> {
-        if self.model.room == Room::Burst && self.model.panes.are_many() {
+        if self.model.workspace == Workspace::Inspect && self.model.panes.are_many() {
             let (first, rest) = self.widgets.values.split_first()?;
             let value = |v: &PlaceValue| format!("{}: {}", v.number, number(v.readout.value, 4));
             let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();

@@ -54,7 +54,7 @@ pub(super) const GEOMETRIES: &[&str] = &["none", "fundamental", "essential", "ho
 pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "OPENCV"];
 /// The words of [`crate::evaluate::poses::Association`].
 pub(super) const ASSOCIATIONS: &[&str] = &["name", "time", "order"];
-/// The words of [`crate::app::state::scrub::ViewKind`].
+/// The words of [`crate::app::project::cursor::ViewKind`].
 #[cfg(feature = "app")]
 pub(super) const VIEW_KINDS: &[&str] = &["frame", "stack", "dog"];
 
@@ -98,7 +98,7 @@ mod tests {
     #[cfg(feature = "app")]
     #[test]
     fn every_kind_of_picture_is_known() {
-        use crate::app::state::scrub::ViewKind;
+        use crate::app::project::cursor::ViewKind;
         let kinds: Vec<ViewKind> = VIEW_KINDS.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(kinds, ViewKind::ALL);
     }

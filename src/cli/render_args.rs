@@ -3,7 +3,7 @@
 use super::args::{INPUT_HELP, OutputArgs, SequenceArgs, parse_slope};
 use super::choices::{VIEW_KINDS, words};
 use super::search_options::SearchArgs;
-use crate::app::state::scrub::ViewKind;
+use crate::app::project::cursor::ViewKind;
 use crate::detector::Slope;
 use clap::Args;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! One worker for many askers: each asks under a key of its own, and of one key the latest request wins.
 //!
 //! Requests wait in the order in which their keys first asked. A newer request of a key takes the place of the older one in the queue, so that a key that
-//! asks again and again (a hand that drags) neither overtakes the others nor is overtaken for ever. One piece of work runs at a time, with all threads.
+//! asks again and again (a slider that is dragged) neither overtakes the others nor is overtaken for ever. One piece of work runs at a time, with all threads.
 
 use super::OnUpdate;
 use super::fault::{self, JobError};

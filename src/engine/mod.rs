@@ -52,7 +52,7 @@ pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
 pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
 
 /// A picture that the next one supersedes may still finish and be shown within this time, so that the picture follows the
-/// hand; one that takes longer is cancelled, so that what is wanted now does not wait for it.
+/// slider; one that takes longer is cancelled, so that what is wanted now does not wait for it.
 const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 /// What to detect: a burst and the parameters, both as they were when it was asked.

@@ -1,6 +1,6 @@
 //! The workers of a second burst, B, and of the matches between the two.
 //!
-//! They are lanes as those of the first burst are, and work beside them: B is opened and searched while A's pictures follow the hand.
+//! They are lanes as those of the first burst are, and work beside them: B is opened and searched while A's pictures follow the sliders.
 
 use super::fault::JobError;
 use super::lane::{Answer, JobId, Lane};

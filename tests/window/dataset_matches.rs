@@ -3,7 +3,7 @@
 use crate::datasets::{click_burst, dataset, few_slopes, start, walk};
 use crate::support::Window;
 use burstscope::Monitor;
-use burstscope::app::state::room::Room;
+use burstscope::app::project::workspace::Workspace;
 use burstscope::burst::OpenOptions;
 use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, match_pairs};
 use burstscope::matching::{MatchCounts, MatchParams};
@@ -12,7 +12,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
 
-/// A window on three bursts whose features are found, in the room of their matches.
+/// A window on three bursts whose features are found, in the workspace of their matches.
 fn detected(home: &Path) -> Window {
     let mut window = start(walk(home)).open();
     window.click("Detect all");
@@ -65,7 +65,7 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     window.click("Side by side");
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.room, Room::Pair);
+    assert_eq!(model.workspace, Workspace::Pair);
     assert_eq!(dataset(&window).place_of(model.burst.as_ref()), Some(0));
     assert_eq!(dataset(&window).place_of(model.pair.b.burst.as_ref()), Some(2));
     assert_eq!(model.pair.b.burst.as_ref().unwrap().burst.name, "frame_012");

@@ -1,7 +1,7 @@
 //! Detecting, cancelling, selecting, sorting, filtering.
 
 use crate::support::{Start, noisy_stack};
-use burstscope::app::state::filter::Column;
+use burstscope::app::project::filter::Column;
 use burstscope::detector::{Method, SlopeGrid};
 use egui::Key;
 use egui::accesskit::Role;
@@ -187,5 +187,5 @@ fn a_key_pressed_twice_between_two_pictures_counts_twice() {
     window.harness.key_press(Key::ArrowRight);
     window.harness.key_press(Key::ArrowRight);
     window.harness.step();
-    assert_eq!(window.app().model.hand().slope.u, 2.0);
+    assert_eq!(window.app().model.cursor().slope.u, 2.0);
 }

@@ -2,7 +2,7 @@
 
 use crate::support::Start;
 use burstscope::app::actions::ACTIONS;
-use burstscope::app::state::scrub::ViewKind;
+use burstscope::app::project::cursor::ViewKind;
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 
@@ -11,11 +11,11 @@ fn the_palette_finds_an_action_and_runs_it() {
     let mut window = Start::without_auto_detect().open();
     window.run_action("show dog");
     window.settle();
-    assert_eq!(window.app().model.hand().kind, ViewKind::Dog);
+    assert_eq!(window.app().model.cursor().kind, ViewKind::Dog);
     window.ctrl(Key::P);
     assert!(window.shows("Find an action"));
     window.key(Key::Escape);
-    assert_eq!(window.app().model.hand().kind, ViewKind::Dog);
+    assert_eq!(window.app().model.cursor().kind, ViewKind::Dog);
 }
 
 #[test]
@@ -36,13 +36,13 @@ fn the_question_mark_shows_every_action() {
 fn keys_typed_into_a_field_do_not_run_actions() {
     let mut window = Start::without_auto_detect().open();
     window.ctrl(Key::L);
-    let before = *window.app().model.hand();
+    let before = *window.app().model.cursor();
     let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path");
     field.type_text("3");
     window.harness.run_steps(1);
     window.key(Key::Num3);
     window.key(Key::G);
-    assert_eq!(*window.app().model.hand(), before);
+    assert_eq!(*window.app().model.cursor(), before);
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
+use burstscope::app::project::BottomTab;
 use burstscope::app::settings::Settings;
-use burstscope::app::state::BottomTab;
 use burstscope::detector::{Slope, SlopeGrid};
 use egui::Key;
 

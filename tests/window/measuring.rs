@@ -2,7 +2,7 @@
 
 use crate::support::{Start, Window};
 use burstscope::app::measure::Tool;
-use burstscope::app::state::BottomTab;
+use burstscope::app::project::BottomTab;
 use burstscope::plane::profile::{profile, region_statistics};
 use burstscope::plane::statistics::Region;
 use egui::accesskit::Role;

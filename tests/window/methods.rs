@@ -2,8 +2,8 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
-use burstscope::app::state::compare::{Contender, Layout};
-use burstscope::app::state::pair::Side;
+use burstscope::app::project::compare::{Contender, Layout};
+use burstscope::app::project::pair::Side;
 use burstscope::baseline;
 use burstscope::engine::BurstSource;
 use egui::Key;

@@ -12,9 +12,9 @@ fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
     assert_eq!(model.frame_count(), 10);
     assert!(model.features().len() > 5, "{}", model.features().len());
     assert!(
-        model.hand().slope.magnitude() > 0.5,
+        model.cursor().slope.magnitude() > 0.5,
         "the slope with the most features is shown: {:?}",
-        model.hand().slope
+        model.cursor().slope
     );
     assert!(window.shows("features in"));
     assert!(window.shows("10 frames"));

@@ -2,9 +2,9 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
-use burstscope::app::state::pair::{MatchColumn, Side};
-use burstscope::app::state::room::Room;
-use burstscope::app::state::scrub::ViewKind;
+use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::project::pair::{MatchColumn, Side};
+use burstscope::app::project::workspace::Workspace;
 use burstscope::detector::Slope;
 use burstscope::engine::{BurstSource, PictureKind};
 use burstscope::matching::{Geometry, match_detections};
@@ -90,7 +90,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     window.settle();
     let model = &window.app().model;
     let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
-    assert_eq!((model.hand_of(Side::A).slope, model.hand_of(Side::B).slope), (row.a.slope, row.b.slope));
+    assert_eq!((model.cursor_of(Side::A).slope, model.cursor_of(Side::B).slope), (row.a.slope, row.b.slope));
     window.key(Key::Escape);
     assert_eq!(window.app().model.pair.selected, None);
 }
@@ -155,22 +155,22 @@ fn hands_move_together_or_each_its_own() {
     let mut window = pair();
     window.slide("Slope u", 1.25);
     window.settle();
-    let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.hand_of(side).slope.u);
+    let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.cursor_of(side).slope.u);
     assert_eq!(slopes(&window), [1.25, 1.25]);
     window.harness.get_by_role_and_label(Role::CheckBox, "Slope and scale together").click();
     window.harness.run_steps(2);
-    window.click("Hand on B");
+    window.click("Cursor of B");
     window.slide("Slope u", -0.5);
     window.key(Key::Num3);
     window.settle();
     assert_eq!(slopes(&window), [1.25, -0.5]);
-    assert_eq!(Side::BOTH.map(|side| window.app().model.hand_of(side).kind), [ViewKind::Stack, ViewKind::Dog]);
+    assert_eq!(Side::BOTH.map(|side| window.app().model.cursor_of(side).kind), [ViewKind::Stack, ViewKind::Dog]);
     assert!(window.app().model.pictures_are_current());
     assert!(window.shows("slope (1.25, 0.00) px/frame") && window.shows("slope (-0.50, 0.00) px/frame"));
     window.key(Key::T);
     window.key(Key::K);
     window.settle();
-    assert_eq!(slopes(&window), [1.25, 1.25], "the one that the hand does not move comes to the other");
+    assert_eq!(slopes(&window), [1.25, 1.25], "the one that the sliders do not move comes to the other");
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn a_session_brings_the_pair_back() {
     window.key(Key::Home);
     window.key(Key::N);
     window.key(Key::K);
-    window.click("Hand on B");
+    window.click("Cursor of B");
     window.slide("Slope u", 0.75);
     window.settle();
     let saved = window.app().model.pair.saved_match().unwrap();
@@ -256,11 +256,11 @@ fn a_session_brings_the_pair_back() {
     other.run_action("open session");
     other.settle();
     let model = &other.app().model;
-    assert_eq!(model.room, Room::Pair);
+    assert_eq!(model.workspace, Workspace::Pair);
     assert_eq!(model.burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
     assert_eq!(model.pair.params.ratio, 0.7);
-    assert_eq!(model.hand_of(Side::B).slope, Slope::new(0.75, 0.0));
-    assert_eq!((model.pair.active, model.pair.links.hands), (Side::B, false));
+    assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.75, 0.0));
+    assert_eq!((model.pair.active, model.pair.links.cursor), (Side::B, false));
     assert_eq!(model.pair.saved_match(), Some(saved), "the same match is selected");
 }
 

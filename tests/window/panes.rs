@@ -4,8 +4,8 @@ use crate::support::{Start, Window};
 use burstscope::Monitor;
 use burstscope::app::canvas::Zoom;
 use burstscope::app::pane::{Content, Over, PaneId};
-use burstscope::app::state::pair::Side;
-use burstscope::app::state::scrub::ViewKind;
+use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::project::pair::Side;
 use burstscope::baseline::merge_burst;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
@@ -57,7 +57,7 @@ fn every_kind_of_picture_is_what_the_library_makes() {
     let burst = &model.burst.as_ref().unwrap().burst;
     let planes: Vec<_> =
         shown(&window).iter().map(|id| model.panes.get(*id).unwrap().picture.clone().unwrap().plane).collect();
-    let (cursor, params, monitor) = (*model.hand(), &model.params, Monitor::default());
+    let (cursor, params, monitor) = (*model.cursor(), &model.params, Monitor::default());
     assert_eq!(planes[0], burst.frames[cursor.frame]);
     assert_eq!(*planes[1], stack_view(burst, params, cursor.slope, &monitor).unwrap());
     assert_eq!(*planes[2], dog_view(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap());

@@ -1,8 +1,8 @@
-//! The picture follows the hand.
+//! The picture follows the cursor.
 
 use crate::support::Start;
 use burstscope::Monitor;
-use burstscope::app::state::scrub::ViewKind;
+use burstscope::app::project::cursor::ViewKind;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
 use egui::Key;
@@ -17,7 +17,7 @@ fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
     let after = model.picture().cloned().unwrap();
     assert_ne!(before.plane, after.plane);
     let burst = &model.burst.as_ref().unwrap().burst;
-    let slope = Slope::new(model.hand().slope.u, 0.0);
+    let slope = Slope::new(model.cursor().slope.u, 0.0);
     assert!((slope.u - 1.37).abs() < 1e-6, "slopes between the grid's are shown");
     let expected = stack_view(burst, &model.params, slope, &Monitor::default()).unwrap();
     assert_eq!(*after.plane, expected);
@@ -28,14 +28,14 @@ fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
 fn keys_step_through_the_grid_and_snap_to_it() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::ArrowRight);
-    assert_eq!(window.app().model.hand().slope, Slope::new(1.0, 0.0));
+    assert_eq!(window.app().model.cursor().slope, Slope::new(1.0, 0.0));
     window.key(Key::ArrowRight);
     window.key(Key::ArrowLeft);
     window.key(Key::ArrowLeft);
-    assert_eq!(window.app().model.hand().slope, Slope::new(0.0, 0.0));
+    assert_eq!(window.app().model.cursor().slope, Slope::new(0.0, 0.0));
     window.slide("Slope u", 1.8);
     window.click("Snap");
-    assert_eq!(window.app().model.hand().slope, Slope::new(2.0, 0.0));
+    assert_eq!(window.app().model.cursor().slope, Slope::new(2.0, 0.0));
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     window.key(Key::Num1);
     window.settle();
     let model = &window.app().model;
-    let frame = model.burst.as_ref().unwrap().burst.frames[model.hand().frame].clone();
+    let frame = model.burst.as_ref().unwrap().burst.frames[model.cursor().frame].clone();
     assert_eq!(model.picture().unwrap().plane, frame);
     window.key(Key::Num3);
     window.slide("Octave", 1.0);
@@ -52,12 +52,12 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     let model = &window.app().model;
     let burst = &model.burst.as_ref().unwrap().burst;
     let expected =
-        dog_view(burst, &model.params, model.hand().slope, 1, model.hand().level, &Monitor::default()).unwrap();
+        dog_view(burst, &model.params, model.cursor().slope, 1, model.cursor().level, &Monitor::default()).unwrap();
     assert_eq!(*model.picture().unwrap().plane, expected);
     assert!(window.shows("octave 1"));
     window.slide("Frame", 7.0);
     window.settle();
-    assert_eq!((window.app().model.hand().kind, window.app().model.hand().frame), (ViewKind::Frame, 7));
+    assert_eq!((window.app().model.cursor().kind, window.app().model.cursor().frame), (ViewKind::Frame, 7));
 }
 
 #[test]
@@ -76,11 +76,11 @@ fn the_range_stays_while_the_hand_moves() {
 #[test]
 fn playing_runs_through_the_slopes_until_it_is_paused() {
     let mut window = Start::without_auto_detect().open();
-    let first = window.app().model.hand().slope;
+    let first = window.app().model.cursor().slope;
     window.click("▶ Play");
-    window.wait("another slope", |app| app.model.hand().slope != first);
-    let second = window.app().model.hand().slope;
-    window.wait("a third slope", |app| app.model.hand().slope != first && app.model.hand().slope != second);
+    window.wait("another slope", |app| app.model.cursor().slope != first);
+    let second = window.app().model.cursor().slope;
+    window.wait("a third slope", |app| app.model.cursor().slope != first && app.model.cursor().slope != second);
     assert!(window.app().model.params.slopes.slopes().any(|s| s == second), "the grid's slopes are played");
     window.click("⏸ Pause");
     assert!(!window.app().model.playing);

@@ -1,8 +1,8 @@
 //! Slopes found by themselves.
 
 use crate::support::{Start, Window};
+use burstscope::app::project::cursor::slope_limit;
 use burstscope::app::session::Session;
-use burstscope::app::state::scrub::slope_limit;
 use burstscope::detector::{Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;

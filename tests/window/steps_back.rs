@@ -1,7 +1,7 @@
 //! Undo and redo, the clipboard, menus at the pointer, and keys while a dialog is open.
 
 use crate::support::{Start, Window};
-use burstscope::app::state::scrub::ViewKind;
+use burstscope::app::project::cursor::ViewKind;
 use burstscope::detector::{Method, Slope};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, OutputCommand, Pos2, pos2};
@@ -51,7 +51,7 @@ fn parameters_and_slopes_are_taken_back_and_made_again() {
     window.click("SIFT");
     window.slide("Slope u", 2.5);
     window.settle();
-    let state = |window: &Window| (window.app().model.params.method, window.app().model.hand().slope.u);
+    let state = |window: &Window| (window.app().model.params.method, window.app().model.cursor().slope.u);
     assert_eq!(state(&window), (Method::Sift, 2.5));
     window.ctrl(Key::Z);
     assert_eq!(state(&window), (Method::Sift, 1.0));
@@ -117,7 +117,7 @@ fn rows_and_features_have_menus() {
     window.click("Go to feature");
     window.settle();
     let model = &window.app().model;
-    assert_eq!((model.selected, model.hand().slope), (Some(2), model.features()[2].slope));
+    assert_eq!((model.selected, model.cursor().slope), (Some(2), model.features()[2].slope));
     let feature = model.features()[2];
     let at = window.app().ui_from_image(pos2(feature.u, feature.v)).unwrap();
     window.key(Key::Escape);
@@ -131,14 +131,14 @@ fn rows_and_features_have_menus() {
 #[test]
 fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
     let mut window = Start::without_auto_detect().open();
-    let before = *window.app().model.hand();
+    let before = *window.app().model.cursor();
     // The key that opens the dialog and one after it in the same pass.
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
     window.harness.key_press(Key::Num3);
     window.harness.step();
     window.harness.key_press(Key::ArrowRight);
     window.harness.run_steps(2);
-    assert_eq!(*window.app().model.hand(), before);
+    assert_eq!(*window.app().model.cursor(), before);
     assert!(window.shows("Open a path"));
     // The palette does not come on top of it.
     window.harness.key_press_modifiers(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::P);
@@ -146,6 +146,6 @@ fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
     assert!(!window.shows("Find an action"));
     window.key(Key::Escape);
     window.key(Key::Num3);
-    assert_eq!(window.app().model.hand().kind, ViewKind::Dog);
-    assert_eq!(window.app().model.hand().slope, Slope::default());
+    assert_eq!(window.app().model.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.app().model.cursor().slope, Slope::default());
 }

@@ -2,8 +2,8 @@
 
 use crate::common;
 use burstscope::app::dialogs::{FileDialogs, Question};
+use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
-use burstscope::app::state::room::Room;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::detector::DetectorParams;
 use burstscope::engine::BurstSource;
@@ -232,7 +232,7 @@ impl Window {
     fn compare(&mut self, name: &str) {
         self.settle();
         // Of the answers for two bursts, or for several methods, which comes last differs from run to run.
-        if matches!(self.app().model.room, Room::Pair | Room::Methods) {
+        if matches!(self.app().model.workspace, Workspace::Pair | Workspace::Methods) {
             self.app_mut().model.messages.note("");
         }
         // How long it took differs from run to run.

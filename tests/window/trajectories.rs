@@ -2,7 +2,7 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::dataset::Which;
-use burstscope::app::state::room::Room;
+use burstscope::app::project::workspace::Workspace;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -63,7 +63,7 @@ fn open_both(home: &Path) -> (Window, PoseReport) {
 fn the_errors_are_those_of_the_library() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, report) = open_both(home.path());
-    assert_eq!(window.app().model.room, Room::Trajectories);
+    assert_eq!(window.app().model.workspace, Workspace::Trajectories);
     assert_eq!(window.app().model.trajectories.report().map(|r| (**r).clone()), Some(report.clone()));
     assert!(window.shows("13 of 14 (93 %)"));
     for errors in [&report.absolute, &report.relative] {
@@ -125,7 +125,7 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     let at = row(&window, "Camera burst_01.png");
     window.double_click_at(at);
     window.settle();
-    assert_eq!((window.app().model.room, window.app().model.frame_count()), (Room::Burst, 5));
+    assert_eq!((window.app().model.workspace, window.app().model.frame_count()), (Workspace::Inspect, 5));
     window.run_action("trajectories");
     window.settle();
     let at = row(&window, "Camera burst_02.png");
@@ -167,7 +167,7 @@ fn a_session_brings_the_trajectories_back() {
     other.run_action("open session");
     other.settle();
     let model = &other.app().model;
-    assert_eq!((model.room, model.trajectories.projection), (Room::Trajectories, Projection::Yz));
+    assert_eq!((model.workspace, model.trajectories.projection), (Workspace::Trajectories, Projection::Yz));
     assert_eq!(model.trajectories.report().map(|r| r.absolute), Some(report.absolute));
 }
 

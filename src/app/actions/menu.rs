@@ -1,8 +1,8 @@
 //! The menu bar, drawn from the registry.
 
 use super::{ACTIONS, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
+use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
-use crate::app::state::Model;
 use crate::dataset::DatasetSource;
 use crate::engine::BurstSource;
 use std::path::PathBuf;

@@ -13,7 +13,7 @@ mod state_of;
 pub use registry::{ACTIONS, Action, ActionId, Menu};
 pub use state_of::{checked, enabled};
 
-use crate::app::state::Model;
+use crate::app::project::Model;
 
 /// Actions that were asked for in this pass, to be run after it.
 pub type Queue = Vec<ActionId>;

@@ -1,7 +1,7 @@
 //! The command palette: type part of an action's name, press Enter.
 
 use super::{ACTIONS, Action, Queue, checked, enabled, keys_text};
-use crate::app::state::Model;
+use crate::app::project::Model;
 use egui::{Key, Modifiers, RichText};
 
 /// The palette, open or not.
@@ -52,7 +52,7 @@ impl Palette {
                 .hint_text("Type what you want to do")
                 .desired_width(f32::INFINITY);
             let edit = ui.add(edit);
-            super::super::panels::widgets::name_field(&edit, "Find an action", &self.text);
+            crate::app::panel::widgets::name_field(&edit, "Find an action", &self.text);
             if edit.changed() {
                 self.chosen = 0;
             }

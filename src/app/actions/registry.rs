@@ -14,7 +14,7 @@ pub enum Menu {
     /// Panes: how many, and what they show together.
     Panes,
     /// Moving through frames, slopes and scales.
-    Scrub,
+    Cursor,
     /// The detector and its parameters.
     Detect,
     /// The features found.
@@ -34,7 +34,7 @@ impl Menu {
         Self::Edit,
         Self::View,
         Self::Panes,
-        Self::Scrub,
+        Self::Cursor,
         Self::Detect,
         Self::Features,
         Self::Pair,
@@ -49,7 +49,7 @@ impl Menu {
             Self::Edit => "Edit",
             Self::View => "View",
             Self::Panes => "Panes",
-            Self::Scrub => "Scrub",
+            Self::Cursor => "Cursor",
             Self::Detect => "Detection",
             Self::Features => "Features",
             Self::Pair => "Pair",
@@ -143,11 +143,11 @@ actions! {
     MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Let the pointer draw a rectangle: mean, deviation, range and noise in it";
     ClearMeasure, Edit 2, "Clear line and region", [], "Forget the line and the rectangle, and let the pointer pan again";
 
-    RoomBurst, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
-    RoomPair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
-    RoomMethods, View 0, "Methods", [CTRL Num3], "Compare several methods on the same burst: panes, a wipe, a flip, their matches, and their numbers";
-    RoomMatches, View 0, "Matches", [CTRL Num4], "Look at the matches of all pairs of a dataset";
-    RoomTrajectories, View 0, "Trajectories", [CTRL Num5], "Look at an estimated trajectory beside the true one";
+    WorkspaceInspect, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
+    WorkspacePair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
+    WorkspaceMethods, View 0, "Methods", [CTRL Num3], "Compare several methods on the same burst: panes, a wipe, a flip, their matches, and their numbers";
+    WorkspaceMatches, View 0, "Matches", [CTRL Num4], "Look at the matches of all pairs of a dataset";
+    WorkspaceTrajectories, View 0, "Trajectories", [CTRL Num5], "Look at an estimated trajectory beside the true one";
     ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
@@ -161,7 +161,7 @@ actions! {
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours";
     NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale or response in turn";
-    ToggleLeft, View 4, "Scrub and parameters", [CTRL B], "Show or hide the panel on the left";
+    ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left";
     ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right";
     ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below";
     ToggleFilmstrip, View 4, "Filmstrip", [CTRL K], "Show or hide the bursts of the dataset";
@@ -186,20 +186,20 @@ actions! {
     NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one as a wipe, a flip or not at all; of methods: panes, a wipe, a flip, rows of matches";
     Flip, Panes 2, "Flip", [NONE Y], "Show the other of two pictures in the same place";
 
-    SlopeULess, Scrub 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis";
-    SlopeUMore, Scrub 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis";
-    SlopeVLess, Scrub 0, "Slope v down", [NONE ArrowUp], "Go to the grid's previous slope along the second axis";
-    SlopeVMore, Scrub 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
-    SlopeZero, Scrub 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
-    SnapSlope, Scrub 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
-    BusiestSlope, Scrub 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found";
-    Play, Scrub 0, "Play slopes", [NONE Space], "Run through the grid's slopes, there and back";
-    FramePrevious, Scrub 1, "Previous frame", [NONE Comma], "Go one frame back";
-    FrameNext, Scrub 1, "Next frame", [NONE Period], "Go one frame on";
-    OctaveFiner, Scrub 2, "Finer octave", [NONE OpenBracket], "Halve the scale of the DoG";
-    OctaveCoarser, Scrub 2, "Coarser octave", [NONE CloseBracket], "Double the scale of the DoG";
-    LevelDown, Scrub 2, "Previous level", [NONE PageDown], "Go one level down in the octave";
-    LevelUp, Scrub 2, "Next level", [NONE PageUp], "Go one level up in the octave";
+    SlopeULess, Cursor 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis";
+    SlopeUMore, Cursor 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis";
+    SlopeVLess, Cursor 0, "Slope v down", [NONE ArrowUp], "Go to the grid's previous slope along the second axis";
+    SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
+    SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
+    SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
+    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found";
+    Play, Cursor 0, "Play slopes", [NONE Space], "Run through the grid's slopes, there and back";
+    FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back";
+    FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on";
+    OctaveFiner, Cursor 2, "Finer octave", [NONE OpenBracket], "Halve the scale of the DoG";
+    OctaveCoarser, Cursor 2, "Coarser octave", [NONE CloseBracket], "Double the scale of the DoG";
+    LevelDown, Cursor 2, "Previous level", [NONE PageDown], "Go one level down in the octave";
+    LevelUp, Cursor 2, "Next level", [NONE PageUp], "Go one level up in the octave";
 
     Detect, Detect 0, "Detect", [NONE D], "Find features with these parameters";
     Cancel, Detect 0, "Cancel", [], "Stop what is being detected or opened";
@@ -225,8 +225,8 @@ actions! {
     OpenDemoB, Pair 0, "Later demo burst as B", [], "Take the demo street a little later as the second burst";
     CloseB, Pair 0, "Close B", [], "Close the second burst";
     SwapSides, Pair 1, "Swap A and B", [], "Make the second burst the first, and the first the second";
-    OtherSide, Pair 1, "Hand on the other burst", [NONE T], "Let sliders and keys move the frame, slope and scale of the other burst";
-    LinkHands, Pair 1, "Slope and scale together", [NONE K], "Move kind of picture, frame, slope, octave and level of both bursts at once";
+    OtherSide, Pair 1, "Cursor of the other burst", [NONE T], "Let sliders and keys move the frame, slope and scale of the other burst";
+    LinkCursors, Pair 1, "Slope and scale together", [NONE K], "Move kind of picture, frame, slope, octave and level of both bursts at once";
     LinkViews, Pair 1, "Zoom and pan together", [NONE V], "Zoom and pan both pictures at once";
     LinkRanges, Pair 1, "One value range", [], "Show both bursts in the same range and colours, so that they can be compared";
     Match, Pair 2, "Match", [NONE H], "Match the features of both bursts with these parameters";

@@ -8,10 +8,10 @@ use crate::app::dialogs::{ExportKind, Purpose};
 use crate::app::inspector::Change;
 use crate::app::measure::Tool;
 use crate::app::pane::{Content, Direction, Link, Preset};
-use crate::app::state::Model;
-use crate::app::state::pair::Side;
-use crate::app::state::room::Room;
-use crate::app::state::scrub::{ViewKind, play_step_of, snapped, stepped};
+use crate::app::project::Model;
+use crate::app::project::cursor::{ViewKind, play_step_of, snapped, stepped};
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::BurstSource;
@@ -53,12 +53,12 @@ impl BurstscopeApp {
             A::ZoomOut => self.change_views(|view| view.zoom_by(0.8)),
             A::Play => {
                 self.model.playing = !self.model.playing;
-                self.play.step = play_step_of(&self.model.hand_params().slopes, self.model.hand().slope);
+                self.play.step = play_step_of(&self.model.cursor_params().slopes, self.model.cursor().slope);
                 self.play.due = None;
             }
             A::Detect => {
                 self.start_detection();
-                if self.model.room == Room::Pair && self.model.pair.b.param_error.is_none() {
+                if self.model.workspace == Workspace::Pair && self.model.pair.b.param_error.is_none() {
                     self.start_second_detection();
                 }
             }
@@ -79,7 +79,7 @@ impl BurstscopeApp {
             A::UseFolderParams => self.use_folder_params(),
             A::CloseDataset => self.close_dataset(),
             A::Cancel => self.cancel_all(),
-            A::GoToFeature if self.model.room == Room::Pair => self.go_to_match(),
+            A::GoToFeature if self.model.workspace == Workspace::Pair => self.go_to_match(),
             A::GoToFeature => self.go_to_selected(),
             A::OpenFolderB => self.ask(Purpose::OpenFolderB),
             A::OpenFilesB => self.ask(Purpose::OpenFilesB),
@@ -111,7 +111,7 @@ impl BurstscopeApp {
                 }
                 self.model.history = history;
                 // Every pane goes to where it was, and none follows another.
-                (self.hands_set, self.history_set) = (true, true);
+                (self.cursors_set, self.history_set) = (true, true);
             }
             A::CopyRow => self.copy_row(ctx),
             A::CopyPicture => {
@@ -135,12 +135,12 @@ impl BurstscopeApp {
 
     /// Changes the view of the pane in focus, and of those that are linked to it.
     fn change_views(&mut self, change: impl Fn(&mut View)) {
-        let linked = match self.model.room {
-            Room::Pair | Room::Methods if self.model.pair.links.views => self.model.visible_panes(),
-            Room::Burst if self.model.focused().links.has(Link::View) => self.model.visible_panes(),
+        let linked = match self.model.workspace {
+            Workspace::Pair | Workspace::Methods if self.model.pair.links.views => self.model.visible_panes(),
+            Workspace::Inspect if self.model.focused().links.has(Link::View) => self.model.visible_panes(),
             _ => Vec::new(),
         };
-        let (focus, in_burst) = (self.model.focus(), self.model.room == Room::Burst);
+        let (focus, in_burst) = (self.model.focus(), self.model.workspace == Workspace::Inspect);
         for (id, pane) in self.model.panes.iter_mut() {
             if id == focus || (linked.contains(&id) && (!in_burst || pane.links.has(Link::View))) {
                 change(&mut pane.view);
@@ -153,24 +153,24 @@ impl BurstscopeApp {
 fn change_model(model: &mut Model, id: ActionId) {
     use ActionId as A;
     match id {
-        A::RoomBurst => model.room = Room::Burst,
-        A::RoomPair => model.room = Room::Pair,
-        A::RoomMatches => model.room = Room::Matches,
-        A::RoomTrajectories => model.room = Room::Trajectories,
-        A::RoomMethods => model.room = Room::Methods,
+        A::WorkspaceInspect => model.workspace = Workspace::Inspect,
+        A::WorkspacePair => model.workspace = Workspace::Pair,
+        A::WorkspaceMatches => model.workspace = Workspace::Matches,
+        A::WorkspaceTrajectories => model.workspace = Workspace::Trajectories,
+        A::WorkspaceMethods => model.workspace = Workspace::Methods,
         A::MeasureLine => model.measure.toggle(Tool::Line),
         A::MeasureRegion => model.measure.toggle(Tool::Region),
         A::ClearMeasure => model.measure.clear(),
         A::ClearSelection if model.measure.tool != Tool::Pan => model.measure.toggle(model.measure.tool),
         A::NextPane => model.panes.focus_next(true),
         A::PreviousPane => model.panes.focus_next(false),
-        A::NextLayout if model.room == Room::Burst => model.panes.next_over(),
-        A::Flip if model.room == Room::Burst => model.panes.flip(),
+        A::NextLayout if model.workspace == Workspace::Inspect => model.panes.next_over(),
+        A::Flip if model.workspace == Workspace::Inspect => model.panes.flip(),
         A::NextLayout => model.compare.look.layout = model.compare.look.layout.next(),
         A::Flip => model.compare.look.flipped ^= true,
         A::CompareAgain => model.compare.forget_failures(),
-        A::ToggleOverlay if model.room == Room::Methods => model.compare.look.features ^= true,
-        A::ToggleOverlay if model.room == Room::Pair => model.pair.look.features ^= true,
+        A::ToggleOverlay if model.workspace == Workspace::Methods => model.compare.look.features ^= true,
+        A::ToggleOverlay if model.workspace == Workspace::Pair => model.pair.look.features ^= true,
         A::ToggleOverlay => model.look.overlay ^= true,
         A::ToggleMotion => model.look.motion_vectors ^= true,
         A::ToggleOrientation => model.look.orientations ^= true,
@@ -197,19 +197,21 @@ fn change_model(model: &mut Model, id: ActionId) {
             model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
         }
         A::PresetSift => model.params.method = Method::Sift,
-        A::NextFeature if model.room == Room::Pair => model.pair.select_neighbour(true),
-        A::PreviousFeature if model.room == Room::Pair => model.pair.select_neighbour(false),
-        A::StrongestFeature if model.room == Room::Pair => model.pair.selected = model.pair.listed.first().copied(),
-        A::ClearSelection if model.room == Room::Pair => model.pair.selected = None,
+        A::NextFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(true),
+        A::PreviousFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(false),
+        A::StrongestFeature if model.workspace == Workspace::Pair => {
+            model.pair.selected = model.pair.listed.first().copied()
+        }
+        A::ClearSelection if model.workspace == Workspace::Pair => model.pair.selected = None,
         A::NextFeature => model.select_neighbour(true),
         A::PreviousFeature => model.select_neighbour(false),
         A::StrongestFeature => model.selected = model.listed.first().copied(),
         A::ClearSelection => model.selected = None,
         A::ClearFilter => model.filter = Default::default(),
         A::OtherSide => model.pair.active = model.active_side().other(),
-        A::LinkHands => {
-            model.pair.links.hands ^= true;
-            if model.pair.links.hands {
+        A::LinkCursors => {
+            model.pair.links.cursor ^= true;
+            if model.pair.links.cursor {
                 model.bring_hands_together();
             }
         }
@@ -226,11 +228,11 @@ fn change_model(model: &mut Model, id: ActionId) {
     }
 }
 
-/// The actions that move the hand: the cursor of the pane in focus.
+/// The actions that move the cursor of the pane in focus.
 fn move_hand(model: &mut Model, id: ActionId) {
     use ActionId as A;
-    let grid = model.hand_params().slopes;
-    let slope = model.hand().slope;
+    let grid = model.cursor_params().slopes;
+    let slope = model.cursor().slope;
     let slope = match id {
         A::SlopeULess => Some(stepped(&grid, slope, false, false)),
         A::SlopeUMore => Some(stepped(&grid, slope, false, true)),

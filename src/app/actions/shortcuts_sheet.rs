@@ -42,7 +42,7 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
 
 /// Which menus go into which column: about the same number of rows in each.
 const COLUMNS: [&[Menu]; 4] = [
-    &[Menu::File, Menu::Scrub],
+    &[Menu::File, Menu::Cursor],
     &[Menu::View, Menu::Detect],
     &[Menu::Panes, Menu::Pair],
     &[Menu::Edit, Menu::Dataset, Menu::Features, Menu::Help],

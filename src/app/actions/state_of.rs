@@ -3,11 +3,11 @@
 use super::registry::ActionId;
 use crate::app::measure::Tool;
 use crate::app::pane::{Content, MAX_PANES, Over};
-use crate::app::state::Model;
-use crate::app::state::compare::Layout;
-use crate::app::state::pair::Side;
-use crate::app::state::room::Room;
-use crate::app::state::scrub::ViewKind;
+use crate::app::project::Model;
+use crate::app::project::compare::Layout;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams};
 use crate::engine::BurstSource;
 use crate::matching::MatchParams;
@@ -16,9 +16,9 @@ use crate::matching::MatchParams;
 pub fn enabled(id: ActionId, model: &Model) -> bool {
     use ActionId as A;
     let has_burst = model.burst.is_some();
-    let in_pair = model.room == Room::Pair;
-    let in_methods = model.room == Room::Methods;
-    let (in_inspect, many_panes) = (model.room == Room::Burst, model.panes.are_many());
+    let in_pair = model.workspace == Workspace::Pair;
+    let in_methods = model.workspace == Workspace::Methods;
+    let (in_inspect, many_panes) = (model.workspace == Workspace::Inspect, model.panes.are_many());
     let has_second = model.pair.b.burst.is_some();
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
@@ -53,7 +53,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::OpenFolderB | A::OpenFilesB | A::OpenPathB | A::OpenDemoB => has_burst,
         A::CloseB | A::SwapSides => has_burst && has_second,
         A::OtherSide => in_pair && has_second,
-        A::LinkHands | A::LinkViews | A::LinkRanges => in_pair,
+        A::LinkCursors | A::LinkViews | A::LinkRanges => in_pair,
         A::ToggleInliers | A::ToggleOutliers | A::ToggleAlone | A::ToggleEpipolar => in_pair,
         A::Match => in_pair && model.pair.busy.matching.is_none() && model.wanted_matches().is_some(),
         A::ResetMatching => model.pair.params != MatchParams::default(),
@@ -67,7 +67,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
             model.picture().is_some()
         }
         A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope => has_burst,
-        A::Play => has_burst && model.hand_params().slopes.len() > 1,
+        A::Play => has_burst && model.cursor_params().slopes.len() > 1,
         A::FramePrevious | A::FrameNext => has_burst && model.hand_frame_count() > 1,
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => has_burst,
         A::Detect => {
@@ -115,24 +115,24 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     let kind = |kind: ViewKind| Some(model.focused().shows(kind));
     let (links, matches) = (&model.pair.links, &model.pair.look);
     match id {
-        A::RoomBurst => Some(model.room == Room::Burst),
-        A::RoomPair => Some(model.room == Room::Pair),
-        A::RoomMatches => Some(model.room == Room::Matches),
-        A::RoomTrajectories => Some(model.room == Room::Trajectories),
-        A::RoomMethods => Some(model.room == Room::Methods),
-        A::ToggleOverlay if model.room == Room::Methods => Some(model.compare.look.features),
+        A::WorkspaceInspect => Some(model.workspace == Workspace::Inspect),
+        A::WorkspacePair => Some(model.workspace == Workspace::Pair),
+        A::WorkspaceMatches => Some(model.workspace == Workspace::Matches),
+        A::WorkspaceTrajectories => Some(model.workspace == Workspace::Trajectories),
+        A::WorkspaceMethods => Some(model.workspace == Workspace::Methods),
+        A::ToggleOverlay if model.workspace == Workspace::Methods => Some(model.compare.look.features),
         A::ShowFrame => kind(ViewKind::Frame),
         A::ShowStack => kind(ViewKind::Stack),
         A::ShowDog => kind(ViewKind::Dog),
         A::ShowMerge => Some(model.focused().content == Content::Merge),
-        A::LinkHands => Some(links.hands),
+        A::LinkCursors => Some(links.cursor),
         A::LinkViews => Some(links.views),
         A::LinkRanges => Some(model.ranges_are_linked()),
         A::ToggleInliers => Some(matches.inliers),
         A::ToggleOutliers => Some(matches.outliers),
         A::ToggleAlone => Some(matches.alone),
         A::ToggleEpipolar => Some(matches.geometry),
-        A::ToggleOverlay if model.room == Room::Pair => Some(matches.features),
+        A::ToggleOverlay if model.workspace == Workspace::Pair => Some(matches.features),
         A::ToggleOverlay => Some(model.look.overlay),
         A::ToggleMotion => Some(model.look.motion_vectors),
         A::ToggleOrientation => Some(model.look.orientations),

@@ -93,7 +93,7 @@ impl View {
         self.zoom = Zoom::PointsPerPixel(after);
     }
 
-    /// Moves the image with the hand, by `delta_ui` points. A fitted image becomes a free one.
+    /// Moves the image with the pointer, by `delta_ui` points. A fitted image becomes a free one.
     pub fn pan(&mut self, delta_ui: Vec2) {
         if delta_ui != Vec2::ZERO {
             let zoom = self.points_per_pixel();

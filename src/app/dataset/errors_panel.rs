@@ -3,8 +3,8 @@
 use super::model::Dataset;
 use super::trajectories::Trajectories;
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panels::widgets::section_ui;
-use crate::app::state::Model;
+use crate::app::panel::widgets::section_ui;
+use crate::app::project::Model;
 use crate::evaluate::poses::{Association, ErrorSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
 use egui::{ComboBox, DragValue, Grid, Label, RichText, Ui};

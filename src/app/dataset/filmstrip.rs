@@ -4,7 +4,7 @@ use super::model::{BurstState, Dataset, Datasets};
 use super::thumbnails::{Shown, Thumbnails};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::inspector::copy_ui;
-use crate::app::state::Model;
+use crate::app::project::Model;
 use crate::app::style;
 use egui::{
     Align, Align2, Color32, FontId, Label, Layout, Pos2, ProgressBar, Rect, Response, RichText, ScrollArea, Sense,

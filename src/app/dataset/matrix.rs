@@ -11,9 +11,9 @@ const CELL_RANGE: std::ops::RangeInclusive<f32> = 7.0..=64.0;
 /// A number is written into cells of this size and larger, and names beside rows and columns.
 const CELL_WITH_NUMBER: f32 = 22.0;
 const CELL_WITH_NAMES: f32 = 11.0;
-/// Room for the names of rows, in points.
+/// Workspace for the names of rows, in points.
 const NAMES_WIDTH: f32 = 96.0;
-/// Room for the numbers of columns, in points.
+/// Workspace for the numbers of columns, in points.
 const HEAD_HEIGHT: f32 = 18.0;
 
 /// Where the cells are.

@@ -16,7 +16,6 @@ pub mod plane_view;
 pub mod points_strip;
 pub mod thumbnails;
 pub mod trajectories;
-mod work;
 
 pub use cut::CutDialog;
 pub use model::{BurstState, Dataset, Datasets, Work};

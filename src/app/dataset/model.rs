@@ -284,7 +284,7 @@ impl Default for PairChoice {
 }
 
 impl PairChoice {
-    /// The choice as the dataset's room knows it.
+    /// The choice as the dataset's workspace knows it.
     pub fn selection(self) -> PairSelection {
         if self.neighbours { PairSelection::Sequential(self.overlap) } else { PairSelection::All }
     }

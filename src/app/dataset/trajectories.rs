@@ -18,7 +18,7 @@ pub enum Which {
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
 const PLANE_UNITS: f64 = 1000.0;
 
-/// Room around the cameras, as a part of the longer side.
+/// Workspace around the cameras, as a part of the longer side.
 const MARGIN: f64 = 0.06;
 
 /// A place of a camera in the plane on show.

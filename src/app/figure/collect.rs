@@ -4,10 +4,10 @@ use crate::app::canvas::overlay::{ColourBy, ColourScale, circle_radius_image, mo
 use crate::app::canvas::{self, number};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
-use crate::app::panels::features::FeatureLayer;
-use crate::app::panels::picture::describe;
-use crate::app::state::Model;
-use crate::app::state::room::Room;
+use crate::app::panel::features::FeatureLayer;
+use crate::app::panel::picture::describe;
+use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature, Slope};
 use crate::export::{ColourBar, Drawing, FigureMark, FigureOptions, FigurePanel, LegendEntry, lay_out};
 use crate::plane::Plane;
@@ -75,7 +75,7 @@ impl FigureChoice {
 /// # Errors
 /// That there is no picture.
 pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
-    let rows = if choice.all_panes && model.room == Room::Burst {
+    let rows = if choice.all_panes && model.workspace == Workspace::Inspect {
         model.panes.arrangement().in_rows()
     } else {
         vec![vec![model.focus()]]
@@ -90,7 +90,7 @@ pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -
 
 fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {
     let picture = model.panes.get(id)?.picture.as_ref()?;
-    let shown = crate::app::panels::picture::canvas_picture(picture);
+    let shown = crate::app::panel::picture::canvas_picture(picture);
     let visible = widgets.get(id).and_then(|widget| widget.picture.visible_image).filter(|_| !choice.whole_picture);
     let region = shown.region(visible.unwrap_or_else(|| shown.rect_image()));
     if region.is_empty() {

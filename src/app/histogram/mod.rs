@@ -144,7 +144,7 @@ impl HistogramPanel {
             Some(counted) => counted.data_range,
             None => full_range(picture),
         };
-        // While a handle is dragged the axis must not run away under the hand.
+        // While a handle is dragged the axis must not run away under the pointer.
         let axis = match self.axis {
             Some(axis) if self.drag.is_some() || axis_fits(axis, data_range, display) => axis,
             _ => axis_for(data_range, display),

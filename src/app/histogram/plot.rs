@@ -25,7 +25,7 @@ pub struct PlotGeometry {
 impl PlotGeometry {
     /// For a plot in `rect` whose axis spans `axis`.
     pub fn new(rect: Rect, axis: (f32, f32)) -> Self {
-        // Room for half a handle at each side.
+        // Workspace for half a handle at each side.
         let inner = rect.shrink2(vec2(6.0, 0.0));
         let bottom = inner.bottom() - LABELS_POINTS;
         let strip = Rect::from_min_max(pos2(inner.left(), bottom - STRIP_POINTS), pos2(inner.right(), bottom));

@@ -7,9 +7,9 @@ use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::measure::{draw_ui, measure_ui};
 use crate::app::pane::PaneId;
-use crate::app::panels::features::{FeatureOptions, features_ui};
-use crate::app::panels::picture::stale_ui;
-use crate::app::state::Model;
+use crate::app::panel::features::{FeatureOptions, features_ui};
+use crate::app::panel::picture::stale_ui;
+use crate::app::project::Model;
 use egui::{Sense, Stroke, StrokeKind, Ui, WidgetText};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
@@ -81,7 +81,7 @@ impl Behavior<PaneId> for Inspector<'_> {
     }
 }
 
-/// A part of a header that a hand takes the pane by.
+/// A part of a header by which the pane is dragged.
 pub(super) fn grip_sense(many: bool) -> Sense {
     if many { Sense::click_and_drag() } else { Sense::click() }
 }

@@ -7,10 +7,10 @@ use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::canvas;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
-use crate::app::panels::picture::describe;
-use crate::app::state::Model;
-use crate::app::state::pair::Side;
-use crate::app::state::scrub::ViewKind;
+use crate::app::panel::picture::describe;
+use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::pair::Side;
 use crate::app::style;
 use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Ui, vec2};
 
@@ -23,7 +23,7 @@ const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
 /// Headers narrower than this have no room for the buttons that split: they are in the menu.
 const ROOM_FOR_SPLITS: f32 = 190.0;
 
-/// What the hand did to a header.
+/// What the pointer did to a header.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HeaderResponse {
     /// The pane is to have the focus.
@@ -106,7 +106,7 @@ pub fn header_ui(
     answer
 }
 
-/// Which pane it is and what it shows. A hand takes it by this.
+/// Which pane it is and what it shows. It is dragged by this.
 fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> HeaderResponse {
     let pane = model.panes.get(id);
     let long = pane.and_then(|pane| pane.picture.as_ref()).map_or_else(String::new, describe);

@@ -4,7 +4,7 @@ use super::pane_ui::{Drawn, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};
 use crate::app::canvas::{self, CanvasOutput, number};
 use crate::app::pane::{Link, PaneId, place_in};
-use crate::app::state::Model;
+use crate::app::project::Model;
 use egui::{Align2, Color32, FontId, Pos2, Stroke, vec2};
 
 /// Draws the marks over what was drawn, and puts the values into `widgets`.

@@ -2,9 +2,9 @@
 
 use crate::app::actions::{ActionId, Queue, menu::item_ui};
 use crate::app::pane::{Content, Direction, Link, Over, PaneId, Preset};
-use crate::app::state::Model;
-use crate::app::state::pair::Side;
-use crate::app::state::scrub::ViewKind;
+use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::pair::Side;
 use egui::{Button, Ui};
 
 /// What a pane asks for that changes which panes there are.

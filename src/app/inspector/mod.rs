@@ -23,7 +23,7 @@ pub use widgets::{PaneWidget, PaneWidgets, PlaceValue};
 
 use super::actions::Queue;
 use super::pane::{arrangement_of, tree_of};
-use super::state::Model;
+use crate::app::project::Model;
 use behaviour::Inspector;
 use egui::Ui;
 

@@ -4,10 +4,10 @@ use super::widgets::PaneWidgets;
 use crate::app::canvas::{self, Canvas, CanvasOutput};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId};
-use crate::app::panels::features::{FeatureOptions, features_ui};
-use crate::app::state::Model;
-use crate::app::state::pair::Side;
-use crate::app::state::room::Room;
+use crate::app::panel::features::{FeatureOptions, features_ui};
+use crate::app::project::Model;
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
 use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
 
 /// What was drawn of a pane.
@@ -21,7 +21,7 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Whether the hand did something to it: clicked, dragged or turned the wheel over it.
+    /// Whether the pointer did something to it: clicked, dragged or turned the wheel over it.
     pub fn is_touched(&self, ui: &Ui) -> bool {
         let response = &self.output.response;
         let scrolled = response.contains_pointer()
@@ -45,7 +45,7 @@ pub fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut Pane
     let output = canvas_of(model, shown, name)
         .picture(state.shown().filter(|_| problem.is_none()))
         .empty_text(problem.unwrap_or("The picture is being made…"))
-        .primary_pans(model.room != Room::Burst || model.measure.tool == Tool::Pan)
+        .primary_pans(model.workspace != Workspace::Inspect || model.measure.tool == Tool::Pan)
         .show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;
     state.readout = match (state.shown(), output.hover_image) {

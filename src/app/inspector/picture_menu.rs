@@ -7,7 +7,7 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{Readout, number};
 use crate::app::clipboard;
 use crate::app::pane::PaneId;
-use crate::app::state::Model;
+use crate::app::project::Model;
 use egui::{RichText, Ui};
 
 /// What was under the pointer when the menu was opened.

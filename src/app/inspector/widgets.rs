@@ -3,8 +3,8 @@
 use super::picture_menu::MenuPlace;
 use crate::app::canvas::{Readout, RectTransform};
 use crate::app::pane::PaneId;
-use crate::app::panels::display::DisplayState;
-use crate::app::panels::picture::PictureState;
+use crate::app::panel::display::DisplayState;
+use crate::app::panel::picture::PictureState;
 use egui::Pos2;
 use std::collections::HashMap;
 

@@ -1,16 +1,16 @@
-//! Drawing a line or a rectangle with the hand, and showing it in every pane that is measured.
+//! Drawing a line or a rectangle with the pointer, and showing it in every pane that is measured.
 
 use super::values::{mapped, measured_panes};
 use super::{MeasuredLine, MeasuredRegion, Tool};
 use crate::app::canvas::CanvasOutput;
 use crate::app::pane::PaneId;
-use crate::app::state::{BottomTab, Model};
+use crate::app::project::{BottomTab, Model};
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
 
 /// What is drawn.
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
 
-/// Takes what the hand does on the canvas of pane `id`, while a tool is taken.
+/// Takes what the pointer does on the canvas of pane `id`, while a tool is taken.
 pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
     let response = &output.response;
     let place = |pos: Pos2| output.image_from_ui.pos(pos);

@@ -4,7 +4,7 @@ use super::profiles_of;
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::inspector::PaneWidgets;
-use crate::app::state::Model;
+use crate::app::project::Model;
 use egui::{Color32, Ui};
 use egui_plot::{Corner, Legend, Line, Plot, PlotPoints};
 

@@ -6,7 +6,7 @@ use crate::app::canvas::number;
 use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
-use crate::app::state::Model;
+use crate::app::project::Model;
 use crate::plane::profile::{RegionStatistics, region_statistics};
 use crate::plane::statistics::{Histogram, Region, histogram};
 use egui::{RichText, ScrollArea, Ui};

@@ -1,8 +1,8 @@
 //! Panes: each shows one picture of one open burst.
 //!
-//! A [`Pane`] is a plain value: which burst, where in it ([`Scrub`]: frame, slope, octave, level), which kind of picture, pan and zoom, a range of its own if
+//! A [`Pane`] is a plain value: which burst, where in it ([`Cursor`]: frame, slope, octave, level), which kind of picture, pan and zoom, a range of its own if
 //! it has one, and what it shares with other panes ([`PaneLinks`]). [`Panes`] holds all of them with their [`Arrangement`] on the screen and says which one
-//! the sliders and keys move: the one in focus. Two panes are always there, one for each of the two bursts; the rooms that show both take these.
+//! the sliders and keys move: the one in focus. Two panes are always there, one for each of the two bursts; the workspaces that show both take these.
 //!
 //! What every pane wants to show follows from its values alone ([`wanted`](Pane::wanted)). The window asks the engine for it under the pane's own number, and
 //! puts the answer into [`Pane::picture`].
@@ -24,9 +24,9 @@ pub use set::Panes;
 pub use tiles::{arrangement_of, tree_of};
 
 use super::canvas::View;
-use super::state::look::Ranges;
-use super::state::pair::Side;
-use super::state::scrub::{Scrub, ViewKind};
+use crate::app::project::cursor::{Cursor, ViewKind};
+use crate::app::project::look::Ranges;
+use crate::app::project::pair::Side;
 use crate::detector::DetectorParams;
 use crate::engine::{OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
 use serde::{Deserialize, Serialize};
@@ -107,7 +107,7 @@ pub struct Pane {
     /// What it shows.
     pub content: Content,
     /// Where in the burst it is. A linked pane may have been moved beyond what there is; [`Pane::cursor_within`] is what is shown.
-    pub cursor: Scrub,
+    pub cursor: Cursor,
     /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
     pub slope_chosen: bool,
     /// Pan and zoom.
@@ -130,7 +130,7 @@ impl Pane {
         Self {
             side,
             content: Content::default(),
-            cursor: Scrub::default(),
+            cursor: Cursor::default(),
             slope_chosen: false,
             view: View::fit(),
             own_ranges: None,
@@ -160,7 +160,7 @@ impl Pane {
     }
 
     /// The cursor, brought into what the burst and the parameters have.
-    pub fn cursor_within(&self, burst: &OpenBurst, params: &DetectorParams) -> Scrub {
+    pub fn cursor_within(&self, burst: &OpenBurst, params: &DetectorParams) -> Cursor {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
 

@@ -1,6 +1,6 @@
 //! The same place of a scene in two panes.
 
-use super::super::state::scrub::Scrub;
+use crate::app::project::cursor::Cursor;
 use crate::engine::PictureKind;
 use egui::{Pos2, vec2};
 use std::ops::Range;
@@ -11,8 +11,8 @@ use std::ops::Range;
 /// that of the pane that is no frame, or of the pane that is pointed at if both are frames.
 pub fn place_in(
     pos_image: Pos2,
-    (from_kind, from): (PictureKind, &Scrub),
-    (to_kind, to): (PictureKind, &Scrub),
+    (from_kind, from): (PictureKind, &Cursor),
+    (to_kind, to): (PictureKind, &Cursor),
     used: &Range<usize>,
 ) -> Pos2 {
     let middle = 0.5 * (used.start + used.end.max(1) - 1) as f32;
@@ -39,7 +39,7 @@ mod tests {
 
     #[test]
     fn a_place_moves_along_the_slope_from_the_middle_of_the_burst_to_a_frame() {
-        let cursor = Scrub { slope: Slope::new(7.0, 7.0), ..Scrub::default() };
+        let cursor = Cursor { slope: Slope::new(7.0, 7.0), ..Cursor::default() };
         let stack = (PictureKind::Stack { slope: SLOPE }, &cursor);
         let frame = (PictureKind::Frame(7), &cursor);
         assert_eq!(place_in(pos2(50.0, 40.0), stack, frame, &(0..11)), pos2(54.0, 38.0));
@@ -53,7 +53,7 @@ mod tests {
     proptest! {
         #[test]
         fn there_and_back_is_the_same_place(u in 0f32..500.0, v in 0f32..500.0, t in 0usize..12, s in -3f32..3.0) {
-            let cursor = Scrub { slope: Slope::new(s, -s), ..Scrub::default() };
+            let cursor = Cursor { slope: Slope::new(s, -s), ..Cursor::default() };
             let kinds = [
                 PictureKind::Frame(t),
                 PictureKind::Stack { slope: SLOPE },

@@ -1,7 +1,7 @@
 //! Ready-made arrangements: what a person lays beside one another most often.
 
 use super::{Content, Pane};
-use crate::app::state::scrub::{Scrub, ViewKind, level_range, nearest_on_grid, stepped};
+use crate::app::project::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
 use crate::detector::{DetectorParams, Slope};
 
 /// A ready-made arrangement.
@@ -117,7 +117,7 @@ impl Preset {
                     .map(|level| {
                         at(&|p| {
                             p.show(ViewKind::Dog);
-                            (p.cursor, p.links.cursor) = (Scrub { level, ..p.cursor }, true);
+                            (p.cursor, p.links.cursor) = (Cursor { level, ..p.cursor }, true);
                         })
                     })
                     .collect();
@@ -175,7 +175,7 @@ fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::state::pair::Side;
+    use crate::app::project::pair::Side;
     use crate::detector::SlopeGrid;
 
     fn base(slope_u: f32) -> Pane {

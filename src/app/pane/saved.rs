@@ -2,9 +2,9 @@
 
 use super::{Arrangement, Content, Over, Pane, PaneId, PaneLinks, Panes};
 use crate::app::canvas::View;
-use crate::app::state::look::Ranges;
-use crate::app::state::pair::Side;
-use crate::app::state::scrub::Scrub;
+use crate::app::project::cursor::Cursor;
+use crate::app::project::look::Ranges;
+use crate::app::project::pair::Side;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ pub struct SavedPane {
     pub content: Content,
     /// Where its cursor was.
     #[serde(default)]
-    pub cursor: Scrub,
+    pub cursor: Cursor,
     /// Pan and zoom.
     #[serde(default)]
     pub view: View,

@@ -1,10 +1,10 @@
-//! All panes, where they are, and which of them the hand moves.
+//! All panes, where they are, and which of them the sliders move.
 
 use super::preset::Laid;
 use super::{Arrangement, Content, Direction, Link, MAX_PANES, Over, Pane, PaneId, Preset};
 use crate::app::canvas::View;
-use crate::app::state::pair::Side;
-use crate::app::state::scrub::Scrub;
+use crate::app::project::cursor::Cursor;
+use crate::app::project::pair::Side;
 use crate::detector::DetectorParams;
 use std::collections::BTreeMap;
 
@@ -70,7 +70,7 @@ impl Panes {
         &self.arrangement
     }
 
-    /// Takes what a hand made of the arrangement: panes may have moved and have other sizes, but are the same.
+    /// Takes what the pointer made of the arrangement: panes may have moved and have other sizes, but are the same.
     pub fn rearrange(&mut self, arrangement: Arrangement) {
         let mut panes = [arrangement.panes(), self.arrangement.panes()];
         panes.iter_mut().for_each(|ids| ids.sort_unstable());
@@ -289,7 +289,7 @@ impl Panes {
     }
 
     /// Lets the panes that are linked so follow when the cursor of `moved` was moved since it was at `before`: by the same steps.
-    pub fn follow_cursor(&mut self, moved: PaneId, before: Scrub) {
+    pub fn follow_cursor(&mut self, moved: PaneId, before: Cursor) {
         let Some(after) = self.get(moved).filter(|pane| pane.links.has(Link::Cursor)).map(|pane| pane.cursor) else {
             return;
         };
@@ -324,7 +324,7 @@ impl Panes {
 mod tests {
     use super::*;
     use crate::app::canvas::Zoom;
-    use crate::app::state::scrub::ViewKind;
+    use crate::app::project::cursor::ViewKind;
     use crate::detector::Slope;
 
     const A: PaneId = PaneId(0);
@@ -347,7 +347,7 @@ mod tests {
         assert_eq!((panes.shown(), panes.focus()), (vec![A, right], right));
         panes.close(A);
         assert_eq!(panes.shown(), [right]);
-        assert_eq!(panes.of(Side::A).side, Side::A, "the pane of A is still there for the other rooms");
+        assert_eq!(panes.of(Side::A).side, Side::A, "the pane of A is still there for the other workspaces");
         for _ in 0..2 * MAX_PANES {
             panes.split(panes.focus(), Direction::Right);
         }

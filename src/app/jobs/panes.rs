@@ -1,0 +1,107 @@
+//! What the window does for its panes: changes them as a pane asked for, lets linked ones follow, and asks the engine for the pictures that they want.
+
+use crate::app::inspector::Change;
+use crate::app::pane::{PaneId, Panes};
+use crate::app::project::Model;
+use crate::app::project::cursor::Cursor;
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
+use crate::app::window::BurstscopeApp;
+use crate::engine::{Answer as JobAnswer, JobError, Picture};
+
+/// Where the before were at the beginning of a pass.
+pub(in crate::app) struct CursorsBefore {
+    sides: [Cursor; 2],
+    focus: (PaneId, Cursor),
+}
+
+impl CursorsBefore {
+    /// Where they are now.
+    pub(in crate::app) fn of(model: &Model) -> Self {
+        let sides = Side::BOTH.map(|side| *model.cursor_of(side));
+        Self {
+            sides,
+            focus: (model.panes.focus(), model.panes.get(model.panes.focus()).map_or(sides[0], |pane| pane.cursor)),
+        }
+    }
+
+    /// Lets what is linked to a cursor that has moved since follow it.
+    pub(in crate::app) fn lead(self, model: &mut Model) {
+        match model.workspace {
+            Workspace::Inspect if self.focus.0 == model.panes.focus() => {
+                let (id, before) = self.focus;
+                model.panes.follow_cursor(id, before);
+            }
+            Workspace::Pair | Workspace::Methods => model.follow_cursor(self.sides),
+            _ => {}
+        }
+    }
+}
+
+impl BurstscopeApp {
+    /// Does what a pane asked for, and forgets what was kept of panes that are gone.
+    pub(in crate::app) fn change_panes(&mut self, change: Change) {
+        let panes = &mut self.model.panes;
+        match change {
+            Change::Split(id, direction) => {
+                panes.split(id, direction);
+            }
+            Change::Close(id) => panes.close(id),
+            Change::LayOut(id, preset) => {
+                panes.set_focus(id);
+                self.model.lay_out(preset);
+            }
+        }
+        // Panes that were laid out each in its own place do not follow one another for it.
+        self.cursors_set = true;
+        self.forget_closed_panes();
+    }
+
+    /// Forgets what was kept and asked for of panes that are gone.
+    pub(in crate::app) fn forget_closed_panes(&mut self) {
+        let panes: &Panes = &self.model.panes;
+        self.widgets.retain(|id| panes.get(id).is_some());
+        let engine = &self.engine;
+        self.asked.pictures.retain(|id, _| {
+            let is_there = panes.get(*id).is_some();
+            if !is_there {
+                engine.forget_picture(id.slot());
+            }
+            is_there
+        });
+    }
+
+    /// Takes a pane's picture, or why there is none.
+    pub(in crate::app) fn take_picture(&mut self, id: PaneId, answer: JobAnswer<Picture>) {
+        match answer.result {
+            Ok(picture) => {
+                self.asked.pictures.retain(|asked_id, asked| *asked_id != id || !asked.same_picture(&picture.request));
+                self.model.take_picture(id, picture);
+            }
+            Err(JobError::Cancelled) => {
+                self.asked.pictures.remove(&id);
+            }
+            Err(error) => {
+                if let Some(asked) = self.asked.pictures.remove(&id) {
+                    self.model.take_problem(id, asked, &error);
+                }
+            }
+        }
+    }
+
+    /// Asks for the pictures that panes on the screen want, have not, and were not asked for.
+    pub(in crate::app) fn request_pictures(&mut self) {
+        let focus = self.model.focus();
+        let mut ids = self.model.visible_panes();
+        // The pane in focus comes first.
+        ids.sort_by_key(|id| *id != focus);
+        for id in ids {
+            let Some(wanted) = self.model.wanted(id) else { continue };
+            let is_under_way = self.asked.pictures.get(&id).is_some_and(|asked| asked.same_picture(&wanted));
+            if !is_under_way && !self.model.is_current(id) {
+                self.engine.request_picture(id.slot(), wanted.clone());
+                self.asked.pictures.insert(id, wanted);
+            }
+        }
+    }
+}

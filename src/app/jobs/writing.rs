@@ -1,0 +1,156 @@
+//! What is written to files from the window: prepared from what is on show, then written in the background, whole or not at all.
+
+use crate::app::dialogs::{ExportKind, Purpose};
+use crate::app::figure::{drawing_of, rasterise};
+use crate::app::inspector::PaneWidgets;
+use crate::app::measure::profiles_of;
+use crate::app::pane::PaneId;
+use crate::app::project::Model;
+use crate::app::project::pair::{MatchRow, Side};
+use crate::app::session::Session;
+use crate::engine::Picture;
+use crate::export::{self, ExportFormat};
+use crate::plane::Plane;
+use crate::plane::display::to_rgba8;
+use std::io::Write;
+use std::path::Path;
+
+const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
+
+/// Writes a file; the error says what went wrong.
+pub type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
+
+/// The work of writing what `purpose` names, with everything it needs taken from the model as it is now.
+///
+/// # Errors
+/// What is missing: a detection, a picture, a burst.
+pub fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
+    match purpose {
+        Purpose::SaveParams => Ok(text_work(model.asked().to_toml())),
+        Purpose::SaveSession => {
+            let session = Session::of(model).ok_or("no burst is open; open one first")?;
+            Ok(text_work(session.to_toml()))
+        }
+        Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
+        Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
+        Purpose::Export(ExportKind::Npz) => features_work(model, ExportFormat::Npz),
+        Purpose::Export(ExportKind::Matches) => matches_work(model),
+        Purpose::Export(ExportKind::MatchPicture) => match_picture_work(model),
+        Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
+        Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
+        Purpose::Export(kind) => picture_work(model, kind),
+        _ => Err("nothing is written for this".to_owned()),
+    }
+}
+
+fn text_work(text: String) -> Work {
+    Box::new(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string()))
+}
+
+fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
+    let detection = model.found.as_ref().ok_or("there are no features; press Detect first")?.detection.clone();
+    Ok(Box::new(move |path| format.write(path, &detection).map_err(|e| e.to_string())))
+}
+
+fn matches_work(model: &Model) -> Result<Work, String> {
+    let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
+    Ok(Box::new(move |path| {
+        let rows: Vec<export::MatchRow> = matches.rows().map(|row| export_row(&row)).collect();
+        export::write_matches_csv(path, &rows).map_err(|e| e.to_string())
+    }))
+}
+
+fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
+    let line = model.measure.line.ok_or("there is no line; draw one with Q first")?;
+    let profiles: Vec<export::PictureProfile> = profiles_of(model, widgets, &line)
+        .into_iter()
+        .map(|profile| export::PictureProfile {
+            picture: format!("{}  {}", profile.number, profile.label),
+            samples: profile.samples,
+        })
+        .collect();
+    if profiles.is_empty() {
+        return Err("the pane with the line is closed; draw another line with Q".to_owned());
+    }
+    Ok(Box::new(move |path| export::write_profiles_csv(path, &profiles).map_err(|e| e.to_string())))
+}
+
+fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
+    export::MatchRow {
+        features: [row.found.a, row.found.b],
+        a: [f64::from(row.a.u), f64::from(row.a.v)],
+        b: [f64::from(row.b.u), f64::from(row.b.v)],
+        distance: row.found.distance,
+        ratio: row.found.ratio,
+        // Where no geometry was found the error is infinite, as the command writes it.
+        verified: row.inlier.map(|inlier| (row.error_px.unwrap_or(f32::INFINITY), inlier)),
+    }
+}
+
+fn match_picture_work(model: &Model) -> Result<Work, String> {
+    let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
+    let listed = model.pair.listed.clone();
+    let side = |side: Side| {
+        let picture = model.picture_of(side).cloned().ok_or("there is no picture; open a burst first")?;
+        let display = model.display_of(PaneId::of(side));
+        Ok::<_, String>((picture, display))
+    };
+    let sides = [side(Side::A)?, side(Side::B)?];
+    Ok(Box::new(move |path| {
+        let lines: Vec<export::MatchLine> = listed
+            .iter()
+            .filter_map(|&index| matches.row(index))
+            .map(|row| {
+                let (inlier, row) = (row.inlier != Some(false), export_row(&row));
+                export::MatchLine { a: row.a, b: row.b, inlier }
+            })
+            .collect();
+        let drawn = sides.each_ref().map(|(picture, display)| to_rgba8(&on_image_pixels(picture), display));
+        let [a, b] = drawn.each_ref().map(|rgba| {
+            let (width, height) = rgba.dimensions();
+            export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
+        });
+        export::write_match_picture(path, a, b, &lines).map_err(|e| e.to_string())
+    }))
+}
+
+fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
+    let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
+    let display = model.display_of(model.focus());
+    Ok(match kind {
+        ExportKind::Tiff => Box::new(move |path| export::write_tiff(path, &picture.plane).map_err(|e| e.to_string())),
+        _ => Box::new(move |path| {
+            let rgba = to_rgba8(&picture.plane, &display);
+            let (width, height) = picture.plane.size();
+            export::write_png(path, export::Picture::rgba(width, height, rgba.as_raw())).map_err(|e| e.to_string())
+        }),
+    })
+}
+
+fn figure_work(model: &Model, widgets: &PaneWidgets, kind: ExportKind) -> Result<Work, String> {
+    let drawing = drawing_of(model, widgets, &model.figure)?;
+    Ok(match kind {
+        ExportKind::FigurePng => Box::new(move |path| {
+            let image = rasterise(&drawing)?;
+            let (width, height) = image.dimensions();
+            let picture = export::Picture::rgba(width as usize, height as usize, image.as_raw());
+            export::write_png(path, picture).map_err(|e| e.to_string())
+        }),
+        _ => Box::new(move |path| export::write_drawing_svg(path, &drawing).map_err(|e| e.to_string())),
+    })
+}
+
+/// The picture on the pixels of the input image, so that features lie where they belong.
+fn on_image_pixels(picture: &Picture) -> Plane {
+    let step = picture.request.kind.input_px_per_pixel();
+    let (width, height) = picture.request.burst.burst.size();
+    if picture.plane.size() == (width, height) && step == 1.0 {
+        return (*picture.plane).clone();
+    }
+    let last = |n: usize| n.saturating_sub(1);
+    let (last_u, last_v) = (last(picture.plane.width()), last(picture.plane.height()));
+    Plane::from_fn(width, height, |u, v| {
+        let nearest = |x: usize, most: usize| ((x as f32 / step).round() as usize).min(most);
+        picture.plane.at(nearest(u, last_u), nearest(v, last_v))
+    })
+}

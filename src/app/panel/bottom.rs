@@ -1,0 +1,61 @@
+//! Below the pictures: the table of features, the tally, the noise, and what was measured on the pictures, as tabs.
+
+use crate::app::actions::Queue;
+use crate::app::inspector::PaneWidgets;
+use crate::app::measure::{RegionCache, profile_ui, region_ui};
+use crate::app::project::{BottomTab, Model};
+use egui::{Align, Label, Layout, RichText, Ui};
+
+/// Where there is less room than this, in points, the tabs stand closer.
+const ROOMY: f32 = 600.0;
+
+/// Draws the tabs and the one that is open.
+pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
+    ui.horizontal(|ui| {
+        if ui.available_width() < ROOMY {
+            (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (4.0, 3.0);
+        }
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Table, "Table");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Tally, "Tally");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Noise, "Noise");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Profile, "Profile")
+            .on_hover_text("The values along a line: draw one with Q");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Region, "Region")
+            .on_hover_text("The values in a rectangle: draw one with Shift+Q");
+        ui.separator();
+        match model.bottom_tab {
+            BottomTab::Table => crate::app::panel::filter_bar::filter_bar_ui(ui, model, queue),
+            BottomTab::Tally => {
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    crate::app::panel::tally::summary_ui(ui, model)
+                });
+            }
+            BottomTab::Noise => {
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    crate::app::panel::noise::summary_ui(ui, model)
+                });
+            }
+            BottomTab::Profile | BottomTab::Region => {}
+        }
+    });
+    ui.separator();
+    match model.bottom_tab {
+        BottomTab::Table => {
+            advice_ui(ui, model);
+            crate::app::panel::table::table_ui(ui, model, queue);
+        }
+        BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model),
+        BottomTab::Noise => crate::app::panel::noise::noise_ui(ui, model),
+        BottomTab::Profile => profile_ui(ui, model, widgets, queue),
+        BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
+    }
+}
+
+/// Why there is nothing or little, or most of it at the slope limit, as long as that is so with the present parameters.
+pub(crate) fn advice_ui(ui: &mut Ui, model: &Model) {
+    let advice = model.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
+    if let Some(advice) = advice {
+        let text = RichText::new(advice.for_window()).color(crate::app::style::warning(ui));
+        ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
+    }
+}

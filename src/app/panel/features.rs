@@ -1,0 +1,207 @@
+//! The features over the picture: drawn, pointed at, selected, and what their colours mean.
+
+use crate::app::canvas::{CanvasOutput, overlay};
+use crate::app::pane::PaneId;
+use crate::app::panel::picture::PictureState;
+use crate::app::project::Model;
+use crate::app::project::pair::Side;
+use crate::detector::{Detection, Feature, Slope, SlopeGrid};
+use crate::engine::{Picture, PictureKind};
+use egui::{Color32, Frame, Margin, Pos2, Rect, RichText, Ui, UiBuilder, vec2};
+use std::sync::Arc;
+
+/// How features are drawn over one picture.
+#[derive(Debug, Clone, Copy)]
+pub struct FeatureOptions {
+    /// Whether there is room for the legend.
+    pub legend: bool,
+}
+
+/// The features of a pane as they lie over its picture: what the canvas draws, and what a figure shows.
+#[derive(Debug, Clone)]
+pub struct FeatureLayer {
+    /// The features, where they are at mid-burst.
+    pub detection: Arc<Detection>,
+    /// Where they are in the picture: in a frame at its time, everywhere else at mid-burst.
+    pub placed: Vec<Feature>,
+    /// Whether the picture is a frame.
+    pub in_frame: bool,
+    /// For each feature whether it is shown at all.
+    pub shown: Vec<bool>,
+    /// The slope by which the picture was shifted; `None` if it was not, or by several.
+    pub slope: Option<Slope>,
+    /// The selected feature.
+    pub selected: Option<usize>,
+    /// The feature under the pointer.
+    pub hovered: Option<usize>,
+    /// Whether they are not those of what is set now.
+    pub stale: bool,
+}
+
+impl FeatureLayer {
+    /// Those of pane `id`; `None` while none are drawn. Those of B are only drawn: the table, the filter and the selection are A's.
+    pub fn of(model: &Model, id: PaneId) -> Option<Self> {
+        let pane = model.panes.get(id).filter(|_| model.look.overlay)?;
+        let found = model.found_of(pane.side)?;
+        let (detection, is_first) = (found.detection.clone(), pane.side == Side::A);
+        let dt = frames_from_middle(pane.picture.as_ref(), &detection);
+        let placed = match dt {
+            Some(dt) => detection.features.iter().map(|f| at_time(f, dt)).collect(),
+            None => detection.features.clone(),
+        };
+        let shown = if is_first { model.listed_flags() } else { vec![true; detection.features.len()] };
+        Some(Self {
+            placed,
+            in_frame: dt.is_some(),
+            shown,
+            slope: model.slope_in_picture(id),
+            selected: model.selected.filter(|_| is_first),
+            hovered: model.hovered.filter(|_| is_first),
+            stale: found.asked != model.asked_of(pane.side),
+            detection,
+        })
+    }
+
+    /// The colours of the features.
+    pub fn scale(&self, by: overlay::ColourBy) -> overlay::ColourScale {
+        overlay::ColourScale::of(by, &self.detection.features)
+    }
+
+    /// In a picture that was shifted by a slope, what moves that way is sharp and the rest is smeared: whether the feature is one of the rest.
+    pub fn is_faint(&self, index: usize) -> bool {
+        let Some(slope) = self.slope else { return false };
+        let f = &self.placed[index];
+        let far = (f.slope.u - slope.u).hypot(f.slope.v - slope.v) > near_slope(&self.detection.slopes);
+        far && ![self.selected, self.hovered].contains(&Some(index))
+    }
+}
+
+/// Draws the features of pane `id` over the canvas that answered `output`, and lets the pointer choose among A's.
+pub fn features_ui(
+    ui: &mut Ui,
+    model: &mut Model,
+    id: PaneId,
+    state: &mut PictureState,
+    output: &CanvasOutput,
+    options: FeatureOptions,
+) {
+    let Some(mut layer) = FeatureLayer::of(model, id) else { return };
+    let is_first = model.panes.get(id).is_some_and(|pane| pane.side == Side::A);
+    let scale = state.colour_scale(model.colour_by, &layer.detection);
+    let pointer = output.pointer_ui.filter(|pos| is_first && output.painter.clip_rect().contains(*pos));
+    let pointed =
+        pointer.and_then(|pos| overlay::feature_at(&layer.placed, Some(&layer.shown), output.ui_from_image, pos));
+    if pointer.is_some() {
+        model.hovered = pointed;
+        layer.hovered = pointed;
+    }
+    draw(model, &layer, &scale, output);
+    let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
+    if is_first && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
+        model.selected = pointed;
+    }
+    if let Some(i) = pointed
+        && !output.response.dragged()
+    {
+        tip_ui(ui, i, &layer.placed[i]);
+    }
+    if options.legend && model.look.legend && !layer.placed.is_empty() {
+        legend_ui(ui, &scale, layer.slope.is_some(), output.response.rect);
+    }
+}
+
+/// How many frames the frame in `picture` is after the middle of those that were searched; `None` when it is no frame.
+pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<f32> {
+    match picture?.request.kind {
+        PictureKind::Frame(t) => {
+            let used = &detection.frames_used;
+            Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
+        }
+        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge => None,
+    }
+}
+
+/// The feature where it is `dt` frames after mid-burst.
+pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
+    Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
+}
+
+fn draw(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput) {
+    let style = overlay::OverlayStyle {
+        shown: Some(&layer.shown),
+        selected: layer.selected,
+        hovered: layer.hovered,
+        stale: layer.stale,
+        orientations: model.look.orientations,
+        motion: model.look.motion_vectors,
+        ..overlay::OverlayStyle::new(scale, layer.detection.frames_used.len())
+    };
+    if layer.in_frame {
+        // The way over the whole burst stays where it is; the circles move along it.
+        let ways = overlay::OverlayStyle { circles: false, orientations: false, ..style };
+        overlay::draw_features(output, &layer.detection.features, &ways);
+        overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { motion: false, ..style });
+        return;
+    }
+    let flags = |faint: bool| -> Vec<bool> {
+        layer.shown.iter().enumerate().map(|(i, shown)| *shown && layer.is_faint(i) == faint).collect()
+    };
+    let (faint, full) = (flags(true), flags(false));
+    let below = overlay::OverlayStyle {
+        shown: Some(&faint),
+        stale: true,
+        orientations: false,
+        motion: false,
+        selected: None,
+        hovered: None,
+        ..style
+    };
+    overlay::draw_features(output, &layer.placed, &below);
+    overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { shown: Some(&full), ..style });
+}
+
+/// Features within this distance in slope belong to the picture, in pixels per frame: half-way to the grid's next slope, and a little.
+fn near_slope(grid: &SlopeGrid) -> f32 {
+    (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
+}
+
+/// The numbers of the feature under the pointer.
+fn tip_ui(ui: &Ui, index: usize, f: &Feature) {
+    let text = format!(
+        "#{}  σ {:.2} px\nslope ({:+.2}, {:+.2}) px/frame\nresponse {:+.4}  SNR {:.1}",
+        index + 1,
+        f.sigma,
+        f.slope.u,
+        f.slope.v,
+        f.response,
+        f.snr
+    );
+    let (id, anchor) = (egui::Id::unique("feature tip"), egui::PopupAnchor::Pointer);
+    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
+        .gap(14.0)
+        .show(|ui| ui.label(RichText::new(text).monospace()));
+}
+
+/// What the colours mean, in the lower left corner; smaller where the picture is small.
+fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, some_are_faint: bool, rect: Rect) {
+    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
+    let frame = Frame::new().fill(fill).corner_radius(5).inner_margin(Margin::symmetric(8, 6));
+    let roomy = rect.height() > 340.0 && rect.width() > 480.0;
+    let key = if scale.by == overlay::ColourBy::SlopeDirection { 54.0 } else { 28.0 };
+    let texts = if roomy { 1 + usize::from(some_are_faint) } else { 0 };
+    let height = key + 12.0 + 18.0 * texts as f32;
+    let corner = rect.left_bottom() + vec2(10.0, -10.0);
+    let room = Rect::from_min_max(corner - vec2(0.0, height), corner + vec2(210.0, 0.0));
+    ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        frame.show(ui, |ui| {
+            if roomy {
+                ui.label(RichText::new(scale.by.name()).small());
+            }
+            scale.legend_ui(ui);
+            if roomy && some_are_faint {
+                ui.label(RichText::new("Faint: found at other slopes").small().weak());
+            }
+        });
+    });
+}

@@ -1,0 +1,147 @@
+//! The noise of the burst as the last detection took it: the variance over brightness with the points it was fitted to, where in the picture the noise
+//! is how large, and which assumptions do not hold.
+
+use crate::app::canvas::number as in_digits;
+use crate::app::project::{Found, Model};
+use crate::detector::noise_model::NoiseModel;
+use crate::plane::colour_map::ColourMap;
+use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, pos2, vec2};
+
+/// A number with the digits that a plot needs.
+fn number(value: f32) -> String {
+    in_digits(value, 3)
+}
+
+/// Size of the plot and of the map, points.
+const PLOT: egui::Vec2 = vec2(280.0, 130.0);
+/// Cells of the map along its longer side.
+const MAP_CELLS: usize = 64;
+
+/// A line of numbers about the noise.
+pub fn summary_ui(ui: &mut Ui, model: &Model) {
+    let Some(found) = &model.found else {
+        ui.weak("No detection yet");
+        return;
+    };
+    let noise = &found.detection.noise;
+    let text = if noise.is_local {
+        let kept = noise.frames.iter().filter(|f| f.left_out.is_none()).count();
+        format!(
+            "Measured in {kept} of {} frames  ·  σ {} of full scale at middle brightness",
+            noise.frames.len(),
+            number(noise.frame_noise)
+        )
+    } else {
+        format!("White noise  ·  σ {} of full scale", number(noise.frame_noise))
+    };
+    ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
+}
+
+/// Draws the curve, the map and the warnings.
+pub fn noise_ui(ui: &mut Ui, model: &Model) {
+    let Some(found) = &model.found else {
+        ui.centered_and_justified(|ui| ui.weak("Press Detect to see what is known of the noise"));
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        if found.detection.noise.is_local {
+            ui.horizontal(|ui| {
+                curve_ui(ui, &found.detection.noise);
+                ui.add_space(16.0);
+                map_ui(ui, model, &found.detection.noise);
+            });
+        } else {
+            ui.weak("The noise model is white, or there is too little to tell noise from texture: two frames of 20 pixels a side are needed.");
+        }
+        warnings_ui(ui, found);
+    });
+}
+
+/// What does not hold of what the search assumes of the noise.
+pub fn warnings_ui(ui: &mut Ui, found: &Found) {
+    for warning in &found.detection.noise.warnings {
+        ui.add_space(4.0);
+        let text = RichText::new(format!("Noise: {}.", warning.text)).color(crate::app::style::warning(ui));
+        ui.add(egui::Label::new(text).wrap());
+    }
+}
+
+/// A frame with a heading, for a plot of size [`PLOT`]; gives what is inside.
+fn plot_frame(ui: &mut Ui, heading: &str, hover: &str) -> (Rect, Painter) {
+    ui.vertical(|ui| {
+        ui.label(RichText::new(heading).small());
+        let (rect, response) = ui.allocate_exact_size(PLOT, Sense::hover());
+        response.on_hover_text(hover);
+        ui.painter().rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
+        (rect, ui.painter().with_clip_rect(rect))
+    })
+    .inner
+}
+
+/// σ of a frame over brightness: the fitted curve, and a point for each group of places.
+fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
+    let hover = "The variance of a frame's noise grows with its brightness; each point is a group of places of about the same brightness";
+    let (rect, painter) = plot_frame(ui, "σ of a frame over brightness (of full scale)", hover);
+    let points = &noise.transfer.points;
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
+    let span = (last.brightness - first.brightness).max(1e-3);
+    let (low, high) = (first.brightness - 0.05 * span, last.brightness + 0.05 * span);
+    let sigma_at = |brightness: f32| noise.transfer.variance(brightness).sqrt();
+    let top =
+        points.iter().map(|p| p.variance.sqrt()).chain([sigma_at(low), sigma_at(high)]).fold(1e-6, f32::max) * 1.15;
+    let inner = rect.shrink2(vec2(8.0, 18.0));
+    let place = |brightness: f32, sigma: f32| -> Pos2 {
+        pos2(
+            inner.left() + (brightness - low) / (high - low) * inner.width(),
+            inner.bottom() - sigma / top * inner.height(),
+        )
+    };
+    let line: Vec<Pos2> = (0..=60)
+        .map(|i| low + (high - low) * i as f32 / 60.0)
+        .map(|brightness| place(brightness, sigma_at(brightness)))
+        .collect();
+    painter.line(line, Stroke::new(1.5, crate::app::style::ACCENT));
+    for point in points {
+        painter.circle_filled(place(point.brightness, point.variance.sqrt()), 2.5, ui.visuals().text_color());
+    }
+    let font = TextStyle::Small.resolve(ui.style());
+    let colour = ui.visuals().weak_text_color();
+    painter.text(rect.left_top() + vec2(4.0, 2.0), Align2::LEFT_TOP, number(top), font.clone(), colour);
+    painter.text(rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, number(low.max(0.0)), font.clone(), colour);
+    painter.text(rect.right_bottom() + vec2(-4.0, -2.0), Align2::RIGHT_BOTTOM, number(high), font, colour);
+}
+
+/// Where in the picture σ is how large.
+fn map_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel) {
+    let Some(burst) = &model.burst else { return };
+    let (width, height) = burst.burst.size();
+    let hover = "σ of a frame's noise by place, at the finest octave: dark is least, bright is most";
+    let (rect, painter) = plot_frame(ui, "σ of a frame by place", hover);
+    let cell_px = (width.max(height) as f32 / MAP_CELLS as f32).max(1.0);
+    let map = noise.sigma_map((width, height), cell_px);
+    let (min, max) = map.data().iter().fold((f32::INFINITY, 0.0f32), |(a, b), &x| (a.min(x), b.max(x)));
+    let lut = ColourMap::Viridis.lut();
+    let side = ((rect.width() - 8.0) / map.width() as f32).min((rect.height() - 24.0) / map.height() as f32);
+    for y in 0..map.height() {
+        for x in 0..map.width() {
+            let t = if max > min { (map.at(x, y) - min) / (max - min) } else { 0.0 };
+            let [r, g, b] = lut[(t * 255.0) as usize];
+            let corner = rect.left_top() + vec2(4.0 + x as f32 * side, 4.0 + y as f32 * side);
+            let cell = Rect::from_min_size(corner, vec2(side + 0.5, side + 0.5));
+            painter.rect_filled(cell, 0.0, Color32::from_rgb(r, g, b));
+        }
+    }
+    let range = if max > min * 1.001 {
+        format!("{} … {}", number(min), number(max))
+    } else {
+        format!("{} everywhere", number(max))
+    };
+    let font = TextStyle::Small.resolve(ui.style());
+    painter.text(
+        rect.left_bottom() + vec2(4.0, -2.0),
+        Align2::LEFT_BOTTOM,
+        range,
+        font,
+        ui.visuals().weak_text_color(),
+    );
+}

@@ -1,0 +1,120 @@
+//! A pane's picture as the canvas knows it, in words, and the warning over it where its features are stale.
+
+use crate::app::actions::{ActionId, Queue};
+use crate::app::canvas::{self, Readout, overlay};
+use crate::app::project::{Model, Stale};
+use crate::app::style;
+use crate::detector::Detection;
+use crate::engine::{Picture, PictureKind, PictureRequest};
+use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
+use std::sync::Arc;
+
+/// What the picture's widget keeps from pass to pass.
+#[derive(Default)]
+pub struct PictureState {
+    /// The value under the pointer.
+    pub readout: Option<Readout>,
+    /// What of the image plane is visible, in image pixels.
+    pub visible_image: Option<Rect>,
+    /// From image pixels to points of the window, as last drawn.
+    pub ui_from_image: Option<canvas::RectTransform>,
+    shown: Option<canvas::Picture>,
+    scale: Option<(Arc<Detection>, overlay::ColourScale)>,
+}
+
+impl PictureState {
+    /// The picture as the canvas knows it. The same pixels keep their name, so that the card gets them once.
+    pub(in crate::app) fn refresh(&mut self, picture: Option<&Picture>) {
+        let Some(picture) = picture else {
+            self.shown = None;
+            return;
+        };
+        let same = self.shown.as_ref().is_some_and(|s| Arc::ptr_eq(&s.plane, &picture.plane));
+        match (&mut self.shown, same) {
+            (Some(shown), true) => shown.label = describe(picture),
+            _ => self.shown = Some(canvas_picture(picture)),
+        }
+    }
+
+    /// The picture on show.
+    pub fn shown(&self) -> Option<&canvas::Picture> {
+        self.shown.as_ref()
+    }
+
+    /// The colours of the features of `detection`, the same until the next detection or another choice.
+    pub fn colour_scale(&mut self, by: overlay::ColourBy, detection: &Arc<Detection>) -> overlay::ColourScale {
+        match &self.scale {
+            Some((of, scale)) if Arc::ptr_eq(of, detection) && scale.by == by => scale.clone(),
+            _ => {
+                let scale = overlay::ColourScale::of(by, &detection.features);
+                self.scale = Some((detection.clone(), scale.clone()));
+                scale
+            }
+        }
+    }
+}
+
+/// A picture as a canvas knows it, with a fresh name.
+pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
+    let (plane, label) = (picture.plane.clone(), describe(picture));
+    match picture.request.kind {
+        PictureKind::Dog { octave, .. } => {
+            canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
+        }
+        PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => canvas::Picture::new(plane, label),
+    }
+}
+
+/// What a picture shows, in one line.
+pub fn describe(picture: &Picture) -> String {
+    let first = describe_request(&picture.request);
+    match picture.request.minus() {
+        Some(minus) => format!("{first}  −  {}", describe_request(minus)),
+        None => first,
+    }
+}
+
+fn describe_request(request: &PictureRequest) -> String {
+    let burst = &request.burst.burst;
+    match request.kind {
+        PictureKind::Frame(index) => {
+            let name = burst.frame_names.get(index).map_or("", String::as_str);
+            let place = format!("Frame {index} of {} (0 … {})", burst.len(), burst.len() - 1);
+            // Bursts without files call their frames by their number, which was said already.
+            if name.is_empty() || *name == format!("frame {index}") { place } else { format!("{place}  ·  {name}") }
+        }
+        PictureKind::Stack { slope } => format!("Motion stack  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v),
+        PictureKind::Dog { octave, level, slope } => {
+            format!("DoG  ·  octave {octave}, level {level}  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v)
+        }
+        PictureKind::Merge => {
+            let used = request.params.used_frames(burst.len());
+            format!("Merged frames  ·  {} … {}", used.start, used.end - 1)
+        }
+    }
+}
+
+/// Says over a picture that the features on it are not those of what is set now.
+pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
+    let Some(stale) = model.stale() else { return };
+    if !model.look.overlay || model.busy.detecting.is_some() {
+        return;
+    }
+    let text = match stale {
+        Stale::Parameters => "Stale features: the parameters changed",
+        Stale::InvalidParameters => "Stale features: the parameters make no sense",
+    };
+    let room = Rect::from_min_max(rect.left_top() + vec2(10.0, 10.0), rect.right_top() + vec2(-10.0, 44.0));
+    ui.scope_builder(UiBuilder::new().max_rect(room).layout(Layout::left_to_right(Align::Min)), |ui| {
+        let colour = style::warning(ui);
+        Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour)).inner_margin(Margin::symmetric(8, 4)).show(
+            ui,
+            |ui| {
+                ui.label(RichText::new(text).color(colour));
+                if stale == Stale::Parameters && ui.small_button("Detect again").clicked() {
+                    queue.push(ActionId::Detect);
+                }
+            },
+        );
+    });
+}

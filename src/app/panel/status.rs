@@ -1,0 +1,58 @@
+//! The status bar: the value under the pointer, the last note, the open burst.
+
+use crate::app::actions::{ActionId, Queue};
+use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
+use egui::{Align, Label, Layout, RichText, Ui};
+
+/// Draws the status bar.
+pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) {
+    ui.horizontal(|ui| {
+        let hint = if model.burst.is_some() { "Point at the picture to read values" } else { "" };
+        let text = readout.unwrap_or(hint);
+        let width = if model.workspace == Workspace::Inspect && model.panes.are_many() { 460.0 } else { 330.0 };
+        ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(width);
+            let text = RichText::new(text);
+            let text = if readout.is_some() { text.monospace() } else { text.weak() };
+            let label = ui.add(Label::new(text).truncate());
+            if let Some(readout) = readout {
+                label.on_hover_text(readout);
+            }
+        });
+        ui.separator();
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.label(RichText::new(burst_text(model)).weak());
+            let opening = [("Opening…", model.busy.opening), ("Opening B…", model.pair.busy.opening)];
+            if let Some((what, running)) = opening.into_iter().find_map(|(what, busy)| Some((what, busy?))) {
+                let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
+                if model.burst.is_some() && ui.small_button("Cancel opening").clicked() {
+                    queue.push(ActionId::Cancel);
+                }
+                ui.label(format!("{what} {percent:.0} %"));
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                if let Some(note) = model.messages.last_note() {
+                    ui.add(Label::new(note).truncate());
+                }
+            });
+        });
+    });
+}
+
+fn burst_text(model: &Model) -> String {
+    let side = model.active_side();
+    let Some(open) = model.burst_of(side) else { return "No burst open".to_owned() };
+    // Where there are two, it is said which one this is.
+    let which = if model.workspace == Workspace::Pair { format!("{}: ", side.name()) } else { String::new() };
+    let burst = &open.burst;
+    let (width, height) = burst.size();
+    let depth = if burst.quantisation_step > 0.0 {
+        // Twelve bits at the top of a 16-bit word end a little below full scale: whole steps, and the level at zero.
+        format!(" · {:.0} levels", (1.0 / burst.quantisation_step + 0.02).floor() + 1.0)
+    } else {
+        " · float".to_owned()
+    };
+    let frames = if burst.len() == 1 { "frame" } else { "frames" };
+    format!("{which}{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
+}

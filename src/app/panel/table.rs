@@ -1,0 +1,49 @@
+//! The table of features.
+
+use crate::app::actions::{ActionId, Queue};
+use crate::app::clipboard::feature_text;
+use crate::app::inspector::copy_ui;
+use crate::app::panel::sorted_table::{Listed, SortedColumn, sorted_table_ui};
+use crate::app::project::Model;
+use crate::app::project::filter::Column;
+use egui::Ui;
+
+impl SortedColumn for Column {
+    const COLUMNS: &'static [Self] = &Self::ALL;
+
+    fn heading(self) -> &'static str {
+        Self::heading(self)
+    }
+
+    fn help(self) -> &'static str {
+        Self::help(self)
+    }
+}
+
+/// Draws the table.
+pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+    if model.found.is_none() {
+        ui.centered_and_justified(|ui| ui.weak("Press Detect to find features"));
+        return;
+    }
+    let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
+    let text = |column: Column, index: usize| column.text(index, &model.features()[index]);
+    let mut chosen = None;
+    let menu = |ui: &mut Ui, index: usize| {
+        let Some(feature) = model.features().get(index) else { return };
+        if ui
+            .button("Go to feature")
+            .on_hover_text("Show the motion stack at its slope, with it in the middle")
+            .clicked()
+        {
+            chosen = Some(index);
+        }
+        copy_ui(ui, "Copy row", || feature_text(feature));
+    };
+    let pointed = sorted_table_ui(ui, model.order, &listed, text, |index| format!("Feature {}", index + 1), menu);
+    (model.order, model.selected) = (pointed.order, chosen.or(pointed.selected));
+    if chosen.is_some() {
+        queue.push(ActionId::GoToFeature);
+    }
+    model.hovered = pointed.hovered.or(model.hovered);
+}

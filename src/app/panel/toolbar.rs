@@ -1,0 +1,156 @@
+//! The toolbar: open, the kind of picture, detect.
+
+use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, tooltip};
+use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::pair;
+use crate::app::project::workspace::Workspace;
+use crate::engine::Running;
+use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
+
+/// Draws the toolbar.
+pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.horizontal(|ui| {
+        button_ui(ui, model, queue, ActionId::OpenFolder, Some("Open…"));
+        ui.separator();
+        kind_switch_ui(ui, model, queue);
+        ui.separator();
+        detect_ui(ui, model, queue);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let palette = ActionId::Palette.action();
+            let keys = palette.shortcut.map(|s| keys_text(ui.ctx(), &s)).unwrap_or_default();
+            let find = Button::new(RichText::new("Find action").weak()).shortcut_text(RichText::new(keys).weak());
+            if ui.add(find).on_hover_text(tooltip(ui.ctx(), palette)).clicked() {
+                queue.push(ActionId::Palette);
+            }
+            button_ui(ui, model, queue, ActionId::Shortcuts, Some("?"));
+            ui.separator();
+            for (id, side) in [
+                (ActionId::ToggleRight, Side::Right),
+                (ActionId::ToggleBottom, Side::Bottom),
+                (ActionId::ToggleLeft, Side::Left),
+            ] {
+                panel_switch_ui(ui, model, queue, id, side);
+            }
+        });
+    });
+}
+
+fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (kind, id) in ViewKind::ALL.into_iter().zip([ActionId::ShowFrame, ActionId::ShowStack, ActionId::ShowDog]) {
+            button_ui(ui, model, queue, id, Some(kind.label()));
+        }
+    });
+}
+
+fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    if let Some((who, running)) = activity(model) {
+        button_ui(ui, model, queue, ActionId::Cancel, None);
+        let (fraction, stage) =
+            running.progress.map_or((0.0, "Starting".to_owned()), |p| (p.fraction, p.stage.to_string()));
+        let seconds = running.started.elapsed().as_secs_f32();
+        let text = format!("{who}{stage}  {:.0} %  {seconds:.1} s", 100.0 * fraction);
+        ui.add(ProgressBar::new(fraction).desired_width(210.0).text(text));
+        return;
+    }
+    let action = ActionId::Detect.action();
+    let in_pair = model.workspace == Workspace::Pair;
+    let needed = model.needs_detection() || (in_pair && model.needs_second_detection());
+    let mut text = RichText::new("Detect");
+    if needed {
+        text = text.color(Color32::WHITE).strong();
+    }
+    let mut button = Button::new(text);
+    if needed {
+        button = button.fill(crate::app::style::ACCENT);
+    }
+    let tip = match &model.param_error {
+        Some(error) => format!("{error}"),
+        None => tooltip(ui.ctx(), action),
+    };
+    let response = ui.add_enabled(enabled(ActionId::Detect, model), button);
+    if response.on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked() {
+        queue.push(ActionId::Detect);
+    }
+    let mut auto = checked(ActionId::AutoDetect, model).unwrap_or(false);
+    let tip = tooltip(ui.ctx(), ActionId::AutoDetect.action());
+    if ui.checkbox(&mut auto, "Auto").on_hover_text(tip).clicked() {
+        queue.push(ActionId::AutoDetect);
+    }
+    if in_pair {
+        pair_found_ui(ui, model);
+    } else if let Some(found) = &model.found {
+        let count = model.features().len();
+        let noun = if count == 1 { "feature" } else { "features" };
+        let text = format!("{count} {noun} in {:.2} s", found.elapsed.as_secs_f32());
+        let times = &found.detection.times;
+        let stages = format!(
+            "Noise {:.2} s, search {:.2} s, descriptors {:.2} s",
+            times.noise_secs, times.search_secs, times.describe_secs
+        );
+        ui.weak(text).on_hover_text(stages);
+    }
+}
+
+/// What runs that takes its time, and for which of two bursts.
+fn activity(model: &Model) -> Option<(&'static str, Running)> {
+    let busy = &model.pair.busy;
+    if model.workspace != Workspace::Pair {
+        return Some(("", model.busy.detecting?));
+    }
+    let in_a = model.busy.detecting.map(|running| ("A: ", running));
+    in_a.or(busy.detecting.map(|running| ("B: ", running))).or(busy.matching.map(|running| ("", running)))
+}
+
+/// How many features and matches there are.
+fn pair_found_ui(ui: &mut Ui, model: &Model) {
+    let counts: Vec<String> = pair::Side::BOTH
+        .into_iter()
+        .filter_map(|side| Some(model.found_of(side)?.detection.features.len().to_string()))
+        .collect();
+    if counts.is_empty() {
+        return;
+    }
+    let mut text = format!("{} features", counts.join(" + "));
+    if let Some(matches) = &model.pair.matches {
+        text += &format!(", {} matches in {:.2} s", matches.len(), matches.elapsed.as_secs_f32());
+    }
+    ui.weak(text);
+}
+
+/// Where a panel is.
+#[derive(Clone, Copy)]
+enum Side {
+    Left,
+    Right,
+    Bottom,
+}
+
+/// A small picture of the window with the panel marked in it; a click shows or hides the panel.
+fn panel_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, side: Side) {
+    let action = id.action();
+    let on = checked(id, model).unwrap_or(false);
+    let (rect, response) = ui.allocate_exact_size(vec2(24.0, 20.0), Sense::click());
+    let name = action.label;
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, name));
+    if response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
+    }
+    let colour = if on { ui.visuals().text_color() } else { ui.visuals().weak_text_color() };
+    let frame = Rect::from_center_size(rect.center(), vec2(16.0, 12.0));
+    ui.painter().rect_stroke(frame, 2.0, Stroke::new(1.0, colour), StrokeKind::Inside);
+    let mut part = frame.shrink(2.0);
+    match side {
+        Side::Left => part.set_right(part.left() + 4.0),
+        Side::Right => part.set_left(part.right() - 4.0),
+        Side::Bottom => part.set_top(part.bottom() - 3.0),
+    }
+    if on {
+        ui.painter().rect_filled(part, 0.0, colour);
+    }
+    if response.on_hover_text(tooltip(ui.ctx(), action)).clicked() {
+        queue.push(id);
+    }
+}

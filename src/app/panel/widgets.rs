@@ -1,0 +1,120 @@
+//! Small pieces that several panels are made of.
+
+use egui::{Color32, RichText, Sense, Stroke, Ui, WidgetText, pos2, vec2};
+use std::ops::RangeInclusive;
+
+/// A part of a side panel with a heading that folds it.
+pub fn section_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) {
+    egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
+        ui.add_space(2.0);
+        add_contents(ui);
+        ui.add_space(4.0);
+    });
+}
+
+/// One line of the cursor's panel: a label, a slider with marks, and a field for the number.
+pub struct CursorRow<'a> {
+    /// Its name, on screen and for screen readers.
+    pub label: &'a str,
+    /// What it does.
+    pub help: &'a str,
+    /// What can be reached with it.
+    pub range: RangeInclusive<f32>,
+    /// Places that are marked on the slider.
+    pub marks: &'a [f32],
+    /// Only whole numbers.
+    pub whole: bool,
+    /// Unit, after the number.
+    pub suffix: &'a str,
+}
+
+/// Width of the labels in front of sliders, in points.
+const LABEL_WIDTH: f32 = 52.0;
+/// Width of the number fields behind sliders, in points.
+const VALUE_WIDTH: f32 = 58.0;
+
+impl CursorRow<'_> {
+    /// Draws it; says whether `value` was changed.
+    pub fn ui(self, ui: &mut Ui, value: &mut f32) -> bool {
+        let before = *value;
+        ui.horizontal(|ui| {
+            let label = label_ui(ui, self.label, LABEL_WIDTH).on_hover_text(self.help);
+            let enabled = self.range.end() > self.range.start();
+            let (low, high) = (*self.range.start(), *self.range.end());
+            let span = if enabled { self.range.clone() } else { low..=low + 1.0 };
+            ui.spacing_mut().slider_width = (ui.available_width() - VALUE_WIDTH - 10.0).max(40.0);
+            ui.add_enabled_ui(enabled, |ui| {
+                let mut slider = egui::Slider::new(value, span.clone()).show_value(false);
+                if self.whole {
+                    slider = slider.step_by(1.0);
+                }
+                let slider = ui.add(slider).labelled_by(label.id).on_hover_text(self.help);
+                marks_ui(ui, slider.rect, &span, self.marks);
+                let speed = if self.whole { 0.05 } else { f64::from(high - low) / 600.0 };
+                let mut field = egui::DragValue::new(value).range(span).speed(speed).suffix(self.suffix);
+                field = if self.whole { field.fixed_decimals(0) } else { field.fixed_decimals(2) };
+                ui.add_sized(vec2(VALUE_WIDTH, ui.spacing().interact_size.y), field)
+                    .labelled_by(label.id)
+                    .on_hover_text(self.help);
+            });
+            if !enabled {
+                *value = low;
+            }
+        });
+        if self.whole {
+            *value = value.round();
+        }
+        *value != before
+    }
+}
+
+/// A label of fixed width, so that what follows is aligned.
+pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> egui::Response {
+    let size = vec2(width, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        ui.set_min_width(width);
+        ui.add(egui::Label::new(text).truncate())
+    })
+    .inner
+}
+
+/// Short marks under a slider's rail.
+fn marks_ui(ui: &Ui, rect: egui::Rect, range: &RangeInclusive<f32>, marks: &[f32]) {
+    // Where the handle's centre goes: the slider keeps its handle inside.
+    let x_range = rect.x_range().shrink(rect.height() / 2.5);
+    let (low, high) = (*range.start(), *range.end());
+    let points_per_mark = x_range.span() / marks.len().max(1) as f32;
+    if high <= low || points_per_mark < 2.5 {
+        return;
+    }
+    let colour = ui.visuals().weak_text_color();
+    for &mark in marks.iter().filter(|m| (low..=high).contains(*m)) {
+        let x = egui::lerp(x_range, (mark - low) / (high - low));
+        let y = rect.bottom();
+        ui.painter().line_segment([pos2(x, y - 2.5), pos2(x, y + 1.5)], Stroke::new(1.0, colour));
+    }
+}
+
+/// A small filled circle, as a key to a colour.
+pub fn dot_ui(ui: &mut Ui, colour: Color32) {
+    let (rect, _) = ui.allocate_exact_size(vec2(9.0, 12.0), Sense::hover());
+    ui.painter().circle_filled(rect.center(), 4.0, colour);
+}
+
+/// A name on the left and a value on the right of a line, for tables of numbers.
+pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
+    let response = ui.label(RichText::new(name).weak());
+    response.on_hover_text(help);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.add(egui::Label::new(RichText::new(value).monospace()).selectable(true));
+    });
+    ui.end_row();
+}
+
+/// Names a text field for screen readers and tests.
+pub fn name_field(response: &egui::Response, name: &str, text: &str) {
+    response.widget_info(|| egui::WidgetInfo {
+        label: Some(name.to_owned()),
+        ..egui::WidgetInfo::text_edit(response.enabled(), text, text, name)
+    });
+}

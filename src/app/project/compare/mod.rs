@@ -1,0 +1,225 @@
+//! Several methods on the same burst, as plain values: what each found, what is missing, and how they are laid beside one another.
+//!
+//! With a second burst open, each method also runs on that one and is matched with itself, so that what counts in the end, matches, can be compared.
+
+mod layout;
+mod method;
+
+pub use layout::{CompareLook, Layout};
+pub use method::Contender;
+
+use crate::app::project::Model;
+use crate::app::project::pair::{Matches, Side};
+use crate::detector::{Detection, DetectorParams};
+use crate::engine::{BurstId, CompareRequest, DetectRequest, Detected, MatchRequest, OpenBurst, Running};
+use crate::plane::Plane;
+use crate::plane::display::Display;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What a method found in one burst.
+#[derive(Debug, Clone)]
+pub struct MethodFound {
+    /// The burst.
+    pub burst: BurstId,
+    /// The parameters it was made with.
+    pub params: DetectorParams,
+    /// The features.
+    pub detection: Arc<Detection>,
+    /// The image that the method made of the burst, if it made one.
+    pub image: Option<Arc<Plane>>,
+    /// How long it took, by the wall clock.
+    pub elapsed: Duration,
+}
+
+/// A gold standard's image: it has its own brightness, so its own range.
+#[derive(Debug, Clone)]
+pub struct Gold {
+    /// The image, as a burst of one frame.
+    pub open: OpenBurst,
+    /// Its range and colours.
+    pub display: Display,
+}
+
+/// What is done for a method now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Busy {
+    /// For which method.
+    pub method: Contender,
+    /// How far it is.
+    pub running: Running,
+}
+
+/// A piece of work for one method.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// For which method.
+    pub method: Contender,
+    /// On which burst; of matching both.
+    pub side: Side,
+    /// What is to be done.
+    pub request: CompareRequest,
+}
+
+/// Several methods on the same burst.
+#[derive(Debug, Default)]
+pub struct Compare {
+    /// Which are shown, and how.
+    pub look: CompareLook,
+    /// Sharp images of A's and of B's view.
+    pub gold: [Option<Gold>; 2],
+    /// What runs now.
+    pub busy: Option<Busy>,
+    found: [[Option<MethodFound>; 2]; 5],
+    matches: [Option<Matches>; 5],
+    failed: Vec<(Job, String)>,
+}
+
+impl Compare {
+    /// What `method` found on `side`, if it was run there. It may be of older parameters or bursts; [`Model::method_found`] answers only what is current.
+    fn found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
+        self.found[method.index()][side as usize].as_ref()
+    }
+
+    /// Why the last work for `method` failed, if it did.
+    pub fn problem(&self, method: Contender) -> Option<&str> {
+        self.failed.iter().rev().find(|(job, _)| job.method == method).map(|(_, why)| why.as_str())
+    }
+
+    /// Everything that methods found.
+    pub fn all_found_mut(&mut self) -> impl Iterator<Item = &mut MethodFound> {
+        self.found.iter_mut().flatten().flatten()
+    }
+
+    /// Takes what a method found.
+    pub fn take_found(&mut self, method: Contender, side: Side, found: MethodFound) {
+        self.failed.retain(|(job, _)| job.method != method);
+        self.found[method.index()][side as usize] = Some(found);
+    }
+
+    /// Takes a method's matches.
+    pub fn take_matches(&mut self, method: Contender, matches: Matches) {
+        self.failed.retain(|(job, _)| job.method != method);
+        self.matches[method.index()] = Some(matches);
+    }
+
+    /// Remembers that a piece of work failed, so that it is not tried again as it was.
+    pub fn take_failure(&mut self, job: Job, why: String) {
+        self.failed.push((job, why));
+    }
+
+    /// Lets what failed or was cancelled be tried again.
+    pub fn forget_failures(&mut self) {
+        self.failed.clear();
+    }
+}
+
+impl MethodFound {
+    /// With what the engine answered.
+    pub fn new(detected: Detected, image: Option<Arc<Plane>>, elapsed: Duration) -> Self {
+        Self { burst: detected.burst, params: detected.params, detection: detected.detection, image, elapsed }
+    }
+}
+
+impl Model {
+    /// The burst that `method` looks at on `side`: the open one, or the gold standard's image.
+    pub fn method_burst(&self, method: Contender, side: Side) -> Option<&OpenBurst> {
+        match method {
+            Contender::Gold => self.compare.gold[side as usize].as_ref().map(|gold| &gold.open),
+            _ => self.burst_of(side),
+        }
+    }
+
+    /// The parameters of `method` on `side`.
+    pub fn method_params(&self, method: Contender, side: Side) -> DetectorParams {
+        method.params(&self.params_of(side))
+    }
+
+    /// What `method` found on `side` with the present parameters.
+    pub fn method_found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
+        let open = self.method_burst(method, side)?;
+        self.compare
+            .found(method, side)
+            .filter(|found| found.burst == open.id && found.params == self.method_params(method, side))
+    }
+
+    /// The matches of what `method` found in A with what it found in B, with the present parameters.
+    pub fn method_matches(&self, method: Contender) -> Option<&Matches> {
+        let wanted = self.wanted_method_matches(method)?;
+        self.compare.matches[method.index()].as_ref().filter(|matches| matches.request.same_matches(&wanted))
+    }
+
+    fn wanted_method_matches(&self, method: Contender) -> Option<MatchRequest> {
+        let [a, b] = Side::BOTH.map(|side| self.method_found(method, side).map(|found| found.detection.clone()));
+        Some(MatchRequest { a: a?, b: b?, params: self.pair.params.clone() })
+    }
+
+    /// The methods that are shown and have something to look at.
+    pub fn contenders(&self) -> Vec<Contender> {
+        let usable = |method: &Contender| self.method_burst(*method, Side::A).is_some();
+        Contender::ALL.into_iter().filter(|m| self.compare.look.shows(*m)).filter(usable).collect()
+    }
+
+    /// The next piece of work that is missing: features of A by each method that is shown, then those of B, then their matches.
+    pub fn next_compare_job(&self) -> Option<Job> {
+        let jobs = self.contenders().into_iter().flat_map(|method| {
+            let detections = Side::BOTH.into_iter().filter_map(move |side| self.missing_detection(method, side));
+            detections.chain(self.missing_matching(method)).collect::<Vec<_>>()
+        });
+        // All methods on A come first: they are what is looked at.
+        let mut jobs: Vec<Job> = jobs.filter(|job| !self.has_failed(job)).collect();
+        jobs.sort_by_key(|job| job.side != Side::A);
+        jobs.into_iter().next()
+    }
+
+    fn missing_detection(&self, method: Contender, side: Side) -> Option<Job> {
+        let burst = self.method_burst(method, side)?.clone();
+        let params = self.method_params(method, side);
+        let usable = params.validate_for(burst.burst.len(), burst.burst.size()).is_ok();
+        (usable && self.method_found(method, side).is_none()).then_some(Job {
+            method,
+            side,
+            request: CompareRequest::Detect(DetectRequest { burst, params: params.into() }),
+        })
+    }
+
+    fn missing_matching(&self, method: Contender) -> Option<Job> {
+        let wanted = self.wanted_method_matches(method)?;
+        (self.pair.param_error.is_none() && self.method_matches(method).is_none()).then_some(Job {
+            method,
+            side: Side::B,
+            request: CompareRequest::Match(wanted),
+        })
+    }
+
+    fn has_failed(&self, job: &Job) -> bool {
+        let same = |other: &Job| match (&job.request, &other.request) {
+            (CompareRequest::Detect(a), CompareRequest::Detect(b)) => a.burst.id == b.burst.id && a.params == b.params,
+            (CompareRequest::Match(a), CompareRequest::Match(b)) => a.same_matches(b),
+            _ => false,
+        };
+        self.compare.failed.iter().any(|(failed, _)| failed.method == job.method && same(failed))
+    }
+
+    /// Takes over what the other workspaces have found already with the very same parameters, so that it is not done again.
+    pub fn share_what_is_found(&mut self) {
+        for method in Contender::ALL.into_iter().filter(|m| *m != Contender::Gold) {
+            for side in Side::BOTH {
+                if self.method_found(method, side).is_some() {
+                    continue;
+                }
+                let wanted = self.method_params(method, side);
+                // What a merge was made of is not kept there.
+                let shared = self.found_of(side).filter(|f| f.params == wanted && method != Contender::Merge).cloned();
+                if let (Some(found), Some(open)) = (shared, self.burst_of(side)) {
+                    let (burst, image) = (open.id, None);
+                    let (params, detection, elapsed) = (found.params, found.detection, found.elapsed);
+                    self.compare.take_found(method, side, MethodFound { burst, params, detection, image, elapsed });
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,118 @@
+//! The comparison's promises: what is missing is done in order and once, what is current counts, what failed is not tried again as it was.
+
+use crate::app::project::compare::*;
+use crate::app::project::pair::tests::pair;
+use crate::app::project::tests::open;
+use crate::app::project::workspace::Workspace;
+
+/// A model with two bursts, of which the other workspaces have found the features.
+fn methods() -> Model {
+    Model { workspace: Workspace::Methods, ..pair() }
+}
+
+/// Does a job as the engine would, but finds what is there already.
+fn do_job(model: &mut Model, job: &Job) {
+    match &job.request {
+        CompareRequest::Detect(request) => {
+            let detection = model.found_of(job.side).expect("found").detection.clone();
+            let (burst, params) = (request.burst.id, request.params.detector.clone());
+            let found = MethodFound { burst, params, detection, image: None, elapsed: Duration::ZERO };
+            model.compare.take_found(job.method, job.side, found);
+        }
+        CompareRequest::Match(request) => {
+            let monitor = crate::monitor::Monitor::default();
+            let result = crate::matching::match_detections(&request.a, &request.b, &request.params, &monitor);
+            let result = Arc::new(result.expect("valid"));
+            let matched = crate::engine::Matched { request: request.clone(), result };
+            model.compare.take_matches(job.method, Matches::new(matched, Duration::ZERO));
+        }
+        CompareRequest::Open(_) => panic!("nobody asked for that"),
+    }
+}
+
+/// Does all that is missing; answers which methods it was for, and on which side.
+fn do_all(model: &mut Model) -> Vec<(Contender, Side)> {
+    let mut done = Vec::new();
+    while let Some(job) = model.next_compare_job() {
+        do_job(model, &job);
+        done.push((job.method, job.side));
+        assert!(done.len() < 50, "it never ends: {done:?}");
+    }
+    done
+}
+
+#[test]
+fn each_method_runs_once_on_a_then_on_b_and_is_matched() {
+    let mut model = methods();
+    let done = do_all(&mut model);
+    let on_a: Vec<Contender> = done.iter().filter(|(_, side)| *side == Side::A).map(|(method, _)| *method).collect();
+    assert_eq!(on_a, [Contender::Sift, Contender::Merge, Contender::Buff1d, Contender::Buff2d]);
+    assert!(done[..4].iter().all(|(_, side)| *side == Side::A), "all of A first: {done:?}");
+    assert_eq!(done.len(), 12, "on A, on B, and matched");
+    assert!(model.method_matches(Contender::Buff1d).is_some());
+    assert!(model.next_compare_job().is_none());
+}
+
+#[test]
+fn a_changed_parameter_makes_what_was_found_old() {
+    let mut model = methods();
+    do_all(&mut model);
+    model.pair.params.ratio = 0.7;
+    let again = do_all(&mut model);
+    assert_eq!(again.len(), 4, "only the matches are made again: {again:?}");
+    model.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9);
+    let again = do_all(&mut model);
+    assert!(again.iter().any(|(method, _)| *method == Contender::Buff2d), "{again:?}");
+    model.take_burst(open((64, 48), 5));
+    assert!(model.method_found(Contender::Sift, Side::A).is_none());
+}
+
+#[test]
+fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
+    let mut model = methods();
+    model.compare.look.show(Contender::Buff2d, false);
+    model.compare.look.show(Contender::Merge, false);
+    assert_eq!(model.contenders(), [Contender::Sift, Contender::Buff1d]);
+    let gold = Gold { open: open((64, 48), 1), display: Display::default() };
+    model.compare.gold[0] = Some(gold);
+    assert_eq!(model.contenders().last(), Some(&Contender::Gold));
+    let done = do_all(&mut model);
+    assert!(done.contains(&(Contender::Gold, Side::A)) && !done.contains(&(Contender::Gold, Side::B)));
+    model.take_burst(open((64, 48), 5));
+    assert_eq!(model.contenders(), [Contender::Sift, Contender::Buff1d], "it was of the other burst's view");
+}
+
+#[test]
+fn what_failed_is_not_tried_again_until_asked_or_changed() {
+    let mut model = methods();
+    let job = model.next_compare_job().expect("nothing is there yet");
+    model.compare.take_failure(job.clone(), "cancelled".into());
+    assert_eq!(model.compare.problem(job.method), Some("cancelled"));
+    assert_ne!(model.next_compare_job().map(|next| next.method), Some(job.method));
+    model.compare.forget_failures();
+    assert_eq!(model.next_compare_job().map(|next| next.method), Some(job.method));
+    model.compare.take_failure(job.clone(), "cancelled".into());
+    model.params.edge_threshold *= 2.0;
+    assert_eq!(model.next_compare_job().map(|next| next.method), Some(job.method));
+}
+
+#[test]
+fn what_other_rooms_found_is_shared() {
+    let mut model = methods();
+    model.share_what_is_found();
+    let shared = model.method_found(Contender::Buff1d, Side::A).expect("the window searches one line of slopes");
+    assert!(Arc::ptr_eq(&shared.detection, &model.found_of(Side::A).expect("found").detection));
+    assert!(model.method_found(Contender::Sift, Side::A).is_none());
+}
+
+#[test]
+fn the_look_from_a_file_makes_sense() {
+    let look = CompareLook {
+        methods: vec![Contender::Gold, Contender::Sift, Contender::Gold],
+        wipe: f32::NAN,
+        ..CompareLook::default()
+    };
+    let look = look.sanitised();
+    assert_eq!((look.methods.as_slice(), look.wipe), ([Contender::Sift, Contender::Gold].as_slice(), 0.5));
+    assert_eq!(Layout::Matches.next(), Layout::Panes);
+}

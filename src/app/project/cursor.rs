@@ -1,0 +1,200 @@
+//! Where the cursor is: which picture, at which frame, slope, octave and level.
+
+use crate::detector::scale_space::searched_octaves;
+use crate::detector::{DetectorParams, Slope, SlopeGrid};
+use crate::engine::PictureKind;
+use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+
+/// The kinds of picture that the canvas switches between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ViewKind {
+    /// One frame as it was taken.
+    Frame,
+    /// The motion-stack image at the slope.
+    #[default]
+    Stack,
+    /// The DoG response at the slope, octave and level.
+    Dog,
+}
+
+impl ViewKind {
+    /// All kinds, in the order of the switch.
+    pub const ALL: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];
+
+    /// Its name in the window.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Frame => "Frame",
+            Self::Stack => "Motion stack",
+            Self::Dog => "DoG",
+        }
+    }
+}
+
+/// Where the cursor is. The slope may lie between the grid's slopes.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Cursor {
+    /// Which kind of picture.
+    pub kind: ViewKind,
+    /// Frame, counted from 0.
+    pub frame: usize,
+    /// Slope, pixels per frame.
+    pub slope: Slope,
+    /// Octave; −1 is the doubled image.
+    pub octave: i32,
+    /// Level within the octave.
+    pub level: i32,
+}
+
+impl Cursor {
+    /// The picture to ask for.
+    pub fn picture_kind(&self) -> PictureKind {
+        let slope = self.slope;
+        match self.kind {
+            ViewKind::Frame => PictureKind::Frame(self.frame),
+            ViewKind::Stack => PictureKind::Stack { slope },
+            ViewKind::Dog => PictureKind::Dog { octave: self.octave, level: self.level, slope },
+        }
+    }
+
+    /// Moved by as much as another position was moved from `before` to `after`. The kind of picture stays.
+    #[must_use]
+    pub fn moved_as(self, before: &Self, after: &Self) -> Self {
+        let moved = |mine: f32, before: f32, after: f32| if before == after { mine } else { mine + (after - before) };
+        Self {
+            kind: self.kind,
+            frame: self.frame.saturating_add_signed(after.frame as isize - before.frame as isize),
+            slope: Slope::new(
+                moved(self.slope.u, before.slope.u, after.slope.u),
+                moved(self.slope.v, before.slope.v, after.slope.v),
+            ),
+            octave: self.octave.saturating_add(after.octave.saturating_sub(before.octave)),
+            level: self.level.saturating_add(after.level.saturating_sub(before.level)),
+        }
+    }
+
+    /// The same position with everything brought into the range that the burst and the parameters have.
+    #[must_use]
+    pub fn within(self, params: &DetectorParams, frame_count: usize, size: (usize, usize)) -> Self {
+        let (octaves, levels) = (octave_range(params, size), level_range(params));
+        let limit = slope_limit(&params.slopes);
+        let clamp = |x: f32| if x.is_finite() { x.clamp(-limit, limit) } else { 0.0 };
+        Self {
+            frame: self.frame.min(frame_count.saturating_sub(1)),
+            slope: Slope::new(clamp(self.slope.u), clamp(self.slope.v)),
+            octave: self.octave.clamp(*octaves.start(), *octaves.end()),
+            level: self.level.clamp(*levels.start(), *levels.end()),
+            ..self
+        }
+    }
+}
+
+/// Octaves that the octave slider offers.
+pub fn octave_range(params: &DetectorParams, size: (usize, usize)) -> RangeInclusive<i32> {
+    let octaves = searched_octaves(params, size);
+    octaves.start..=(octaves.end - 1).max(octaves.start)
+}
+
+/// Levels that the level slider offers: those that features come from, and one more on each side, against which they are compared.
+pub fn level_range(params: &DetectorParams) -> RangeInclusive<i32> {
+    -1..=params.levels as i32
+}
+
+/// The slope sliders reach from minus to plus this, in pixels per frame: a little beyond the grid, so that one can look past its rim.
+pub fn slope_limit(grid: &SlopeGrid) -> f32 {
+    (grid.max_magnitude() * 1.25).clamp(1.0, 1e4).ceil()
+}
+
+/// Grid coordinates (i, j) of the grid's slope that is nearest to `slope`.
+pub fn nearest_on_grid(grid: &SlopeGrid, slope: Slope) -> (usize, usize) {
+    let distance = |s: Slope| Slope::new(s.u - slope.u, s.v - slope.v).magnitude();
+    let nearest = (0..grid.len()).min_by(|&a, &b| distance(grid.slope(a)).total_cmp(&distance(grid.slope(b))));
+    grid.coordinates(nearest.unwrap_or(0))
+}
+
+/// The grid's slope that is nearest to `slope`.
+pub fn snapped(grid: &SlopeGrid, slope: Slope) -> Slope {
+    let (i, j) = nearest_on_grid(grid, slope);
+    grid.at(i as f32, j as f32)
+}
+
+/// One step along the grid's first (`along_second` false) or second axis from `slope`: to the next slope of the grid in that direction, or by a
+/// quarter of a pixel per frame where that axis has a single slope.
+pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool) -> Slope {
+    let sign = if forward { 1.0 } else { -1.0 };
+    let axis = if along_second { &grid.v } else { &grid.u };
+    if axis.count <= 1 {
+        let step = 0.25 * sign;
+        return if along_second { Slope::new(slope.u, slope.v + step) } else { Slope::new(slope.u + step, slope.v) };
+    }
+    let (i, j) = nearest_on_grid(grid, slope);
+    let moved = |x: usize, count: usize| if forward { (x + 1).min(count - 1) } else { x.saturating_sub(1) };
+    if along_second {
+        grid.at(i as f32, moved(j, grid.v.count) as f32)
+    } else {
+        grid.at(moved(i, grid.u.count) as f32, j as f32)
+    }
+}
+
+/// The slope after `slope` when playing through the grid: row by row, every other row backwards, so that the picture never jumps.
+/// `step` counts from 0 and may run on for ever; the grid is played there and back.
+pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
+    let count = grid.len().max(1);
+    let period = (2 * count).saturating_sub(2).max(1);
+    let place = step % period;
+    let index = if place < count { place } else { period - place };
+    let (i, j) = grid.coordinates(index);
+    let i = if j % 2 == 1 { grid.u.count.saturating_sub(1) - i } else { i };
+    grid.at(i as f32, j as f32)
+}
+
+/// The step of [`played`] at which the grid's slope nearest to `slope` comes up first.
+pub fn play_step_of(grid: &SlopeGrid, slope: Slope) -> usize {
+    let (i, j) = nearest_on_grid(grid, slope);
+    let i = if j % 2 == 1 { grid.u.count.saturating_sub(1) - i } else { i };
+    j * grid.u.count + i
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_is_brought_into_range() {
+        let params = DetectorParams::default();
+        let wild = Cursor { kind: ViewKind::Dog, frame: 99, slope: Slope::new(f32::NAN, 1e9), octave: 77, level: -9 };
+        let tame = wild.within(&params, 10, (640, 480));
+        assert_eq!((tame.frame, tame.level), (9, -1));
+        assert_eq!(tame.slope, Slope::new(0.0, slope_limit(&params.slopes)));
+        assert!(octave_range(&params, (640, 480)).contains(&tame.octave));
+    }
+
+    #[test]
+    fn stepping_goes_to_the_next_slope_of_the_grid_and_stops_at_its_rim() {
+        let grid = SlopeGrid::line(-3.0..=3.0, 7);
+        assert_eq!(stepped(&grid, Slope::new(0.2, 0.0), false, true), Slope::new(1.0, 0.0));
+        assert_eq!(stepped(&grid, Slope::new(3.0, 0.0), false, true), Slope::new(3.0, 0.0));
+        assert_eq!(stepped(&grid, Slope::new(1.0, 0.0), true, true), Slope::new(1.0, 0.25));
+        assert_eq!(snapped(&grid, Slope::new(1.4, 0.6)), Slope::new(1.0, 0.0));
+    }
+
+    #[test]
+    fn playing_visits_every_slope_and_never_jumps() {
+        for grid in [SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=1.0, 2)] {
+            let steps = 2 * grid.len();
+            let played_slopes: Vec<Slope> = (0..=steps).map(|s| played(&grid, s)).collect();
+            for slope in grid.slopes() {
+                assert!(played_slopes.contains(&slope));
+                assert_eq!(played(&grid, play_step_of(&grid, slope)), slope);
+            }
+            for pair in played_slopes.windows(2) {
+                let jump = Slope::new(pair[1].u - pair[0].u, pair[1].v - pair[0].v).magnitude();
+                assert!(jump <= 1.0 + 1e-6, "{pair:?}");
+            }
+        }
+        assert_eq!(played(&SlopeGrid::single(Slope::new(2.0, 1.0)), 5), Slope::new(2.0, 1.0));
+    }
+}

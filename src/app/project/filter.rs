@@ -1,0 +1,241 @@
+//! Which features are shown, and in which order the table lists them.
+
+use crate::app::project::order::Order;
+use crate::detector::Feature;
+use serde::{Deserialize, Serialize};
+
+/// A closed interval; both ends included.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// Least value that passes.
+    pub min: f32,
+    /// Greatest value that passes.
+    pub max: f32,
+}
+
+impl Interval {
+    fn holds(self, x: f32) -> bool {
+        (self.min..=self.max).contains(&x)
+    }
+}
+
+/// What a feature must satisfy to be shown; `None` lets all pass.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Filter {
+    /// Slope u, pixels per frame.
+    pub slope_u: Option<Interval>,
+    /// Slope v, pixels per frame.
+    pub slope_v: Option<Interval>,
+    /// Scale σ, input pixels.
+    pub sigma: Option<Interval>,
+    /// |response|, fraction of full scale.
+    pub response: Option<Interval>,
+    /// Hide features whose slope is on the rim of the grid.
+    pub hide_slope_limit: bool,
+    /// Show only features whose slope is within this of the slope on show, pixels per frame.
+    pub near_slope: Option<f32>,
+}
+
+impl Filter {
+    /// Whether every feature passes.
+    pub fn is_open(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether `feature` passes, when the slope on show is `slope`.
+    pub fn passes(&self, feature: &Feature, slope: crate::detector::Slope) -> bool {
+        let inside = |limit: Option<Interval>, x: f32| limit.is_none_or(|i| i.holds(x));
+        inside(self.slope_u, feature.slope.u)
+            && inside(self.slope_v, feature.slope.v)
+            && inside(self.sigma, feature.sigma)
+            && inside(self.response, feature.response.abs())
+            && !(self.hide_slope_limit && feature.at_slope_limit)
+            && self.near_slope.is_none_or(|limit| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= limit)
+    }
+}
+
+/// The columns of the table, which are those of the csv.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Column {
+    /// Rank by strength, from 1.
+    #[default]
+    Rank,
+    /// Column u.
+    U,
+    /// Row v.
+    V,
+    /// Scale σ.
+    Sigma,
+    /// Orientation.
+    Orientation,
+    /// Slope u.
+    SlopeU,
+    /// Slope v.
+    SlopeV,
+    /// Response.
+    Response,
+    /// Signal-to-noise ratio.
+    Snr,
+    /// Octave.
+    Octave,
+    /// Level.
+    Level,
+    /// Whether the slope is on the grid's rim.
+    AtSlopeLimit,
+}
+
+impl Column {
+    /// All columns, from left to right.
+    pub const ALL: [Self; 12] = [
+        Self::Rank,
+        Self::U,
+        Self::V,
+        Self::Sigma,
+        Self::Orientation,
+        Self::SlopeU,
+        Self::SlopeV,
+        Self::Response,
+        Self::Snr,
+        Self::Octave,
+        Self::Level,
+        Self::AtSlopeLimit,
+    ];
+
+    /// Its heading.
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Rank => "#",
+            Self::U => "u",
+            Self::V => "v",
+            Self::Sigma => "σ",
+            Self::Orientation => "Orient.",
+            Self::SlopeU => "Slope u",
+            Self::SlopeV => "Slope v",
+            Self::Response => "Response",
+            Self::Snr => "SNR",
+            Self::Octave => "Oct.",
+            Self::Level => "Level",
+            Self::AtSlopeLimit => "Limit",
+        }
+    }
+
+    /// What the column holds, with its unit.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Rank => "Rank by strength of the response, from 1",
+            Self::U => "Column at mid-burst, in pixels; the centre of the first pixel is 0",
+            Self::V => "Row at mid-burst, in pixels; the centre of the first pixel is 0",
+            Self::Sigma => "Scale σ, in input pixels",
+            Self::Orientation => "Orientation, in degrees from +u towards +v",
+            Self::SlopeU => "Apparent motion to the right, in pixels per frame",
+            Self::SlopeV => "Apparent motion downwards, in pixels per frame",
+            Self::Response => "Interpolated DoG value, as a fraction of full scale; bright blobs are negative",
+            Self::Snr => "|response| over the standard deviation of the noise in D",
+            Self::Octave => "Octave in which it was found; −1 is the doubled image",
+            Self::Level => "Level within the octave",
+            Self::AtSlopeLimit => "Marked when the slope is on the rim of the grid: the true motion may lie outside",
+        }
+    }
+
+    /// The value by which the column sorts.
+    pub fn value(self, index: usize, feature: &Feature) -> f32 {
+        match self {
+            Self::Rank => index as f32,
+            Self::U => feature.u,
+            Self::V => feature.v,
+            Self::Sigma => feature.sigma,
+            Self::Orientation => feature.orientation,
+            Self::SlopeU => feature.slope.u,
+            Self::SlopeV => feature.slope.v,
+            Self::Response => feature.response,
+            Self::Snr => feature.snr,
+            Self::Octave => feature.octave as f32,
+            Self::Level => feature.level as f32,
+            Self::AtSlopeLimit => f32::from(u8::from(feature.at_slope_limit)),
+        }
+    }
+
+    /// The value as the table shows it.
+    pub fn text(self, index: usize, feature: &Feature) -> String {
+        match self {
+            Self::Rank => (index + 1).to_string(),
+            Self::U => format!("{:.2}", feature.u),
+            Self::V => format!("{:.2}", feature.v),
+            Self::Sigma => format!("{:.2}", feature.sigma),
+            Self::Orientation => format!("{:.0}°", feature.orientation.to_degrees()),
+            Self::SlopeU => format!("{:+.2}", feature.slope.u),
+            Self::SlopeV => format!("{:+.2}", feature.slope.v),
+            Self::Response => format!("{:+.4}", feature.response),
+            Self::Snr => format!("{:.1}", feature.snr),
+            Self::Octave => feature.octave.to_string(),
+            Self::Level => feature.level.to_string(),
+            Self::AtSlopeLimit => if feature.at_slope_limit { "yes" } else { "" }.to_owned(),
+        }
+    }
+}
+
+/// Indices of the features that pass, in the table's order.
+pub fn listed(
+    features: &[Feature],
+    filter: &Filter,
+    slope: crate::detector::Slope,
+    order: Order<Column>,
+) -> Vec<usize> {
+    let mut indices: Vec<usize> = (0..features.len()).filter(|&i| filter.passes(&features[i], slope)).collect();
+    indices.sort_by(|&a, &b| {
+        let by = order.column.value(a, &features[a]).total_cmp(&order.column.value(b, &features[b]));
+        let by = if order.descending { by.reverse() } else { by };
+        by.then(a.cmp(&b))
+    });
+    indices
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::Slope;
+
+    fn feature(u: f32, sigma: f32, slope_u: f32) -> Feature {
+        Feature {
+            u,
+            v: 0.0,
+            sigma,
+            orientation: 0.0,
+            slope: Slope::new(slope_u, 0.0),
+            response: -0.1 * sigma,
+            snr: 9.0,
+            octave: 0,
+            level: 1,
+            slope_index: 0,
+            at_slope_limit: slope_u.abs() >= 3.0,
+        }
+    }
+
+    #[test]
+    fn filters_add_up_and_the_order_turns_round() {
+        let features = [feature(5.0, 2.0, 1.0), feature(1.0, 4.0, -2.0), feature(3.0, 8.0, 3.0)];
+        let slope = Slope::new(1.0, 0.0);
+        let mut filter = Filter::default();
+        assert!(filter.is_open());
+        let order = Order::default().clicked(Column::U);
+        assert_eq!(listed(&features, &filter, slope, order), [1, 2, 0]);
+        assert_eq!(listed(&features, &filter, slope, order.clicked(Column::U)), [0, 2, 1]);
+        filter.sigma = Some(Interval { min: 3.0, max: 9.0 });
+        assert_eq!(listed(&features, &filter, slope, Order::default()), [1, 2]);
+        filter.hide_slope_limit = true;
+        assert_eq!(listed(&features, &filter, slope, Order::default()), [1]);
+        let near = Filter { near_slope: Some(0.5), ..Filter::default() };
+        assert_eq!(listed(&features, &near, slope, Order::default()), [0]);
+    }
+
+    #[test]
+    fn every_column_has_a_heading_a_help_and_a_text() {
+        let feature = feature(5.0, 2.0, 3.0);
+        for column in Column::ALL {
+            assert!(!column.heading().is_empty() && !column.help().is_empty());
+            assert!(!column.text(0, &feature).is_empty(), "{column:?}");
+        }
+    }
+}

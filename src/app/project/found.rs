@@ -1,0 +1,158 @@
+//! Features of a burst with what they were made from, and what stays selected when they are found again.
+
+use crate::app::pane::PaneId;
+use crate::app::project::Model;
+use crate::app::project::pair::Side;
+use crate::detector::{Advice, Detection, DetectorParams, Feature, SearchParams, Slope, SlopeFinding, explain};
+use crate::engine::{Detected, OpenBurst};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Features of the open burst, with what they were made from.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// What was asked for.
+    pub asked: SearchParams,
+    /// The parameters they were made with: where slopes were to be found, with those that were.
+    pub params: DetectorParams,
+    /// What was found of the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+    /// The features, descriptors and the tally.
+    pub detection: Arc<Detection>,
+    /// How long it took, by the wall clock.
+    pub elapsed: Duration,
+    /// Why there is nothing or little, or most of it at the slope limit, and what to change.
+    pub advice: Option<Advice>,
+}
+
+impl Found {
+    /// What the engine answered after `elapsed` for `burst`.
+    pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
+        let Detected { asked, params, finding, detection, .. } = detected;
+        let advice = explain(&detection, &params, burst.burst.size());
+        Self { asked, params, finding, detection, elapsed, advice }
+    }
+}
+
+/// A feature to be selected again once it has been found again.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SavedSelection {
+    /// Its rank when it was saved.
+    pub index: usize,
+    /// Column, input pixels.
+    pub u: f32,
+    /// Row, input pixels.
+    pub v: f32,
+    /// Scale σ, input pixels.
+    pub sigma: f32,
+    /// Slope, pixels per frame.
+    pub slope: Slope,
+}
+
+/// Why the features on show are not those of what is set now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stale {
+    /// The parameters changed since.
+    Parameters,
+    /// The parameters make no sense now.
+    InvalidParameters,
+}
+
+impl Model {
+    /// Takes the features, unless they are of another burst. The selection is kept where the same feature was found again.
+    pub fn take_detection(&mut self, detected: Detected, elapsed: Duration) {
+        let Some(burst) = self.burst.as_ref().filter(|burst| burst.id == detected.burst) else { return };
+        let found = Found::new(detected, burst, elapsed);
+        let keep = self.reselect.take().or_else(|| self.saved_selection());
+        if self.slopes.is_auto() && found.asked.slopes == self.slopes {
+            self.params.slopes = found.params.slopes;
+            self.check_params();
+        }
+        self.found = Some(found);
+        self.hovered = None;
+        self.selected = keep.and_then(|saved| self.find_again(&saved));
+        self.refresh_listed();
+        self.go_to_first_slope(Side::A);
+    }
+
+    /// The features on show; none without a detection.
+    pub fn features(&self) -> &[Feature] {
+        self.found.as_ref().map_or(&[], |f| &f.detection.features)
+    }
+
+    /// The selected feature.
+    pub fn selected_feature(&self) -> Option<&Feature> {
+        self.features().get(self.selected?)
+    }
+
+    /// Why the features on show are not those of what is set now; `None` when they are.
+    pub fn stale(&self) -> Option<Stale> {
+        let found = self.found.as_ref()?;
+        if found.asked == self.asked() {
+            None
+        } else if self.param_error.is_some() {
+            Some(Stale::InvalidParameters)
+        } else {
+            Some(Stale::Parameters)
+        }
+    }
+
+    /// The selection as it is kept in a session.
+    pub fn saved_selection(&self) -> Option<SavedSelection> {
+        let feature = self.selected_feature()?;
+        let index = self.selected?;
+        Some(SavedSelection { index, u: feature.u, v: feature.v, sigma: feature.sigma, slope: feature.slope })
+    }
+
+    /// The feature that `saved` was: the one nearest in place, scale and slope, if it is near enough to be the same.
+    fn find_again(&self, saved: &SavedSelection) -> Option<usize> {
+        let distance = |f: &Feature| {
+            let place = (f.u - saved.u).hypot(f.v - saved.v) / saved.sigma.max(0.5);
+            let scale = (f.sigma / saved.sigma).log2().abs();
+            let slope = (f.slope.u - saved.slope.u).hypot(f.slope.v - saved.slope.v);
+            place + scale + slope
+        };
+        let features = self.features();
+        let nearest = (0..features.len()).min_by(|&a, &b| {
+            distance(&features[a])
+                .total_cmp(&distance(&features[b]))
+                .then(a.abs_diff(saved.index).cmp(&b.abs_diff(saved.index)))
+        })?;
+        (distance(&features[nearest]) < 1.0).then_some(nearest)
+    }
+
+    /// Goes to the slope with most features in the burst of `side`, unless a slope was chosen since that burst was opened.
+    pub(crate) fn go_to_first_slope(&mut self, side: Side) {
+        let (focus, own) = (self.panes.focus(), PaneId::of(side));
+        let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
+        // The pane that other workspaces show goes there too, unless it is one that follows the first on the screen.
+        let alone = own != leader && !self.panes.shown().contains(&own);
+        for id in [Some(leader), alone.then_some(own)].into_iter().flatten() {
+            if self.panes.get(id).is_some_and(|pane| !pane.slope_chosen) {
+                self.go_to_busiest_slope(id);
+            }
+        }
+    }
+
+    /// Goes in pane `id` to the slope of the grid at which most features were found, and says so. Does nothing without features.
+    pub fn go_to_busiest_slope(&mut self, id: PaneId) {
+        let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
+        let Some(found) = self.found_of(side) else { return };
+        let grid = found.detection.slopes;
+        let mut counts = vec![0usize; grid.len()];
+        for feature in &found.detection.features {
+            if let Some(count) = counts.get_mut(feature.slope_index) {
+                *count += 1;
+            }
+        }
+        // The last of equals loses, so that the answer does not depend on the order of equal counts.
+        let busiest = counts.iter().enumerate().max_by_key(|(i, count)| (**count, std::cmp::Reverse(*i)));
+        if let Some((index, &count)) = busiest.filter(|(_, count)| **count > 0) {
+            let slope = grid.slope(index);
+            self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);
+            let Slope { u, v } = slope;
+            self.messages.note(format!("Most features ({count}) are at slope ({u:.2}, {v:.2}) px/frame"));
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! What the window shows, as plain values: the bursts, the parameters, the panes, the features, the messages.
+//!
+//! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what is wanted with
+//! what is there and asks the engine for the difference.
+
+mod checking;
+pub mod compare;
+pub mod cursor;
+pub mod filter;
+mod found;
+mod listing;
+pub mod look;
+pub mod messages;
+pub mod order;
+pub mod pair;
+mod pictures;
+pub mod workspace;
+
+pub use found::{Found, SavedSelection, Stale};
+
+use crate::app::canvas::overlay::ColourBy;
+use crate::app::dataset::{Datasets, Trajectories};
+use crate::app::figure::FigureChoice;
+use crate::app::history::History;
+use crate::app::measure::Measure;
+use crate::app::pane::Panes;
+use crate::detector::{DetectorParams, ParamError, SearchParams, SlopeChoice};
+use crate::engine::{OpenBurst, Picture, Running};
+use compare::Compare;
+use filter::{Column, Filter};
+use look::Look;
+use messages::Messages;
+use order::Order;
+use pair::Pair;
+use serde::{Deserialize, Serialize};
+use workspace::Workspace;
+
+/// Which parts of the window are open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Panels {
+    /// Scrubbing and parameters.
+    pub left: bool,
+    /// Selected feature and display.
+    pub right: bool,
+    /// Table and tally.
+    pub bottom: bool,
+    /// The bursts of a dataset, while one is open.
+    pub filmstrip: bool,
+}
+
+impl Default for Panels {
+    fn default() -> Self {
+        Self { left: true, right: true, bottom: true, filmstrip: true }
+    }
+}
+
+/// The tabs below the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BottomTab {
+    /// One row a feature.
+    #[default]
+    Table,
+    /// How many candidates each test rejected.
+    Tally,
+    /// What is known of the noise.
+    Noise,
+    /// The values along a line.
+    Profile,
+    /// The values in a rectangle.
+    Region,
+}
+
+/// What the engine is doing, as of this pass.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Busy {
+    /// A burst is being opened.
+    pub opening: Option<Running>,
+    /// A detection runs.
+    pub detecting: Option<Running>,
+    /// A picture is being made.
+    pub picture: bool,
+}
+
+/// Everything the window shows.
+#[derive(Debug, Default)]
+pub struct Model {
+    /// What the window is about.
+    pub workspace: Workspace,
+    /// The open burst, if any.
+    pub burst: Option<OpenBurst>,
+    /// The parameters as they are being edited; they may make no sense for the moment. Where slopes are found, theirs are those found last.
+    pub params: DetectorParams,
+    /// How the slopes are chosen.
+    pub slopes: SlopeChoice,
+    /// Why they make no sense.
+    pub param_error: Option<ParamError>,
+    /// The last parameters that made sense for the burst: pictures are made with these.
+    pub usable_params: DetectorParams,
+    /// The panes that show pictures, each with its own cursor.
+    pub panes: Panes,
+    /// The motion-stack image at the selected feature's slope.
+    pub patch: Option<Picture>,
+    /// The features of the open burst.
+    pub found: Option<Found>,
+    /// Index of the selected feature.
+    pub selected: Option<usize>,
+    /// Index of the feature under the pointer, in the picture or in the table.
+    pub hovered: Option<usize>,
+    /// To be selected when the next detection ends.
+    pub reselect: Option<SavedSelection>,
+    /// Which features are shown.
+    pub filter: Filter,
+    /// The table's order.
+    pub order: Order<Column>,
+    /// Indices of the features that pass the filter, in the table's order; see [`Model::refresh_listed`].
+    pub listed: Vec<usize>,
+    /// The ranges and maps that panes share, and what is drawn over pictures.
+    pub look: Look,
+    /// By what features are coloured.
+    pub colour_by: ColourBy,
+    /// Light, dark, or as the system.
+    pub theme: egui::ThemePreference,
+    /// Whether a detection starts by itself after a change.
+    pub auto_detect: bool,
+    /// Whether the slopes are being played.
+    pub playing: bool,
+    /// Open parts of the window.
+    pub panels: Panels,
+    /// The open tab below the picture.
+    pub bottom_tab: BottomTab,
+    /// The second burst, and the matches with it.
+    pub pair: Pair,
+    /// Several methods on the same burst.
+    pub compare: Compare,
+    /// Errors and the last note.
+    pub messages: Messages,
+    /// What figures show.
+    pub figure: FigureChoice,
+    /// What was undone and can be undone.
+    pub history: History,
+    /// A line and a rectangle on a picture.
+    pub measure: Measure,
+    /// What the engine is doing.
+    pub busy: Busy,
+    /// Many bursts.
+    pub datasets: Datasets,
+    /// An estimated and a true trajectory.
+    pub trajectories: Trajectories,
+    listed_for: Option<listing::ListedFor>,
+}
+
+impl Model {
+    /// (columns, rows) of the open burst's frames; (0, 0) without one.
+    pub fn size(&self) -> (usize, usize) {
+        self.burst.as_ref().map_or((0, 0), |b| b.burst.size())
+    }
+
+    /// Frames of the open burst.
+    pub fn frame_count(&self) -> usize {
+        self.burst.as_ref().map_or(0, |b| b.burst.len())
+    }
+
+    /// What a detection is asked for now. Slopes that are to be found are not part of it.
+    pub fn asked(&self) -> SearchParams {
+        self.asked_of(pair::Side::A)
+    }
+
+    /// Chooses how the slopes are chosen, and for the detector all that `params` say.
+    pub fn set_search(&mut self, params: SearchParams) {
+        (self.params, self.slopes) = (params.detector, params.slopes);
+    }
+
+    /// Whether a detection with the present parameters is missing and could be made.
+    pub fn needs_detection(&self) -> bool {
+        self.burst.is_some()
+            && self.param_error.is_none()
+            && self.found.as_ref().is_none_or(|f| f.asked != self.asked())
+    }
+}
+
+#[cfg(test)]
+mod tests;

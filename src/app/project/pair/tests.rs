@@ -1,0 +1,164 @@
+//! The pair's promises: B can be worked on as A is, cursors follow where they are linked, matches are wanted, stale and found again as they should be.
+
+use crate::app::project::pair::*;
+use crate::app::project::tests::{detected, feature, open};
+use crate::app::project::workspace::Workspace;
+use crate::detector::{Detection, FrameRange, Slope};
+use crate::engine::Matched;
+use crate::matching::match_detections;
+use crate::monitor::Monitor;
+use std::sync::Arc;
+
+/// A model with two bursts and the features of both; B's are A's, moved by (2, 0).
+pub(in crate::app::project) fn pair() -> Model {
+    let mut model = Model { workspace: Workspace::Pair, ..Model::default() };
+    let (a, b) = (open((64, 48), 5), open((64, 48), 5));
+    model.take_burst(a.clone());
+    model.take_second_burst(b.clone());
+    let grid = model.params.slopes;
+    let at = |du: f32| -> Vec<_> {
+        (0..4).map(|i| feature(8.0 + 12.0 * i as f32 + du, 10.0 + 7.0 * i as f32, i, &grid)).collect()
+    };
+    let with_descriptors = |mut found: Detected| {
+        let mut detection = Detection::clone(&found.detection);
+        for (i, descriptor) in detection.descriptors.iter_mut().enumerate() {
+            descriptor[10 * i] = 200;
+        }
+        found.detection = Arc::new(detection);
+        found
+    };
+    let params = model.params.clone();
+    model.take_detection(with_descriptors(detected(&a, &params, at(0.0))), Duration::ZERO);
+    model.take_second_detection(with_descriptors(detected(&b, &params, at(2.0))), Duration::ZERO);
+    model
+}
+
+/// Matches as the engine would make them.
+fn matched(model: &Model) -> Matches {
+    let request = model.wanted_matches().expect("both sides have features");
+    let result = match_detections(&request.a, &request.b, &request.params, &Monitor::default()).expect("valid");
+    Matches::new(Matched { request, result: Arc::new(result) }, Duration::ZERO)
+}
+
+fn cursors(model: &Model) -> [Cursor; 2] {
+    Side::BOTH.map(|side| *model.cursor_of(side))
+}
+
+#[test]
+fn linked_hands_follow_in_what_was_moved_and_in_nothing_else() {
+    let mut model = pair();
+    model.panes.of_mut(Side::A).cursor.slope = Slope::new(1.0, 0.0);
+    model.panes.of_mut(Side::B).cursor.slope = Slope::new(-2.0, 0.0);
+    let before = cursors(&model);
+    model.panes.of_mut(Side::B).cursor.level = 2;
+    model.follow_cursor(before);
+    assert_eq!(
+        (model.cursor_of(Side::A).level, model.cursor_of(Side::A).slope),
+        (2, Slope::new(1.0, 0.0)),
+        "the slopes were not moved"
+    );
+    let before = cursors(&model);
+    model.panes.of_mut(Side::A).cursor.slope = Slope::new(0.5, 0.0);
+    model.follow_cursor(before);
+    assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.5, 0.0));
+    model.pair.links.cursor = false;
+    let before = cursors(&model);
+    model.panes.of_mut(Side::A).cursor.slope = Slope::new(2.0, 0.0);
+    model.follow_cursor(before);
+    assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.5, 0.0));
+}
+
+#[test]
+fn a_second_burst_has_the_parameters_as_far_as_it_can_use_them() {
+    let mut model = pair();
+    model.params.frames = Some(FrameRange { start: 1, end: 5 });
+    assert_eq!(model.params_of(Side::B).frames, model.params.frames);
+    model.take_second_burst(open((64, 48), 3));
+    assert_eq!(model.params_of(Side::B).frames, None);
+    model.take_second_burst(open((64, 48), 1));
+    model.check_pair();
+    assert_eq!(model.params_of(Side::B).method, Method::Sift);
+    assert_eq!(model.pair.b.param_error, None, "a single sharp image can be B");
+    assert_eq!(model.params_of(Side::A).method, Method::Buff);
+}
+
+#[test]
+fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
+    let mut model = pair();
+    assert!(model.needs_matches());
+    model.pair.take_matches(matched(&model));
+    assert!(!model.needs_matches());
+    assert_eq!((model.pair.listed.len(), model.stale_matches()), (4, None));
+    model.pair.params.ratio = 0.7;
+    assert!(model.needs_matches());
+    assert!(model.stale_matches().is_some_and(|why| why.contains("matching")));
+    model.pair.params.ratio = 2.0;
+    model.check_pair();
+    assert!(!model.needs_matches(), "parameters that make no sense are not tried");
+    assert_eq!(model.pair.param_error.as_ref().map(|e| e.parameter), Some("ratio"));
+    model.pair.params = MatchParams::default();
+    model.check_pair();
+    model.params.edge_threshold *= 2.0;
+    assert!(model.stale_matches().is_some_and(|why| why.contains("detector")));
+    model.take_burst(open((64, 48), 5));
+    assert!(model.pair.matches.is_none(), "the matches were with another burst");
+}
+
+#[test]
+fn the_same_match_stays_selected_when_it_is_made_again() {
+    let mut model = pair();
+    model.pair.take_matches(matched(&model));
+    model.pair.selected = Some(2);
+    let place = model.pair.saved_match().expect("selected");
+    model.pair.params.geometry = crate::matching::Geometry::None;
+    model.pair.take_matches(matched(&model));
+    assert_eq!(model.pair.selected, Some(2));
+    assert_eq!(model.pair.saved_match(), Some(place));
+    let moved = SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
+    assert_eq!(model.pair.matches.as_ref().and_then(|m| m.find_again(&moved)), None);
+}
+
+#[test]
+fn the_table_lists_what_is_shown_in_its_order() {
+    let mut model = pair();
+    // Four matches are fewer than any geometry needs: all of them are outliers.
+    model.pair.take_matches(matched(&model));
+    model.pair.order = Order::<MatchColumn>::default().clicked(MatchColumn::UA).clicked(MatchColumn::UA);
+    assert!(model.pair.order.descending, "the second click turns the order round");
+    model.pair.refresh_listed();
+    assert_eq!(model.pair.listed, [3, 2, 1, 0]);
+    model.pair.select_neighbour(true);
+    assert_eq!(model.pair.selected, Some(3));
+    model.pair.look.outliers = false;
+    model.pair.refresh_listed();
+    assert!(model.pair.listed.is_empty());
+    let matches = model.pair.matches.as_ref().expect("made");
+    for column in MatchColumn::ALL {
+        let row = matches.row(0).expect("there are four");
+        assert!(!column.heading().is_empty() && !column.help().is_empty() && !column.text(&row).is_empty());
+    }
+}
+
+#[test]
+fn sides_are_swapped_with_everything_that_is_theirs() {
+    let mut model = pair();
+    model.pair.take_matches(matched(&model));
+    let ids = [Side::A, Side::B].map(|side| model.burst_of(side).expect("open").id);
+    let found = model.found_of(Side::B).expect("found").detection.clone();
+    model.swap_sides();
+    assert_eq!([Side::B, Side::A].map(|side| model.burst_of(side).expect("open").id), ids);
+    assert!(Arc::ptr_eq(&model.found_of(Side::A).expect("found").detection, &found));
+    assert!(model.pair.matches.is_none() && model.needs_matches());
+}
+
+#[test]
+fn patches_are_wanted_at_each_features_own_slope() {
+    let mut model = pair();
+    model.pair.take_matches(matched(&model));
+    assert!(model.wanted_patches().is_none());
+    model.pair.hovered = Some(1);
+    let wanted = model.wanted_patches().expect("one is pointed at");
+    let slope = model.features()[1].slope;
+    assert_eq!(wanted.a.kind, PictureKind::Stack { slope });
+    assert_eq!(wanted.b.burst.id, model.burst_of(Side::B).expect("open").id);
+}

@@ -1,0 +1,229 @@
+//! The pictures that panes show: which are wanted, which are there, in which range they are shown, and which pane the sliders move.
+
+use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
+use crate::app::project::cursor::{Cursor, ViewKind};
+use crate::app::project::look::{RangeClass, Ranges};
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
+use crate::app::project::{Found, Model};
+use crate::detector::{DetectorParams, Slope};
+use crate::engine::{JobError, OpenBurst, Picture, PictureKind, PictureRequest};
+use crate::plane::display::Display;
+
+impl Model {
+    /// The pane that sliders and keys move.
+    pub fn focus(&self) -> PaneId {
+        match self.workspace {
+            Workspace::Pair => PaneId::of(self.active_side()),
+            Workspace::Methods => PaneId::of(Side::A),
+            Workspace::Inspect | Workspace::Matches | Workspace::Trajectories => self.panes.focus(),
+        }
+    }
+
+    /// The pane that sliders and keys move.
+    pub fn focused(&self) -> &Pane {
+        self.panes.get(self.focus()).unwrap_or_else(|| self.panes.of(Side::A))
+    }
+
+    /// The same, to be changed.
+    pub fn focused_mut(&mut self) -> &mut Pane {
+        let focus = self.focus();
+        let focus = if self.panes.get(focus).is_some() { focus } else { PaneId::of(Side::A) };
+        self.panes.get_mut(focus).expect("A's pane is always there")
+    }
+
+    /// Where the cursor is.
+    pub fn cursor(&self) -> &Cursor {
+        &self.focused().cursor
+    }
+
+    /// The picture on show of the pane in focus.
+    pub fn picture(&self) -> Option<&Picture> {
+        self.focused().picture.as_ref()
+    }
+
+    /// The panes that are on the screen.
+    pub fn visible_panes(&self) -> Vec<PaneId> {
+        match self.workspace {
+            Workspace::Pair | Workspace::Methods => Side::BOTH.into_iter().map(PaneId::of).collect(),
+            Workspace::Inspect | Workspace::Matches | Workspace::Trajectories => self.panes.shown(),
+        }
+    }
+
+    /// The open burst of `side`.
+    pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
+        match side {
+            Side::A => self.burst.as_ref(),
+            Side::B => self.pair.b.burst.as_ref(),
+        }
+    }
+
+    /// The features of `side`.
+    pub fn found_of(&self, side: Side) -> Option<&Found> {
+        match side {
+            Side::A => self.found.as_ref(),
+            Side::B => self.pair.b.found.as_ref(),
+        }
+    }
+
+    /// The last parameters that made sense for the burst of `side`.
+    pub fn usable_params_of(&self, side: Side) -> &DetectorParams {
+        match side {
+            Side::A => &self.usable_params,
+            Side::B => &self.pair.b.usable_params,
+        }
+    }
+
+    /// The same of the pane in focus.
+    pub fn cursor_params(&self) -> &DetectorParams {
+        self.usable_params_of(self.focused().side)
+    }
+
+    /// Frames of the burst in focus.
+    pub fn hand_frame_count(&self) -> usize {
+        self.burst_of(self.focused().side).map_or(0, |open| open.burst.len())
+    }
+
+    /// (columns, rows) of the burst in focus.
+    pub fn hand_size(&self) -> (usize, usize) {
+        self.burst_of(self.focused().side).map_or((0, 0), |open| open.burst.size())
+    }
+
+    /// The picture that `id` wants to show now; `None` without its burst.
+    pub fn wanted(&self, id: PaneId) -> Option<PictureRequest> {
+        let pane = self.panes.get(id)?;
+        match pane.content {
+            Content::Difference(a, b) => {
+                let [a, b] = [a, b].map(|id| self.wanted_alone(id));
+                Some(a?.less(&b?))
+            }
+            Content::Cursor | Content::Merge => self.wanted_alone(id),
+        }
+    }
+
+    fn wanted_alone(&self, id: PaneId) -> Option<PictureRequest> {
+        let pane = self.panes.get(id)?;
+        pane.wanted(self.burst_of(pane.side)?, self.usable_params_of(pane.side))
+    }
+
+    /// The motion-stack image that the selected feature's patch is cut from.
+    pub fn wanted_patch(&self) -> Option<PictureRequest> {
+        let slope = self.selected_feature()?.slope;
+        let (burst, found) = (self.burst.clone()?, self.found.as_ref()?);
+        Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
+    }
+
+    /// Whether the picture on show of `id` is the one that it wants, or it is known why that cannot be made.
+    pub fn is_current(&self, id: PaneId) -> bool {
+        let Some(wanted) = self.wanted(id) else { return true };
+        self.panes.get(id).is_some_and(|pane| {
+            let failed = pane.problem.as_ref().is_some_and(|(request, _)| request.same_picture(&wanted));
+            failed || pane.picture.as_ref().is_some_and(|picture| picture.request.same_picture(&wanted))
+        })
+    }
+
+    /// The same of the pane in focus.
+    pub fn picture_is_current(&self) -> bool {
+        self.is_current(self.focus())
+    }
+
+    /// The same of all panes on the screen.
+    pub fn pictures_are_current(&self) -> bool {
+        self.visible_panes().into_iter().all(|id| self.is_current(id))
+    }
+
+    /// The class of value range that `id` is shown in.
+    pub fn range_class(&self, id: PaneId) -> RangeClass {
+        let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
+        let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));
+        picture.map_or_else(wanted, |picture| RangeClass::of(&picture.request))
+    }
+
+    /// The value ranges of `pane`: its own, or those that panes share.
+    pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
+        pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
+    }
+
+    /// The same of the pane in focus, to be changed.
+    pub fn hand_ranges_mut(&mut self) -> &mut Ranges {
+        let focus = self.focus();
+        match self.panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
+            Some(own) => own,
+            None => &mut self.look.ranges,
+        }
+    }
+
+    /// How the picture of `id` is shown: range, gamma and colours.
+    pub fn display_of(&self, id: PaneId) -> Display {
+        let ranges = self.panes.get(id).map_or(&self.look.ranges, |pane| self.ranges_of(pane));
+        ranges.display(self.range_class(id))
+    }
+
+    /// Switches a link of a pane. One that no longer shares its display goes on with what it had.
+    pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
+        let shared = self.look.ranges;
+        let Some(pane) = self.panes.get_mut(id) else { return };
+        pane.links.set(link, on);
+        if link == Link::Display {
+            pane.own_ranges = (!on).then_some(pane.own_ranges.unwrap_or(shared));
+        }
+    }
+
+    /// The slope by which the picture of `id` was shifted; `None` for a frame and for what has no single slope.
+    pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
+        let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
+        match picture.request.kind {
+            PictureKind::Frame(_) | PictureKind::Merge => None,
+            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } => Some(slope),
+        }
+    }
+
+    /// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.
+    pub fn take_picture(&mut self, id: PaneId, picture: Picture) {
+        let Some(pane) = self.panes.get(id) else { return };
+        let is_open = |burst: &OpenBurst| {
+            Side::BOTH.into_iter().any(|side| self.burst_of(side).is_some_and(|open| open.id == burst.id))
+        };
+        let fits = match pane.content {
+            Content::Difference(..) => is_open(&picture.request.burst),
+            Content::Cursor | Content::Merge => {
+                self.burst_of(pane.side).is_some_and(|open| open.id == picture.request.burst.id)
+            }
+        };
+        if !fits {
+            return;
+        }
+        let Some(pane) = self.panes.get_mut(id) else { return };
+        pane.own_ranges.as_mut().unwrap_or(&mut self.look.ranges).fix_once(&picture);
+        (pane.picture, pane.problem) = (Some(picture), None);
+    }
+
+    /// Takes over why the picture of a pane could not be made.
+    pub fn take_problem(&mut self, id: PaneId, request: PictureRequest, error: &JobError) {
+        if let Some(pane) = self.panes.get_mut(id) {
+            pane.problem = Some((request, error.to_string()));
+        }
+    }
+
+    /// Gives the focus to a pane on the burst of `side`, if the one that has it is on the other and there is one.
+    pub fn focus_on_side(&mut self, side: Side) {
+        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
+        if !is_on(&self.panes.focus())
+            && let Some(id) = self.panes.shown().into_iter().find(is_on)
+        {
+            self.panes.set_focus(id);
+        }
+    }
+
+    /// Lays out a preset, made from the pane in focus.
+    pub fn lay_out(&mut self, preset: Preset) {
+        let params = self.cursor_params().clone();
+        self.panes.lay_out(preset, &params);
+        self.check_params();
+    }
+
+    /// Switches the kind of picture of the pane in focus.
+    pub fn show_kind(&mut self, kind: ViewKind) {
+        self.focused_mut().show(kind);
+    }
+}

@@ -1,0 +1,219 @@
+//! The model's promises: stale is said, other bursts' answers are dropped, a feature found again stays selected.
+
+use crate::app::pane::{Content, Direction, Link, PaneId, Preset};
+use crate::app::project::*;
+use crate::burst::Burst;
+use crate::detector::{Detection, Feature, Slope, SlopeGrid, StageTimes, Tally};
+use crate::engine::{BurstSource, Detected, PictureKind, PictureRequest};
+use crate::monitor::Monitor;
+use crate::plane::Plane;
+use std::sync::Arc;
+use std::time::Duration;
+
+pub(crate) fn open(size: (usize, usize), frames: usize) -> OpenBurst {
+    let frame = |t: usize| Plane::from_fn(size.0, size.1, |u, v| ((u + 3 * v + t) % 7) as f32 / 10.0);
+    OpenBurst::new(Burst::from_planes("test", (0..frames).map(frame).collect()), BurstSource::Demo)
+}
+
+pub(crate) fn feature(u: f32, v: f32, slope_index: usize, grid: &SlopeGrid) -> Feature {
+    Feature {
+        u,
+        v,
+        sigma: 3.0,
+        orientation: 0.5,
+        slope: grid.slope(slope_index),
+        response: -0.05,
+        snr: 12.0,
+        octave: 0,
+        level: 1,
+        slope_index,
+        at_slope_limit: false,
+    }
+}
+
+pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec<Feature>) -> Detected {
+    let descriptors = vec![[0; 128]; features.len()];
+    let detection = Detection {
+        features,
+        descriptors,
+        tally: Tally::default(),
+        frame_noise: 0.01,
+        noise: std::sync::Arc::default(),
+        noise_gate_factor: 4.5,
+        slopes: params.slopes,
+        frames_used: 0..burst.burst.len(),
+        octaves: 0..1,
+        times: StageTimes::default(),
+    };
+    let asked = params.clone().into();
+    Detected { burst: burst.id, asked, params: params.clone(), finding: None, detection: Arc::new(detection) }
+}
+
+fn with_features() -> Model {
+    let mut model = Model::default();
+    let burst = open((64, 48), 5);
+    model.take_burst(burst.clone());
+    let grid = model.params.slopes;
+    let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 4, &grid), feature(50.0, 30.0, 2, &grid)];
+    model.take_detection(detected(&burst, &model.params.clone(), features), Duration::from_millis(10));
+    model
+}
+
+#[test]
+fn changed_parameters_make_features_stale_and_undoing_makes_them_good() {
+    let mut model = with_features();
+    assert_eq!(model.stale(), None);
+    let before = model.params.clone();
+    model.params.peak_threshold = 0.5;
+    model.check_params();
+    assert_eq!(model.stale(), Some(Stale::Parameters));
+    assert!(model.needs_detection());
+    model.params.octaves = 0;
+    model.check_params();
+    assert_eq!(model.stale(), Some(Stale::InvalidParameters));
+    assert!(!model.needs_detection());
+    assert_eq!(model.usable_params.octaves, before.octaves, "pictures go on with what made sense");
+    model.params = before;
+    model.check_params();
+    assert_eq!(model.stale(), None);
+}
+
+#[test]
+fn answers_of_another_burst_are_dropped() {
+    let mut model = with_features();
+    let other = open((64, 48), 5);
+    let request = PictureRequest::new(other.clone(), PictureKind::Frame(0), DetectorParams::default());
+    let id = model.focus();
+    model.take_picture(id, request.compute(&Monitor::default()).expect("frame 0 is there"));
+    assert!(model.picture().is_none());
+    let before = model.features().len();
+    model.take_detection(detected(&other, &DetectorParams::default(), Vec::new()), Duration::ZERO);
+    assert_eq!(model.features().len(), before);
+}
+
+#[test]
+fn the_busiest_slope_is_shown_until_a_hand_chooses() {
+    let mut model = with_features();
+    assert_eq!(model.cursor().slope, Slope::new(1.0, 0.0));
+    let pane = model.focused_mut();
+    (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
+    let (burst, params) = (model.burst.clone().expect("open"), model.params.clone());
+    let grid = params.slopes;
+    model.take_detection(detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]), Duration::ZERO);
+    assert_eq!(model.cursor().slope, Slope::new(0.25, 0.0));
+}
+
+#[test]
+fn a_feature_that_is_found_again_stays_selected() {
+    let mut model = with_features();
+    model.selected = Some(1);
+    let (burst, params) = (model.burst.clone().expect("open"), model.params.clone());
+    let grid = params.slopes;
+    let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
+    model.take_detection(detected(&burst, &params, again), Duration::ZERO);
+    assert_eq!(model.selected, Some(0));
+    model.take_detection(detected(&burst, &params, vec![feature(5.0, 40.0, 4, &grid)]), Duration::ZERO);
+    assert_eq!(model.selected, None, "another feature is not the same one");
+}
+
+#[test]
+fn next_and_previous_walk_the_table_and_stop_at_its_ends() {
+    let mut model = with_features();
+    model.select_neighbour(true);
+    assert_eq!(model.selected, Some(0));
+    model.select_neighbour(true);
+    model.select_neighbour(true);
+    model.select_neighbour(true);
+    assert_eq!(model.selected, Some(2));
+    model.filter.slope_u = Some(filter::Interval { min: 0.5, max: 1.5 });
+    model.select_neighbour(false);
+    assert_eq!(model.selected, Some(1), "the selected one was filtered out: the last listed is taken");
+}
+
+#[test]
+fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
+    let mut model = with_features();
+    model.selected = Some(0);
+    model.take_burst(open((40, 40), 1));
+    assert!(model.found.is_none() && model.selected.is_none() && model.picture().is_none());
+    assert_eq!(model.param_error.as_ref().map(|e| e.parameter), Some("frames"));
+    let wanted = model.wanted(model.focus()).expect("open");
+    assert!(wanted.compute(&Monitor::default()).is_ok());
+}
+
+#[test]
+fn a_range_is_set_once_and_then_stays() {
+    let mut model = with_features();
+    let show = |model: &mut Model, kind| {
+        let request = PictureRequest::new(model.burst.clone().expect("open"), kind, model.usable_params.clone());
+        let id = model.focus();
+        model.take_picture(id, request.compute(&Monitor::default()).expect("not cancelled"));
+    };
+    show(&mut model, PictureKind::Frame(0));
+    let first = model.look.ranges.intensity;
+    assert!(first.max > 0.5 && first.max < 0.7, "{first:?}");
+    show(&mut model, PictureKind::Stack { slope: Slope::new(0.5, 0.0) });
+    assert_eq!(model.look.ranges.intensity, first);
+}
+
+/// Makes what every pane on the screen wants, as the engine would.
+fn make_pictures(model: &mut Model) {
+    for id in model.visible_panes() {
+        let wanted = model.wanted(id).expect("its burst is open");
+        model.take_picture(id, wanted.compute(&Monitor::default()).expect("not cancelled"));
+    }
+}
+
+#[test]
+fn each_pane_wants_its_own_picture_and_a_difference_those_of_two_others() {
+    let mut model = with_features();
+    model.lay_out(Preset::TwoSlopes);
+    let [a, b] = model.panes.shown()[..] else { panic!("two panes") };
+    let c = model.panes.split_with(Direction::Down, |pane| pane.content = Content::Difference(a, b)).expect("room");
+    assert!(!model.pictures_are_current());
+    make_pictures(&mut model);
+    assert!(model.pictures_are_current());
+    let plane = |id: PaneId| model.panes.get(id).and_then(|pane| pane.picture.clone()).expect("made").plane;
+    assert_eq!(plane(c).at(20, 20), plane(a).at(20, 20) - plane(b).at(20, 20));
+    // When one of the two moves, the difference is not what is wanted any more.
+    model.panes.get_mut(b).expect("there").cursor.slope = Slope::new(0.3, 0.0);
+    assert!(model.is_current(a) && !model.is_current(b) && !model.is_current(c));
+}
+
+#[test]
+fn a_pane_that_does_not_share_its_display_has_its_own() {
+    let mut model = with_features();
+    model.lay_out(Preset::FrameAndStack);
+    make_pictures(&mut model);
+    let [a, b] = model.panes.shown()[..] else { panic!("two panes") };
+    assert_eq!(model.display_of(a), model.display_of(b));
+    model.set_link(b, Link::Display, false);
+    model.panes.set_focus(b);
+    model.hand_ranges_mut().intensity.max = 0.123;
+    assert_ne!(model.display_of(a), model.display_of(b));
+    model.set_link(b, Link::Display, true);
+    assert_eq!(model.display_of(a), model.display_of(b));
+}
+
+#[test]
+fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
+    let mut model = with_features();
+    model.lay_out(Preset::Slopes(3));
+    let slopes = |model: &Model| -> Vec<f32> {
+        let panes = model.panes.shown().into_iter().filter_map(|id| model.panes.get(id));
+        panes.map(|pane| pane.cursor.slope.u).collect()
+    };
+    assert_eq!(slopes(&model), [0.0, 1.0, 2.0]);
+    model.take_burst(open((40, 30), 3));
+    assert_eq!(slopes(&model), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
+    let (focus, before) = (model.panes.focus(), *model.cursor());
+    model.focused_mut().cursor.slope.u = 100.0;
+    model.check_params();
+    model.panes.follow_cursor(focus, before);
+    model.check_params();
+    let limit = cursor::slope_limit(&model.usable_params.slopes);
+    assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);
+    let last = model.panes.shown()[2];
+    let PictureKind::Stack { slope } = model.wanted(last).expect("open").kind else { panic!("a stack") };
+    assert_eq!(slope.u, limit, "what is beyond is shown at the rim");
+}

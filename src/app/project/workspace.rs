@@ -1,0 +1,28 @@
+//! The workspaces of the window: what it is about at the moment.
+
+use serde::{Deserialize, Serialize};
+
+/// What the window is about: each workspace has the middle of the window and the panels around it for itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Workspace {
+    /// One burst, its pictures and features.
+    #[default]
+    #[serde(alias = "burst")]
+    Inspect,
+    /// Two bursts side by side, and the matches between them.
+    Pair,
+    /// Several methods on the same burst.
+    Methods,
+    /// The matches of a dataset's pairs.
+    Matches,
+    /// An estimated and a true trajectory.
+    Trajectories,
+}
+
+impl Workspace {
+    /// Whether it shows a burst, and has nothing to show while none is open.
+    pub fn needs_burst(self) -> bool {
+        matches!(self, Self::Inspect | Self::Pair | Self::Methods)
+    }
+}

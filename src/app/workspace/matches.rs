@@ -1,0 +1,142 @@
+//! The matches of a whole dataset: which pairs and how left, the matrix in the middle, the list of pairs right.
+
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::dataset::filmstrip::working_ui;
+use crate::app::dataset::{matrix, pair_list};
+use crate::app::panel::widgets::section_ui;
+use crate::app::project::Model;
+use crate::app::style;
+use crate::app::window::BurstscopeApp;
+use crate::app::workspace::pair::parameters;
+use crate::app::workspace::{side_frame, side_width};
+use egui::{CentralPanel, DragValue, Frame, Label, Margin, Panel, RichText, ScrollArea, Ui};
+
+/// Draws the workspace.
+pub fn matches_workspace_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Queue) {
+    let width = side_width(ui);
+    if app.model.datasets.open.is_none() {
+        CentralPanel::default().show(ui, |ui| empty_ui(ui, &app.model, queue));
+        return;
+    }
+    if app.model.panels.left {
+        Panel::left("matches left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(
+            ui,
+            |ui| {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    pairs_ui(ui, &mut app.model, queue);
+                    selected_ui(ui, &app.model, queue);
+                    let camera_text = &mut app.pair_panels.camera_text;
+                    parameters::dataset_parameters_ui(ui, &mut app.model, camera_text, queue);
+                });
+            },
+        );
+    }
+    let mut opened = None;
+    if app.model.panels.right {
+        Panel::right("matches right").frame(side_frame(ui)).default_size(392.0).size_range(280.0..=640.0).show(
+            ui,
+            |ui| {
+                if let Some(dataset) = &mut app.model.datasets.open {
+                    opened = pair_list::pair_list_ui(ui, dataset);
+                }
+            },
+        );
+    }
+    let ground = ui.visuals().panel_fill;
+    CentralPanel::default().frame(Frame::new().fill(ground)).show(ui, |ui| {
+        let header = Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(ui.visuals().panel_fill);
+        header.show(ui, |ui| header_ui(ui, &app.model));
+        Frame::new().inner_margin(Margin::same(8)).show(ui, |ui| {
+            if let Some(dataset) = &mut app.model.datasets.open {
+                opened = matrix::matrix_ui(ui, dataset).or(opened);
+            }
+        });
+    });
+    if opened.is_some() {
+        queue.push(ActionId::ShowPair);
+    }
+}
+
+/// What to do while no dataset is open.
+fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.vertical_centered(|ui| {
+        ui.add_space((ui.available_height() * 0.3).max(12.0));
+        ui.label(RichText::new("Open a dataset").size(18.0).strong());
+        ui.weak(
+            "a folder of bursts, or a long sequence that is cut into bursts: all of them are matched with one another",
+        );
+        ui.add_space(10.0);
+        button_ui(ui, model, queue, ActionId::OpenDataset, None);
+    });
+}
+
+/// Which pairs are matched.
+fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+    section_ui(ui, "Pairs", |ui| {
+        let choice = &mut model.datasets.choice;
+        ui.radio_value(&mut choice.neighbours, false, "All pairs").on_hover_text("Each burst with every other one");
+        ui.horizontal(|ui| {
+            let label = ui
+                .radio_value(&mut choice.neighbours, true, "Each with the next")
+                .on_hover_text("Each burst with the next few after it, for a way that does not come back");
+            let field = DragValue::new(&mut choice.overlap).range(1..=100_000).suffix(" bursts");
+            ui.add_enabled(choice.neighbours, field).labelled_by(label.id);
+        });
+        ui.add_space(4.0);
+        if model.datasets.work.is_some() {
+            working_ui(ui, &model.datasets);
+            button_ui(ui, model, queue, ActionId::CancelDataset, None);
+        } else {
+            ui.horizontal(|ui| {
+                button_ui(ui, model, queue, ActionId::MatchPairs, None);
+                button_ui(ui, model, queue, ActionId::DetectAll, None);
+            });
+        }
+        if let Some(dataset) = &model.datasets.open {
+            let missing = dataset.bursts.len() - dataset.counts().done;
+            if missing > 0 {
+                let text = format!(
+                    "{missing} of {} bursts have no features yet; pairs with them are left out",
+                    dataset.bursts.len()
+                );
+                ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
+            }
+            if !dataset.matches.is_empty() && *dataset.matches.params() != model.pair.params {
+                let text = "The parameters of matching changed since; match again to see what they give";
+                ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
+            }
+        }
+    });
+}
+
+/// The numbers of the selected pair.
+fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    section_ui(ui, "Selected pair", |ui| {
+        let Some(dataset) = &model.datasets.open else { return };
+        match dataset.selected() {
+            Some(pair) => {
+                ui.add(Label::new(matrix::pair_text(dataset, pair)).wrap());
+            }
+            None => {
+                ui.weak("Click a cell of the matrix, or choose A and B in the filmstrip.");
+            }
+        }
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            button_ui(ui, model, queue, ActionId::MatchSelected, None);
+            button_ui(ui, model, queue, ActionId::ShowPair, Some("Side by side"));
+        });
+    });
+}
+
+fn header_ui(ui: &mut Ui, model: &Model) {
+    let Some(dataset) = &model.datasets.open else { return };
+    let matches = &dataset.matches;
+    let verified = matches.listed().iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count();
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(format!("Matches of {}", dataset.source.label())).strong());
+        let text = format!("{} pairs matched, {verified} of them verified", matches.len());
+        ui.add(Label::new(RichText::new(text).weak()).truncate());
+    });
+    ui.horizontal(|ui| matrix::legend_ui(ui, matches.strongest()));
+}

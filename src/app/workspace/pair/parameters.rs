@@ -1,0 +1,214 @@
+//! The parameters of matching: every one of them, with its unit, its default, what raising it does, and what is wrong with it.
+
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::panel::parameter_rows::{self as rows, ParamTable};
+use crate::app::panel::widgets::{name_field, section_ui};
+use crate::app::project::Model;
+use crate::app::project::pair::Side;
+use crate::dataset::CameraChoice;
+use crate::matching::params::doc;
+use crate::matching::{Camera, CameraModel, Geometry, MatchParams};
+use egui::{Align, DragValue, Layout, RichText, Ui};
+
+/// The camera as it is being typed.
+#[derive(Debug, Clone, Default)]
+pub struct CameraText {
+    text: String,
+    /// What the text was made from or has led to, so that a camera that comes from elsewhere is noticed.
+    camera: Option<Camera>,
+    problem: Option<String>,
+}
+
+impl CameraText {
+    /// Shows the camera that is set, unless it is the one that was typed.
+    fn follow(&mut self, camera: Option<&Camera>) {
+        if self.camera.as_ref() != camera {
+            self.camera = camera.cloned();
+            self.text = camera.map_or_else(String::new, ToString::to_string);
+            self.problem = None;
+        }
+    }
+
+    /// Reads what was typed. While it cannot be read the camera stays as it is.
+    fn read(&mut self) {
+        if self.text.trim().is_empty() {
+            (self.camera, self.problem) = (None, None);
+            return;
+        }
+        match self.text.parse::<Camera>() {
+            Ok(camera) => (self.camera, self.problem) = (Some(camera), None),
+            Err(problem) => self.problem = Some(problem),
+        }
+    }
+}
+
+/// Draws the section.
+pub fn parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
+    section_ui(ui, "Matching", |ui| {
+        ui.horizontal(|ui| {
+            button_ui(ui, model, queue, ActionId::Match, None);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+            });
+        });
+        ui.add_space(4.0);
+        all_rows_ui(ui, model, camera);
+    });
+}
+
+/// The same for a whole dataset, whose pairs are matched with the same parameters.
+pub fn dataset_parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
+    section_ui(ui, "Matching", |ui| {
+        button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+        ui.add_space(4.0);
+        all_rows_ui(ui, model, camera);
+    });
+}
+
+fn all_rows_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText) {
+    let size = model.burst_of(Side::A).map(|open| open.burst.size());
+    let error = model.pair.param_error.clone();
+    let p = &mut model.pair.params;
+    let table = ParamTable { error: error.as_ref(), defaults: MatchParams::default() };
+    rows_ui(ui, &table, p);
+    camera_ui(ui, &table, p, camera, size);
+}
+
+fn geometry_label(geometry: Geometry) -> &'static str {
+    match geometry {
+        Geometry::None => "None",
+        Geometry::Fundamental => "Fundamental",
+        Geometry::Essential => "Essential",
+        Geometry::Homography => "Homography",
+    }
+}
+
+fn rows_ui(ui: &mut Ui, table: &ParamTable<'_, MatchParams>, p: &mut MatchParams) {
+    table.row(
+        ui,
+        &doc::RATIO,
+        p,
+        |p| &mut p.ratio,
+        |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.002).max_decimals(3), label),
+    );
+    table.row(
+        ui,
+        &doc::MUTUAL,
+        p,
+        |p| &mut p.mutual,
+        |ui, value, label| {
+            ui.checkbox(value, "").labelled_by(label);
+        },
+    );
+    table.row(
+        ui,
+        &doc::GEOMETRY,
+        p,
+        |p| &mut p.geometry,
+        |ui, value, label| {
+            let names = Geometry::ALL.map(|g| (g, geometry_label(g)));
+            rows::choice_ui(ui, value, label, &names);
+        },
+    );
+    let verified = p.geometry != Geometry::None;
+    ui.add_enabled_ui(verified, |ui| {
+        table.row(
+            ui,
+            &doc::MAX_ERROR_PX,
+            p,
+            |p| &mut p.max_error_px,
+            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.02).max_decimals(2), label),
+        );
+        table.row(
+            ui,
+            &doc::MIN_INLIERS,
+            p,
+            |p| &mut p.min_inliers,
+            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.1), label),
+        );
+        table.row(
+            ui,
+            &doc::CONFIDENCE,
+            p,
+            |p| &mut p.confidence,
+            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.0005).max_decimals(6), label),
+        );
+        table.row(
+            ui,
+            &doc::MAX_ITERATIONS,
+            p,
+            |p| &mut p.max_iterations,
+            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(50.0), label),
+        );
+        table.row(
+            ui,
+            &doc::SEED,
+            p,
+            |p| &mut p.seed,
+            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.05), label),
+        );
+    });
+}
+
+fn camera_ui(
+    ui: &mut Ui,
+    table: &ParamTable<'_, MatchParams>,
+    p: &mut MatchParams,
+    typed: &mut CameraText,
+    size: Option<(usize, usize)>,
+) {
+    typed.follow(p.camera.as_ref());
+    ui.add_enabled_ui(p.geometry == Geometry::Essential, |ui| {
+        table.row(
+            ui,
+            &doc::CAMERA,
+            p,
+            |p| &mut p.camera,
+            |ui, camera, _| {
+                let tip = "Take a focal length of 1.2 times the larger side and the centre of the images, as COLMAP does where nothing is known";
+                if ui.add_enabled(size.is_some(), egui::Button::new("Guess")).on_hover_text(tip).clicked() {
+                    let guess = size.and_then(|s| CameraChoice::Guessed(CameraModel::SimplePinhole).for_images(s).ok());
+                    *camera = guess;
+                }
+            },
+        );
+        let hint = "PINHOLE 640 480 500 500 320 240";
+        let field = egui::TextEdit::singleline(&mut typed.text).hint_text(hint).desired_width(f32::INFINITY);
+        let response = ui.add(field).on_hover_text(doc::CAMERA.help());
+        name_field(&response, "Camera", &typed.text);
+        if response.changed() {
+            typed.read();
+            if typed.problem.is_none() {
+                p.camera.clone_from(&typed.camera);
+            }
+        }
+        if let Some(problem) = &typed.problem {
+            let text = RichText::new(problem).small().color(ui.visuals().error_fg_color);
+            ui.add(egui::Label::new(text).wrap());
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_is_read_as_soon_as_it_is_whole_and_one_from_elsewhere_is_shown() {
+        let mut typed = CameraText { text: "PINHOLE 640 480 500".into(), ..CameraText::default() };
+        typed.read();
+        assert!(typed.problem.is_some() && typed.camera.is_none());
+        typed.text = "PINHOLE 640 480 500 500 320 240".into();
+        typed.read();
+        assert!(typed.problem.is_none());
+        let camera = typed.camera.clone().expect("read");
+        assert_eq!(camera.width, 640);
+        typed.follow(Some(&camera));
+        assert_eq!(typed.text, "PINHOLE 640 480 500 500 320 240", "what is being typed is left alone");
+        typed.follow(Some(&Camera::centred(8, 6, 5.0)));
+        assert!(typed.text.contains(" 8 6 "), "{}", typed.text);
+        typed.text.clear();
+        typed.read();
+        assert!(typed.camera.is_none() && typed.problem.is_none());
+    }
+}
