@@ -40,6 +40,7 @@ pub mod engine;
 pub mod evaluate;
 pub mod export;
 pub mod inspect;
+pub mod kernel;
 pub mod matching;
 pub mod monitor;
 pub mod plane;

@@ -7,7 +7,7 @@ use burstscope::app::canvas::overlay::{self, ColourBy, ColourScale, OverlayStyle
 use burstscope::app::canvas::{Canvas, Picture, RectTransform, View, Zoom};
 use burstscope::app::gpu::PictureRenderer;
 use burstscope::app::histogram::HistogramPanel;
-use burstscope::detector::slope_grid::Slope;
+use burstscope::detector::params::slope_grid::Slope;
 use burstscope::plane::Plane;
 use burstscope::plane::colour_map::ColourMap;
 use burstscope::plane::display::Display;

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The rooms from the bottom up. A room uses those of lower numbers; those of one number do not know one another.
-const FLOORS: [(&str, u32); 14] = [
+const FLOORS: [(&str, u32); 15] = [
     ("monitor", 0),
     ("plane", 1),
+    ("kernel", 2),
     ("burst", 2),
     ("detector", 3),
     ("synth", 3),

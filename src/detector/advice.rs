@@ -6,7 +6,7 @@
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, ParamDoc, doc};
-use super::slope_grid::{SlopeAxis, SlopeGrid};
+use crate::detector::params::slope_grid::{SlopeAxis, SlopeGrid};
 
 /// What went wrong, in numbers, and the one setting to change.
 #[derive(Debug, Clone, PartialEq)]

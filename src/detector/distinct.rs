@@ -7,7 +7,7 @@
 //! both stay, if the frames say so: who calls this judges that.
 
 use super::keypoint::Keypoint;
-use super::scale_space::ScaleSpace;
+use crate::detector::scale_space::levels::ScaleSpace;
 
 /// When a weaker keypoint is taken for the same blob as a stronger one.
 #[derive(Debug, Clone, Copy, PartialEq)]

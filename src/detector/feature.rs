@@ -2,7 +2,7 @@
 
 use super::keypoint::strength;
 use super::noise_model::NoiseModel;
-use super::slope_grid::{Slope, SlopeGrid};
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use std::sync::Arc;
 
 /// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.

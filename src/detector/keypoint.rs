@@ -1,7 +1,7 @@
 //! A keypoint: what the search finds, before it is localised, oriented and described.
 
-use super::scale_space::octave_pixel;
-use super::slope_grid::Slope;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::levels::octave_pixel;
 
 /// An extremum of D that passed every test of the search, at the place and scale of the quadratic fit.
 #[derive(Debug, Clone, Copy, PartialEq)]

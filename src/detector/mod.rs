@@ -8,51 +8,33 @@
 //! needs, before all that, and [`view`] shows single steps as pictures. Everything here is a function from values to values.
 
 pub mod advice;
-pub mod blur_patch;
-mod describing;
-pub mod descriptor;
+pub mod describe;
 pub mod distinct;
 mod error;
 pub mod feature;
-mod gradient;
-pub mod hat;
 pub mod keypoint;
-mod localising;
-pub mod locate;
-pub mod motion;
+pub mod localise;
 pub mod noise;
-pub mod noise_estimate;
 pub mod noise_model;
-pub mod octave;
-pub mod orientation;
+pub mod orient;
 pub mod params;
-pub mod patch;
 pub mod pipeline;
-mod point_response;
 pub mod refine;
-mod refined_stack;
 pub mod revision;
-pub mod scale_peak;
 pub mod scale_space;
 pub mod search;
-pub mod slope_grid;
-mod slope_window;
 pub mod slopes;
-mod stack_patch;
-mod stack_rows;
-mod two_motions;
-mod vectors;
+pub mod stack;
 pub mod view;
-mod weighted_rows;
 
 pub use advice::{Advice, explain};
 pub use error::DetectError;
 pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
+pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
     NoiseModelKind, ParamChange, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, detect, detect_with_trail};
 pub use revision::REVISION;
-pub use slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

@@ -7,7 +7,7 @@
 //! misfit of a plain parabola at coarse slope steps goes away.
 
 use super::feature::Test;
-use super::octave::DogTile;
+use crate::detector::scale_space::octave::DogTile;
 
 /// A refined extremum, in octave pixels and DoG level indices.
 #[derive(Debug, Clone, Copy, PartialEq)]

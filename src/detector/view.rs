@@ -1,17 +1,17 @@
 //! Pictures of what the search sees: the motion-stack image and the DoG response at any slope, octave and level, and the noise by place.
 
 use super::error::DetectError;
-use super::motion::{frame_offsets, motion_stack};
 use super::noise_model::pyramid::sample_at;
-use super::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use super::params::{DetectorParams, ParamError, doc};
-use super::pipeline::known_noise;
-use super::scale_space::{ScaleSpace, octave_size, searched_octaves};
-use super::slope_grid::Slope;
+use super::search::inputs::known_noise;
 use crate::burst::Burst;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::levels::{ScaleSpace, octave_size, searched_octaves};
+use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::stack::offsets::{frame_offsets, motion_stack};
+use crate::kernel::gaussian_bank::FilterScratch;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use crate::plane::bank::FilterScratch;
 use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;

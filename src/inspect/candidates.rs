@@ -4,9 +4,9 @@
 //! counted that were candidates, so that a person sees what a test took of what might have been a feature.
 
 use super::telling::margin_of;
-use crate::detector::motion::coverage;
-use crate::detector::scale_space::octave_pixel;
-use crate::detector::search::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::scale_space::levels::octave_pixel;
+use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::stack::offsets::coverage;
 use crate::detector::{Neighbourhood, Sample, Slope, Tally, Test, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;

@@ -7,7 +7,7 @@ use crate::detector::keypoint::Keypoint;
 use crate::detector::params::doc;
 use crate::detector::pipeline::{FIRST_PEAK_PART, strongest_around};
 use crate::detector::refine::{Limits, MAX_OFFSET};
-use crate::detector::scale_space::octave_pixel;
+use crate::detector::scale_space::levels::octave_pixel;
 use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, SlopeExtrema, SlopeNeighbours, Test, Trail};
 
 /// The fate of a sample that was judged; `around` holds it.

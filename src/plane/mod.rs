@@ -4,13 +4,11 @@
 //! `data[v·width + u]`. Frames, motion-stack images, Gaussian levels and DoG responses are all planes.
 
 pub(crate) mod aligned;
-pub mod bank;
 pub mod blocks;
 pub mod blur;
 pub mod colour_map;
 pub mod display;
 pub mod profile;
-pub mod rows;
 pub mod sample;
 pub mod statistics;
 pub mod tile;

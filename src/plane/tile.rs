@@ -57,7 +57,7 @@ impl Tile {
     }
 
     /// Row `v` of the image, and the rest of its memory.
-    pub(super) fn padded_row(&self, v: usize) -> &[f32] {
+    pub(crate) fn padded_row(&self, v: usize) -> &[f32] {
         let start = (v - self.region.rows.start) * self.stride;
         &self.data[start..start + self.stride]
     }
@@ -72,7 +72,7 @@ impl Tile {
     }
 
     /// Rows from row `v` of the image on, with what lies between them.
-    pub(super) fn rows_from_mut(&mut self, v: usize, count: usize) -> &mut [f32] {
+    pub(crate) fn rows_from_mut(&mut self, v: usize, count: usize) -> &mut [f32] {
         let start = (v - self.region.rows.start) * self.stride;
         &mut self.data[start..start + count * self.stride]
     }

@@ -284,7 +284,8 @@ fn lanterns(reach: f64) -> Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::{Interpolation, Slope, motion::motion_stack};
+    use crate::detector::stack::offsets::motion_stack;
+    use crate::detector::{Interpolation, Slope};
 
     /// A checksum of all frames (FNV-1a over the converter's levels).
     fn checksum(burst: &Burst) -> u64 {

@@ -245,7 +245,8 @@ fn stripes(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::{Interpolation, Slope, motion::motion_stack};
+    use crate::detector::stack::offsets::motion_stack;
+    use crate::detector::{Interpolation, Slope};
     use crate::plane::Plane;
 
     fn small() -> SceneParams {

@@ -2,8 +2,8 @@
 
 use crate::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
-use burstscope::detector::motion::motion_stack;
-use burstscope::detector::scale_space::SIGMA_BASE;
+use burstscope::detector::scale_space::levels::SIGMA_BASE;
+use burstscope::detector::stack::offsets::motion_stack;
 use burstscope::detector::{Detection, Interpolation, Localisation, Slope};
 use burstscope::plane::blur::{GaussianKernel, gaussian_blur};
 use burstscope::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};
@@ -29,9 +29,7 @@ fn transposed_crop() -> Option<Burst> {
 /// The authors' octave 2, level 1 and the next one, from a doubled motion-stack image: a chain of blurs whose kernels end at 2σ, then every second
 /// pixel from the second on.
 fn authors_levels(stack: &Plane, levels: usize) -> Vec<Plane> {
-    let blur = |plane: &Plane, sigma: f64| {
-        gaussian_blur(plane, &GaussianKernel::with_cut(sigma, 2.0), &Monitor::default()).expect("not cancelled")
-    };
+    let blur = |plane: &Plane, sigma: f64| gaussian_blur(plane, &GaussianKernel::with_cut(sigma, 2.0));
     let step = 2f64.powf(1.0 / 3.0);
     let sigma = |i: i32| SIGMA_BASE * step.powi(i - 1) * (step * step - 1.0).sqrt();
     let mut plane = blur(stack, (SIGMA_BASE * SIGMA_BASE - 1.0).sqrt());

@@ -11,7 +11,7 @@ fn noise_of_a_real_dim_camera() {
     let Some(folder) = shared("data/slider-far") else { return };
     let burst = open(&[folder]);
     let noise =
-        burstscope::detector::noise_estimate::frame_noise(&burst, 20..29, &Monitor::default()).expect("not cancelled");
+        burstscope::detector::noise::estimate::frame_noise(&burst, 20..29, &Monitor::default()).expect("not cancelled");
     println!("slider-far: noise of a frame {:.2} grey values", 255.0 * noise);
     assert!((255.0 * noise / 2.7 - 1.0).abs() < 0.15, "{}", 255.0 * noise);
 }

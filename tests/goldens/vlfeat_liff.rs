@@ -2,8 +2,8 @@
 
 use crate::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
-use burstscope::detector::descriptor::to_vlfeat_order;
-use burstscope::detector::motion::motion_stack;
+use burstscope::detector::describe::descriptor::to_vlfeat_order;
+use burstscope::detector::stack::offsets::motion_stack;
 use burstscope::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate};
 use burstscope::{DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array2, Array3};

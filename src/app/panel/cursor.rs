@@ -5,7 +5,7 @@ use crate::app::panel::slope_pad::slope_pad_ui;
 use crate::app::panel::widgets::{CursorRow, section_ui};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
-use crate::detector::scale_space::ScaleSpace;
+use crate::detector::scale_space::levels::ScaleSpace;
 use egui::Ui;
 
 /// Draws the section.

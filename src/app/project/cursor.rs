@@ -1,6 +1,6 @@
 //! Where the cursor is: which picture, at which frame, slope, octave and level.
 
-use crate::detector::scale_space::searched_octaves;
+use crate::detector::scale_space::levels::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
 use crate::engine::PictureKind;
 use serde::{Deserialize, Serialize};

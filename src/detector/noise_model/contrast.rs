@@ -4,9 +4,9 @@
 //! is interpolated and the noise stays as it is. What is left of a texture that lies half a pixel off is under two percent of its power.
 
 use super::pyramid::BoxPyramid;
-use crate::detector::motion::FrameOffset;
-use crate::detector::octave::stack_tiles;
-use crate::detector::slope_grid::Slope;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::octave::stack_tiles;
+use crate::kernel::offset::FrameOffset;
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;

@@ -17,8 +17,8 @@ use super::scene_motion::SceneMotion;
 use super::spectrum::measure;
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
 use crate::detector::params::Flicker;
-use crate::detector::scale_space::ScaleSpace;
-use crate::detector::slope_grid::Slope;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::levels::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::tile::Region;
@@ -224,7 +224,7 @@ mod tests {
     use super::super::warning::WarningKind;
     use super::*;
     use crate::burst::Burst;
-    use crate::detector::slope_grid::SlopeGrid;
+    use crate::detector::params::slope_grid::SlopeGrid;
     use crate::synth::NoiseCase;
 
     fn slopes() -> Vec<Slope> {

@@ -5,7 +5,7 @@
 //! frequencies that the search looks at too; the very finest are what files and demosaicing change most.
 
 use super::contrast::{Contrast, shifts};
-use crate::detector::slope_grid::Slope;
+use crate::detector::params::slope_grid::Slope;
 use crate::plane::Plane;
 use rayon::prelude::*;
 

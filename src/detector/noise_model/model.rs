@@ -8,10 +8,10 @@ use super::pyramid::{BoxPyramid, sample_at};
 use super::spectrum::LevelNoise;
 use super::stripes::{REACH, Stripes};
 use super::warning::NoiseWarning;
-use crate::detector::motion::FrameOffset;
-use crate::detector::noise::dog_noise_variance;
-use crate::detector::scale_space::ScaleSpace;
-use crate::detector::slope_grid::Slope;
+use crate::detector::noise::gate::dog_noise_variance;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::levels::ScaleSpace;
+use crate::kernel::offset::FrameOffset;
 use crate::plane::Plane;
 use serde::Serialize;
 
@@ -230,8 +230,8 @@ fn repeated_over_time(correlation: f32, frames: usize, shift: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::motion::frame_offsets;
     use crate::detector::params::Interpolation;
+    use crate::detector::stack::offsets::frame_offsets;
 
     #[test]
     fn white_noise_has_the_bits_of_the_one_sigma() {

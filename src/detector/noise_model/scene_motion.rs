@@ -5,7 +5,7 @@
 //! of frames says nothing about a contrast of the same frames with weights that sum to 0, so that choosing by the one does not change the noise measured in the other.
 
 use super::pyramid::BoxPyramid;
-use crate::detector::slope_grid::Slope;
+use crate::detector::params::slope_grid::Slope;
 use crate::plane::Plane;
 use crate::plane::tile::Region;
 use rayon::prelude::*;
@@ -160,7 +160,7 @@ fn without_slopes(plane: &Plane) -> Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::slope_grid::SlopeGrid;
+    use crate::detector::params::slope_grid::SlopeGrid;
     use crate::synth::random::Stream;
 
     #[test]

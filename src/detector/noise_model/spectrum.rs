@@ -10,7 +10,7 @@
 
 use super::high_pass::quiet_variance;
 use super::level_tiles::{Sources, TileMoments, tiles_of_octave};
-use crate::detector::scale_space::ScaleSpace;
+use crate::detector::scale_space::levels::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -141,7 +141,7 @@ mod tests {
     use super::super::pyramid::BoxPyramid;
     use super::super::scene_motion::SceneMotion;
     use super::*;
-    use crate::detector::slope_grid::{Slope, SlopeGrid};
+    use crate::detector::params::slope_grid::{Slope, SlopeGrid};
     use crate::plane::Plane;
     use crate::plane::blur::{GaussianKernel, gaussian_blur};
     use crate::synth::random::Stream;
@@ -226,7 +226,7 @@ mod tests {
     fn fast_and_fine_texture_is_taken_off() {
         let mut stream = Stream::new(6, 0);
         let grain = Plane::from_fn(460, 280, |_, _| 0.15 * stream.normal() as f32);
-        let texture = gaussian_blur(&grain, &GaussianKernel::new(1.5), &Monitor::default()).expect("not cancelled");
+        let texture = gaussian_blur(&grain, &GaussianKernel::new(1.5));
         let frame = |t: usize| {
             let mut noise = Stream::new(7, t as u64);
             std::sync::Arc::new(Plane::from_fn(420, 280, |u, v| {

@@ -1,7 +1,7 @@
 //! One setting to change: what advice and explanations end in, so that a command can say it and one click can apply it.
 
 use super::{DetectorParams, ParamDoc, ParamError, doc};
-use crate::detector::slope_grid::SlopeAxis;
+use crate::detector::params::slope_grid::SlopeAxis;
 use serde::de::DeserializeOwned;
 use serde::{Serialize, Serializer};
 use std::str::FromStr;

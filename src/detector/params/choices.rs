@@ -145,7 +145,7 @@ pub enum Interpolation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Localisation {
-    /// Between all samples (see [`super::super::locate`]).
+    /// Between all samples (see [`crate::detector::localise::place`]).
     #[default]
     Continuous,
     /// By a quadratic fit to the samples of D around it, as VLFeat and LiFF do.
@@ -156,7 +156,7 @@ pub enum Localisation {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoiseGate {
     /// For matching: the factor is derived from the size of the search so that pure noise gives at most about
-    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::AUTO_FALSE_PER_MEGAPIXEL) false features a megapixel, which matching sorts out.
+    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::gate::AUTO_FALSE_PER_MEGAPIXEL) false features a megapixel, which matching sorts out.
     #[default]
     Auto,
     /// The same for at most one false feature a megapixel over everything that is searched.

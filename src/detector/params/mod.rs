@@ -7,6 +7,7 @@ mod change;
 mod choices;
 pub mod doc;
 mod searched;
+pub mod slope_grid;
 mod validate;
 
 pub use change::ParamChange;
@@ -18,7 +19,7 @@ pub use doc::ParamDoc;
 pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use validate::{MAX_SLOPES, ParamError};
 
-use super::slope_grid::SlopeGrid;
+use crate::detector::params::slope_grid::SlopeGrid;
 use serde::{Deserialize, Serialize};
 
 /// Everything that decides what the detector finds. The same burst and the same parameters give the same bits.
@@ -118,7 +119,7 @@ impl DetectorParams {
     pub fn used_slopes(&self) -> SlopeGrid {
         match self.method {
             Method::Buff => self.slopes,
-            Method::Sift | Method::Merge => SlopeGrid::single(super::slope_grid::Slope::default()),
+            Method::Sift | Method::Merge => SlopeGrid::single(crate::detector::params::slope_grid::Slope::default()),
         }
     }
 

@@ -1,12 +1,12 @@
 //! What follows the search: of keypoints on one blob the strongest stays, and those that stay are localised and described.
 
-use super::search::{SEARCH_PART, Search};
-use crate::detector::describing::{self, Described, Describing};
+use crate::detector::describe::two_motions::{FramesOfOctaves, Motions};
+use crate::detector::describe::{self, Described, Describing};
 use crate::detector::distinct::{self, Blob};
 use crate::detector::keypoint::Keypoint;
 use crate::detector::params::{DescribeSlope, Distinct};
-use crate::detector::scale_space::octave_size;
-use crate::detector::two_motions::{FramesOfOctaves, Motions};
+use crate::detector::scale_space::levels::octave_size;
+use crate::detector::search::octaves::{SEARCH_PART, Search};
 use crate::monitor::{Cancelled, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
@@ -77,6 +77,6 @@ impl Search<'_> {
         let step = [self.grid.u.step(), self.grid.v.step()].into_iter().fold(0.0, f32::max);
         let outermost_px = step * 0.5 * (self.times.frame_count as f32 - 1.0);
         self.params.describe_slope == DescribeSlope::Refined
-            && describing::misaligned(outermost_px, self.space.sigma_image(octave, 0.0) as f32)
+            && describe::misaligned(outermost_px, self.space.sigma_image(octave, 0.0) as f32)
     }
 }

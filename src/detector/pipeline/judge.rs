@@ -4,16 +4,16 @@
 //! the order of the tests and the neighbouring slopes are those of `slope_window`. The law in tests/inspect.rs holds both equal, sample by sample.
 
 use super::Trail;
-use super::search::{HELD, Search};
 use crate::detector::feature::Test;
 use crate::detector::keypoint::Keypoint;
-use crate::detector::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::params::SlopeNeighbours;
 use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
-use crate::detector::search::{Candidate, beats_all_27, own_slope_verdict};
-use crate::detector::slope_window::{OtherSlopes, refined_slope};
+use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
+use crate::detector::search::octaves::{HELD, Search};
+use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
+use crate::kernel::gaussian_bank::FilterScratch;
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::bank::FilterScratch;
 use crate::plane::tile::{Region, Tile};
 use rayon::prelude::*;
 

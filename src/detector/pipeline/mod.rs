@@ -5,27 +5,23 @@
 //! [`judge`] can ask about single samples.
 
 mod finish;
-mod inputs;
 mod judge;
-mod search;
-mod tile;
 mod trail;
 
-pub(super) use inputs::known_noise;
+pub use crate::detector::search::tile::FIRST_PEAK_PART;
 pub use judge::{Judgement, Neighbourhood, Sample, strongest_around};
-pub use tile::FIRST_PEAK_PART;
 pub use trail::Trail;
 
-use super::describing::Described;
 use super::error::DetectError;
 use super::feature::{Detection, StageTimes, Tally, Test};
 use super::keypoint::Keypoint;
 use super::params::DetectorParams;
-use super::two_motions::FramesOfOctaves;
 use crate::burst::Burst;
+use crate::detector::describe::Described;
+use crate::detector::describe::two_motions::FramesOfOctaves;
+use crate::detector::search::inputs::Inputs;
+use crate::detector::search::octaves::{Search, Searched};
 use crate::monitor::{Monitor, Stage};
-use inputs::Inputs;
-use search::{Search, Searched};
 use std::time::Instant;
 
 /// Finds the features of a burst.

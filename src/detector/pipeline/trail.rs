@@ -4,18 +4,19 @@
 //! Nothing here decides anything. Whoever explains a detection runs the search's own functions again on the few samples in question (see
 //! [`Trail::neighbourhood`]); the values have the same bits, because those of a tile do not depend on the tile.
 
-use super::inputs::Inputs;
-use super::search::Search;
+use crate::detector::describe::point_response::point_response;
+use crate::detector::describe::two_motions::{FramesOfOctaves, Motions};
 use crate::detector::distinct::{self, Blob};
 use crate::detector::feature::Detection;
 use crate::detector::keypoint::Keypoint;
-use crate::detector::motion::{FrameOffset, coverage};
 use crate::detector::noise_model::NoiseModel;
+use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Distinct};
-use crate::detector::point_response::point_response;
-use crate::detector::scale_space::{ScaleSpace, octave_size};
-use crate::detector::slope_grid::Slope;
-use crate::detector::two_motions::{FramesOfOctaves, Motions};
+use crate::detector::scale_space::levels::{ScaleSpace, octave_size};
+use crate::detector::search::inputs::Inputs;
+use crate::detector::search::octaves::Search;
+use crate::detector::stack::offsets::coverage;
+use crate::kernel::offset::FrameOffset;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use std::collections::HashMap;
@@ -204,7 +205,11 @@ impl Trail {
     /// Where the frames that took part are read at `slope`.
     pub fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
         let times = &self.inputs.times;
-        times.of(crate::detector::motion::frame_offsets(times.frame_count, slope, self.inputs.params.interpolation))
+        times.of(crate::detector::stack::offsets::frame_offsets(
+            times.frame_count,
+            slope,
+            self.inputs.params.interpolation,
+        ))
     }
 
     /// σ_D at `octave` and `level` (−1 … S) for slope `slope_index` of the grid, where the noise is least.

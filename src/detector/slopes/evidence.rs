@@ -6,7 +6,7 @@
 
 use super::peak::{Peak, SearchTable, Track};
 use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
-use crate::detector::slope_grid::Slope;
+use crate::detector::params::slope_grid::Slope;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! What the slope finder answers.
 
 use super::evidence::SlopeEvidence;
-use crate::detector::slope_grid::{Slope, SlopeGrid};
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use serde::Serialize;
 
 /// What a burst shows of its motion.

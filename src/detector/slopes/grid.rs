@@ -7,7 +7,7 @@
 
 use super::evidence::SlopeEvidence;
 use super::spectra::SIDE;
-use crate::detector::slope_grid::{Slope, SlopeAxis, SlopeGrid};
+use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 
 /// Significance from which a large window counts.
 const LARGE_SIGNIFICANCE: f32 = 6.5;

@@ -26,9 +26,9 @@ pub use finding::{SlopeFinding, SlopeSpectrum, SlopeVerdict};
 
 use super::error::DetectError;
 use super::params::{DetectorParams, Method, SearchParams, SlopeChoice};
-use super::scale_space::ScaleSpace;
-use super::slope_grid::{Slope, SlopeGrid};
 use crate::burst::Burst;
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use crate::detector::scale_space::levels::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use evidence::{Seen, look};

@@ -161,7 +161,7 @@ fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::slope_grid::Slope;
+    use crate::detector::params::slope_grid::Slope;
 
     /// A feature with what matters here.
     pub(super) fn feature(u: f32, v: f32, sigma: f32, slope: (f32, f32), response: f32) -> Feature {

@@ -1,0 +1,428 @@
+//! Descriptors: 4×4 histograms of gradient directions around a feature, turned by its orientation.
+//!
+//! As in VLFeat: 4×4 cells of 3σ, each a histogram of 8 directions, filled with trilinear weights under a Gaussian of two cells. The 128
+//! numbers are normalised, cut at 0.2, normalised again, then L1-normalised, square-rooted ("RootSIFT"), multiplied by 512 and cut at 255.
+//!
+//! Of each row only the pixels inside the turned square are visited. What is needed of them is made in vector lanes; then each pixel adds its
+//! eight directions, most of them zero, to four cells, a vector each.
+
+use crate::detector::feature::Descriptor;
+use crate::kernel::gradient::{GradientRow, Lane, least, most, reach, vector_of, whole, window};
+use crate::kernel::patch::{LANES, Patch};
+use multiversion::multiversion;
+use std::f32::consts::TAU;
+use std::ops::Range;
+
+const CELLS: usize = 4;
+const DIRECTIONS: usize = 8;
+const BINS: usize = CELLS * CELLS * DIRECTIONS;
+/// Size of a cell, in σ.
+const MAGNIFICATION: f32 = 3.0;
+/// A cell more on each side takes what falls outside, so that no weight needs a test.
+const PADDED: usize = CELLS + 2;
+/// Sums that take turns, so that one needn't wait for the one before it.
+const TURNS: usize = 4;
+
+/// Space for windows and samples; reused from feature to feature.
+#[derive(Debug, Default)]
+pub struct DescriptorScratch {
+    along_u: Vec<f32>,
+    along_v: Vec<f32>,
+    samples: Samples,
+}
+
+/// How far around the pixel of a feature of scale `sigma` its descriptor looks, octave pixels: half the diagonal of the turned square. The level around it must reach one
+/// pixel farther.
+pub fn descriptor_radius(sigma: f32) -> usize {
+    (std::f32::consts::SQRT_2 * MAGNIFICATION * sigma * (CELLS as f32 + 1.0) / 2.0 + 0.5).floor() as usize
+}
+
+/// The descriptor of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians in [0, 2π).
+/// `level` is the Gaussian level around it, reaching a pixel farther than [`descriptor_radius`], of an octave of `size`.
+pub fn descriptor(
+    level: &Patch,
+    size: (usize, usize),
+    (x, y): (f32, f32),
+    sigma: f32,
+    orientation: f32,
+    scratch: &mut DescriptorScratch,
+) -> Descriptor {
+    let square = Square::new((x, y), MAGNIFICATION * sigma + f32::EPSILON, orientation);
+    let radius = descriptor_radius(sigma) as i64;
+    let (columns, rows) = (reach(x, radius, size.0), reach(y, radius, size.1));
+    quantise(sums(level, &square, &columns, &rows, scratch))
+}
+
+/// Half the square that counts, in cells: farther away nothing is added.
+const HALF: f32 = (CELLS + 1) as f32 / 2.0;
+
+/// The turned square: cell coordinates are `cos·du + sin·dv` and `cos·dv − sin·du` from its middle.
+struct Square {
+    place: (f32, f32),
+    cos: f32,
+    sin: f32,
+    orientation: f32,
+}
+
+impl Square {
+    /// The square of a feature at `place` with cells of `cell` pixels.
+    fn new(place: (f32, f32), cell: f32, orientation: f32) -> Self {
+        // Sides never quite along the pixels have a crossing with every row.
+        let slanted = |x: f32| if x.abs() < 1e-9 { 1e-9 } else { x };
+        let (sin, cos) = orientation.sin_cos();
+        Self { place, cos: slanted(cos / cell), sin: slanted(sin / cell), orientation }
+    }
+
+    /// For a row, the columns that lie inside: `interval(dv)` gives those of the row `dv` below the middle, in distances from the middle.
+    #[inline(always)]
+    fn interval(&self) -> impl Fn(f32) -> (f32, f32) {
+        // Where |cos·du + sin·dv| and |cos·dv − sin·du| are at most HALF.
+        let (slope_a, half_a) = (-self.sin / self.cos, HALF / self.cos.abs());
+        let (slope_b, half_b) = (self.cos / self.sin, HALF / self.sin.abs());
+        #[inline(always)]
+        move |dv| {
+            let (a, b) = (slope_a * dv, slope_b * dv);
+            (most(a - half_a, b - half_b), least(a + half_a, b + half_b))
+        }
+    }
+}
+
+/// The 128 sums, cells row by row, from the level's `columns` and `rows`.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn sums(
+    level: &Patch,
+    square: &Square,
+    columns: &Range<i64>,
+    rows: &Range<i64>,
+    scratch: &mut DescriptorScratch,
+) -> [f32; BINS] {
+    let &Square { place: (x, y), cos, sin, orientation } = square;
+    // A Gaussian of half the descriptor's width, which is two cells.
+    let spread = 2.0 / (cos * cos + sin * sin).sqrt();
+    let DescriptorScratch { along_u, along_v, samples } = scratch;
+    window(columns.clone(), x, spread, along_u);
+    window(rows.clone(), y, spread, along_v);
+    let interval = square.interval();
+    let mut cells = PairedCells::new();
+    samples.room(BATCH + columns.clone().count());
+    let mut held = 0;
+    let orientation = orientation * (DIRECTIONS as f32 / TAU);
+    for (v, &weight_v) in rows.clone().zip(along_v.iter()) {
+        let dv = v as f32 - y;
+        let (left, right) = interval(dv);
+        let left = most((x + left).ceil(), columns.start as f32);
+        let right = least((x + right).floor(), columns.end as f32 - 1.0);
+        if left > right {
+            continue;
+        }
+        let (start, end) = (left as i64, right as i64 + 1);
+        let (row, length) = (GradientRow::new(level, start, v), (end - start) as usize);
+        let weights_u = &along_u[(start - columns.start) as usize..];
+        for at in (0..length).step_by(LANES) {
+            let (magnitude, eighths) = row.vector(at);
+            let weights = vector_of(weights_u, at);
+            let first = start as f32 + at as f32 - x;
+            let out = samples.vector(held + at);
+            for i in 0..LANES {
+                let turned = eighths[i] - orientation;
+                let turned = if turned < 0.0 { turned + DIRECTIONS as f32 } else { turned };
+                let direction = least(turned.floor(), LAST_DIRECTION);
+                // In cells from the first padded one.
+                let du = first + i as f32;
+                let cx = cos.mul_add(du, sin.mul_add(dv, HALF));
+                let cy = cos.mul_add(dv, (-sin).mul_add(du, HALF));
+                let bx = least(most(cx.floor(), 0.0), CELLS as f32);
+                let by = least(most(cy.floor(), 0.0), CELLS as f32);
+                let weight = magnitude[i] * (weights[i] * weight_v);
+                out.cell[i] = whole(by * PAIRS as f32 + bx);
+                out.direction[i] = whole(direction);
+                out.past_direction[i] = turned - direction;
+                out.past_column[i] = cx - bx;
+                out.lower[i] = weight * (cy - by);
+                out.upper[i] = weight - out.lower[i];
+            }
+        }
+        held += length;
+        if held >= BATCH {
+            cells.add(samples, held);
+            held = 0;
+        }
+    }
+    cells.add(samples, held);
+    cells.sums()
+}
+
+/// Samples that are made in vectors before they are added one by one.
+const BATCH: usize = 256;
+/// The last of the directions between which a sample may lie.
+const LAST_DIRECTION: f32 = (DIRECTIONS - 1) as f32;
+
+/// What is to be added for some pixels, in the order of the pixels. Cells and directions are counted from the padded ones' first.
+#[derive(Debug, Default)]
+struct Samples {
+    /// The pair of cells above which, and between which, the pixel lies.
+    cell: Vec<u32>,
+    /// The direction before the pixel's, and how far that is past it, of a direction's distance.
+    direction: Vec<u32>,
+    past_direction: Vec<f32>,
+    /// How far the pixel is from the pair's left cell to its right one.
+    past_column: Vec<f32>,
+    /// The weights in the pair and in the one below it.
+    upper: Vec<f32>,
+    lower: Vec<f32>,
+}
+
+/// A vector's worth of [`Samples`], to be written.
+struct SampleVector<'a> {
+    cell: &'a mut [u32; LANES],
+    direction: &'a mut [u32; LANES],
+    past_direction: &'a mut Lane,
+    past_column: &'a mut Lane,
+    upper: &'a mut Lane,
+    lower: &'a mut Lane,
+}
+
+impl Samples {
+    /// Makes room for `count` samples and a vector that is only partly used.
+    fn room(&mut self, count: usize) {
+        let count = count + LANES;
+        if self.cell.len() < count {
+            self.cell.resize(count, 0);
+            self.direction.resize(count, 0);
+            for values in [&mut self.past_direction, &mut self.past_column, &mut self.upper, &mut self.lower] {
+                values.resize(count, 0.0);
+            }
+        }
+    }
+
+    /// The samples from `at` on.
+    #[inline(always)]
+    fn vector(&mut self, at: usize) -> SampleVector<'_> {
+        fn part<T>(values: &mut [T], at: usize) -> &mut [T; LANES] {
+            (&mut values[at..at + LANES]).try_into().expect("a vector")
+        }
+        SampleVector {
+            cell: part(&mut self.cell, at),
+            direction: part(&mut self.direction, at),
+            past_direction: part(&mut self.past_direction, at),
+            past_column: part(&mut self.past_column, at),
+            upper: part(&mut self.upper, at),
+            lower: part(&mut self.lower, at),
+        }
+    }
+}
+
+/// Sums for each pair of neighbouring cells of a row: what samples between the two give the left one, then the right one. A sample adds to one pair and to
+/// the one below it; kept apart, pairs never overlap.
+#[repr(C, align(64))]
+struct PairedCells([[[f32; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS]);
+
+/// Pairs in a row of cells.
+const PAIRS: usize = PADDED - 1;
+
+/// For each direction, the shares of a pair's directions at it, and how they change towards the next one.
+#[repr(C, align(64))]
+struct Shares([[[f32; 2 * DIRECTIONS]; 2]; DIRECTIONS]);
+
+static SHARES: Shares = {
+    let mut shares = [[[0.0; 2 * DIRECTIONS]; 2]; DIRECTIONS];
+    let mut direction = 0;
+    while direction < DIRECTIONS {
+        let next = (direction + 1) % DIRECTIONS;
+        let [at, change] = &mut shares[direction];
+        (at[direction], at[DIRECTIONS + direction]) = (1.0, 1.0);
+        (change[direction], change[DIRECTIONS + direction]) = (-1.0, -1.0);
+        (change[next], change[DIRECTIONS + next]) = (1.0, 1.0);
+        direction += 1;
+    }
+    Shares(shares)
+};
+
+impl PairedCells {
+    #[inline(always)]
+    fn new() -> Self {
+        Self([[[0.0; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS])
+    }
+
+    /// Adds the first `count` samples.
+    #[inline(always)]
+    fn add(&mut self, samples: &mut Samples, count: usize) {
+        // What is missing of a full turn adds nothing.
+        samples.upper[count..count + TURNS].fill(0.0);
+        samples.lower[count..count + TURNS].fill(0.0);
+        let count = count.next_multiple_of(TURNS);
+        let Samples { cell, direction, past_direction, past_column, upper, lower } = &*samples;
+        let (cell, direction, past_direction) = (&cell[..count], &direction[..count], &past_direction[..count]);
+        let (past_column, upper, lower) = (&past_column[..count], &upper[..count], &lower[..count]);
+        for first in (0..count).step_by(TURNS) {
+            for (turn, pairs) in self.0.iter_mut().enumerate() {
+                let i = first + turn;
+                let [at, change] = &SHARES.0[direction[i] as usize % DIRECTIONS];
+                let mut share = [0.0f32; 2 * DIRECTIONS];
+                for (j, share) in share.iter_mut().enumerate() {
+                    // 1 − past for the left cell, past for the right one.
+                    let (start, slope) = if j < DIRECTIONS { (1.0, -1.0) } else { (0.0, 1.0) };
+                    let column = past_column[i].mul_add(slope, start);
+                    *share = past_direction[i].mul_add(change[j], at[j]) * column;
+                }
+                let pair = (cell[i] as usize).min((CELLS + 1) * PAIRS - 1);
+                for (weight, pair) in [(upper[i], pair), (lower[i], pair + PAIRS)] {
+                    for (sum, share) in pairs[pair].iter_mut().zip(&share) {
+                        *sum = weight.mul_add(*share, *sum);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The sums of the cells that are not padding.
+    fn sums(&self) -> [f32; BINS] {
+        let mut out = [0.0; BINS];
+        for (cell, out) in out.chunks_exact_mut(DIRECTIONS).enumerate() {
+            let right = (cell / CELLS + 1) * PAIRS + cell % CELLS;
+            for pairs in &self.0 {
+                for (direction, out) in out.iter_mut().enumerate() {
+                    *out += pairs[right][DIRECTIONS + direction] + pairs[right + 1][direction];
+                }
+            }
+        }
+        out
+    }
+}
+
+/// The sum of `f` over the bins, in as many partial sums as a vector has lanes.
+#[inline(always)]
+fn sum_of(bins: &[f32; BINS], f: impl Fn(f32) -> f32) -> f32 {
+    let mut sums = [0.0f32; LANES];
+    for vector in bins.chunks_exact(LANES) {
+        for i in 0..LANES {
+            sums[i] += f(vector[i]);
+        }
+    }
+    sums.iter().sum()
+}
+
+/// Scales the bins to a Euclidean length of 1, unless all are 0.
+#[inline(always)]
+fn normalise(bins: &mut [f32; BINS]) {
+    let norm = sum_of(bins, |x| x * x).sqrt();
+    if norm > 0.0 {
+        bins.iter_mut().for_each(|x| *x /= norm);
+    }
+}
+
+/// From the 128 sums to bytes, in UBC/COLMAP's order: within each cell the directions run the other way round than VLFeat's, the first stays.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn quantise(mut bins: [f32; BINS]) -> Descriptor {
+    normalise(&mut bins);
+    bins.iter_mut().for_each(|x| *x = x.min(0.2));
+    normalise(&mut bins);
+    let sum = sum_of(&bins, |x| x);
+    if sum <= 0.0 {
+        return [0; BINS];
+    }
+    let scaled = bins.map(|x| ((x / sum).sqrt() * 512.0 + 0.5).min(255.0) as i32 as u8);
+    to_vlfeat_order(&scaled)
+}
+
+/// The same descriptor in VLFeat's order; its own inverse.
+pub fn to_vlfeat_order(descriptor: &Descriptor) -> Descriptor {
+    let mut out = [0; BINS];
+    for (out, cell) in out.chunks_exact_mut(DIRECTIONS).zip(descriptor.chunks_exact(DIRECTIONS)) {
+        for (direction, out) in out.iter_mut().enumerate() {
+            *out = cell[(DIRECTIONS - direction) % DIRECTIONS];
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::scale_space::octave::Base;
+    use crate::kernel::patch::PatchScratch;
+    use crate::plane::Plane;
+
+    const SIZE: (usize, usize) = (101, 101);
+
+    fn level_of(f: impl Fn(f32, f32) -> f32) -> Patch {
+        let plane = Plane::from_fn(SIZE.0, SIZE.1, |u, v| f(u as f32 - 50.0, v as f32 - 50.0));
+        let mut level = Patch::default();
+        Base::Level(&plane).patch(SIZE, 0..101, 0..101, &mut PatchScratch::default(), &mut level);
+        level
+    }
+
+    fn described(level: &Patch, place: (f32, f32), sigma: f32, orientation: f32) -> Descriptor {
+        descriptor(level, SIZE, place, sigma, orientation, &mut DescriptorScratch::default())
+    }
+
+    /// The definition, pixel by pixel.
+    fn by_definition(level: &Patch, (x, y): (f32, f32), sigma: f32, orientation: f32) -> [f64; BINS] {
+        let mut bins = [0.0; BINS];
+        let cell = f64::from(MAGNIFICATION * sigma);
+        let (sin, cos) = f64::from(orientation).sin_cos();
+        for v in 1..100 {
+            for u in 1..100 {
+                let at = |du: i64, dv: i64| f64::from(level.row(v + dv)[(u + du) as usize]);
+                let (gu, gv) = (0.5 * (at(1, 0) - at(-1, 0)), 0.5 * (at(0, 1) - at(0, -1)));
+                let (du, dv) = (u as f64 - f64::from(x), v as f64 - f64::from(y));
+                let (nx, ny) = ((cos * du + sin * dv) / cell, (cos * dv - sin * du) / cell);
+                let window = (-(nx * nx + ny * ny) / 8.0).exp();
+                let turned = (gv.atan2(gu) - f64::from(orientation)).rem_euclid(std::f64::consts::TAU);
+                for (i, bin) in bins.iter_mut().enumerate() {
+                    let (direction, cell) = (i % DIRECTIONS, i / DIRECTIONS);
+                    let (cx, cy) = ((cell % CELLS) as f64 - 1.5, (cell / CELLS) as f64 - 1.5);
+                    let far = (turned / std::f64::consts::TAU * 8.0 - direction as f64).abs();
+                    let tent = |d: f64| (1.0 - d.abs()).max(0.0);
+                    *bin += gu.hypot(gv) * window * tent(nx - cx) * tent(ny - cy) * tent(far.min(8.0 - far));
+                }
+            }
+        }
+        bins
+    }
+
+    #[test]
+    fn the_fast_sums_are_the_definition() {
+        let level = level_of(|u, v| (0.3 * u + 0.01 * u * v).sin() + (0.2 * v + 0.1 * u).cos() + 0.003 * u * v);
+        for (i, orientation) in [0.0, 0.4, 1.0, std::f32::consts::FRAC_PI_2, 2.5, 3.9, 5.5, 6.2].into_iter().enumerate()
+        {
+            // The last ones reach beyond the image.
+            let (place, sigma) = ((50.3 + 3.1 * i as f32, 49.6 - 4.2 * i as f32), 2.0 + 0.3 * i as f32);
+            let expected = by_definition(&level, place, sigma, orientation);
+            let square = Square::new(place, MAGNIFICATION * sigma, orientation);
+            let radius = descriptor_radius(sigma) as i64;
+            let (columns, rows) = (reach(place.0, radius, SIZE.0), reach(place.1, radius, SIZE.1));
+            let found = sums(&level, &square, &columns, &rows, &mut DescriptorScratch::default());
+            let largest = expected.iter().copied().fold(0.0, f64::max);
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((f64::from(*found) - expected).abs() < 1e-4 * largest, "{orientation}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_turned_pattern_has_the_same_descriptor() {
+        let pattern = |u: f32, v: f32| (-((u - 4.0).powi(2) + (v + 3.0).powi(2)) / 40.0).exp() + 0.02 * u;
+        let straight = described(&level_of(pattern), (50.0, 50.0), 2.5, 0.0);
+        let angle = 0.7f32;
+        let (sin, cos) = angle.sin_cos();
+        let turned = level_of(|u, v| pattern(cos * u + sin * v, cos * v - sin * u));
+        let turned = described(&turned, (50.0, 50.0), 2.5, angle);
+        let worst = straight.iter().zip(turned).map(|(a, b)| a.abs_diff(b)).max();
+        assert!(worst <= Some(8), "{worst:?}");
+    }
+
+    #[test]
+    fn descriptors_are_root_normalised() {
+        let level = level_of(|u, v| (0.3 * u).sin() + (0.2 * v + 0.1 * u).cos());
+        let descriptor = described(&level, (50.2, 49.7), 3.0, 1.0);
+        let energy: f32 = descriptor.iter().map(|&x| (f32::from(x) / 512.0).powi(2)).sum();
+        assert!((energy - 1.0).abs() < 0.02, "{energy}");
+        assert_eq!(to_vlfeat_order(&to_vlfeat_order(&descriptor)), descriptor);
+    }
+
+    #[test]
+    fn nothing_to_see_gives_zeros() {
+        assert_eq!(described(&level_of(|_, _| 0.4), (50.0, 50.0), 2.0, 0.0), [0; 128]);
+    }
+}

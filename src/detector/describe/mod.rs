@@ -1,0 +1,212 @@
+//! Localising and describing the keypoints of an octave, in parallel.
+
+pub mod descriptor;
+pub(super) mod patch;
+pub(super) mod point_response;
+pub(super) mod two_motions;
+
+use crate::detector::describe::descriptor::{DescriptorScratch, descriptor, descriptor_radius};
+use crate::detector::describe::patch::around;
+use crate::detector::feature::{Descriptor, Feature};
+use crate::detector::keypoint::Keypoint;
+use crate::detector::localise::LocateScratch;
+use crate::detector::localise::place::{FARTHEST_MOVE_PX, hat_reach, rim_radius};
+use crate::detector::localise::scale;
+use crate::detector::orient::{OrientationScratch, orientations};
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use crate::detector::params::{DetectorParams, SlopeExtrema};
+use crate::detector::scale_space::levels::{ScaleSpace, octave_pixel};
+use crate::detector::scale_space::octave::Base;
+use crate::detector::stack::refined::OctaveFrames;
+use crate::kernel::blur_patch::BlurScratch;
+use crate::kernel::offset::FrameOffset;
+use crate::kernel::patch::{Patch, PatchScratch};
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use crate::plane::blur::GaussianKernel;
+use rayon::prelude::*;
+
+/// What is needed to describe the keypoints of one octave.
+pub(super) struct Describing<'a> {
+    /// Where the octave's first level at a slope of the grid comes from.
+    pub base: &'a (dyn Fn(usize) -> Base<'a> + Sync),
+    /// The same for the octave before; the first octave has none.
+    pub finer: Option<&'a (dyn Fn(usize) -> Base<'a> + Sync)>,
+    /// Where the frames are read at each slope of the grid.
+    pub offsets: &'a [Vec<FrameOffset>],
+    /// The octave.
+    pub octave: i32,
+    /// Its size.
+    pub size: (usize, usize),
+    /// The image's size.
+    pub size_image: (usize, usize),
+    /// The slopes searched.
+    pub grid: SlopeGrid,
+    /// The scales searched.
+    pub space: &'a ScaleSpace,
+    /// The detection's parameters.
+    pub params: &'a DetectorParams,
+    /// The octave's frames, where features are described at their own slope.
+    pub own_slopes: Option<&'a OctaveFrames<'a>>,
+    /// Tells of a cancel.
+    pub monitor: &'a Monitor,
+    /// Told how many more keypoints are described.
+    pub described: &'a (dyn Fn(usize) + Sync),
+}
+
+/// A feature is described at its own slope where the grid's one moves the outermost frame by more than this many σ; a smaller smear hardly widens it. Chosen, not
+/// tuned.
+const MISALIGNED_SIGMAS: f32 = 0.1;
+
+/// Whether an outermost frame that is `px` out of place matters to a feature of scale `sigma_px`.
+pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
+    px > MISALIGNED_SIGMAS * sigma_px
+}
+
+/// Keypoints are described in strips of this many columns, each from top to bottom: what their patches share of the frames is then still in the cache.
+const STRIP_COLUMNS: f32 = 200.0;
+/// Keypoints that one thread describes in a row.
+const TOGETHER: usize = 32;
+
+/// Space that a thread reuses from keypoint to keypoint.
+#[derive(Default)]
+pub(super) struct DescribeScratch {
+    raw: Patch,
+    level: Patch,
+    patch: PatchScratch,
+    locate: LocateScratch,
+    blur: BlurScratch,
+    orientation: OrientationScratch,
+    descriptor: DescriptorScratch,
+}
+
+/// A feature, its descriptor, and which of the keypoints it comes from.
+#[derive(Debug, Clone)]
+pub(super) struct Described {
+    pub feature: Feature,
+    pub descriptor: Descriptor,
+    pub keypoint: usize,
+}
+
+impl Describing<'_> {
+    /// Orientations and descriptors of the octave's keypoints, in an order that depends on the keypoints alone. The first keypoint counts as number `first`.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the monitor was cancelled.
+    pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
+        let (order, kernels) = (self.in_order(keypoints), self.kernels());
+        let planes = self.own_slopes.map(OctaveFrames::planes).unwrap_or_default();
+        let described: Vec<Vec<Described>> = order
+            .par_chunks(TOGETHER)
+            .map_init(DescribeScratch::default, |scratch, keypoints| {
+                let mut out = Vec::with_capacity(TOGETHER + TOGETHER / 2);
+                for &(number, keypoint) in keypoints {
+                    self.monitor.check()?;
+                    self.describe_one((first + number, keypoint), (&kernels, &planes), scratch, &mut out);
+                }
+                (self.described)(keypoints.len());
+                Ok(out)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        Ok(described.into_iter().flatten().collect())
+    }
+
+    /// The keypoints and their numbers, so that those that follow one another lie close together.
+    fn in_order<'k>(&self, keypoints: &'k [Keypoint]) -> Vec<(usize, &'k Keypoint)> {
+        let mut order: Vec<(usize, &Keypoint)> = keypoints.iter().enumerate().collect();
+        let strip = |keypoint: &Keypoint| (keypoint.x / STRIP_COLUMNS) as i64;
+        order.sort_by(|(_, a), (_, b)| strip(a).cmp(&strip(b)).then(a.y.total_cmp(&b.y)).then(a.x.total_cmp(&b.x)));
+        order
+    }
+
+    /// From what the octave is made from to each Gaussian level on which features are described.
+    fn kernels(&self) -> Vec<GaussianKernel> {
+        // All slopes' bases have one scale.
+        let from = (self.base)(0).sigma_octave();
+        (0..self.space.levels as i32).map(|level| self.kernel(level, from)).collect()
+    }
+
+    /// From σ `from`, octave pixels, to Gaussian level `level`.
+    fn kernel(&self, level: i32, from: f64) -> GaussianKernel {
+        let sigma = self.space.sigma_octave(f64::from(level));
+        GaussianKernel::with_cut((sigma * sigma - from * from).max(0.0).sqrt(), self.space.kernel_cut)
+    }
+
+    /// Where the frames are read at a keypoint's own slope, if it is described there and not at the grid's.
+    fn own_slope(&self, keypoint: &Keypoint) -> Option<(&OctaveFrames<'_>, Vec<FrameOffset>)> {
+        let frames = self.own_slopes?;
+        let grid = self.grid.slope(keypoint.slope_index);
+        let off = Slope::new(keypoint.slope.u - grid.u, keypoint.slope.v - grid.v);
+        let outermost_px = off.magnitude() * 0.5 * (self.offsets[keypoint.slope_index].len() as f32 - 1.0);
+        let sigma_px = keypoint.sigma_octave * octave_pixel(self.octave);
+        misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope, self.params.interpolation)))
+    }
+
+    /// Whether a keypoint was found on the rim of the slope grid, or, where each slope is searched for itself, at one from which its own slope leads to the rim. (A joint
+    /// extremum beside the rim is stronger than the rim.)
+    fn at_slope_limit(&self, located: &Keypoint) -> bool {
+        let (i, j) = self.grid.coordinates(located.slope_index);
+        self.grid.on_rim(i, j)
+            || (self.params.slope_extrema == SlopeExtrema::Each && self.grid.nearest_on_rim(located.slope))
+    }
+
+    /// Appends the features of one keypoint: one for each of its orientations. `kernels` lead to the levels, `planes` are those of the octave's frames.
+    fn describe_one(
+        &self,
+        (number, keypoint): (usize, &Keypoint),
+        (kernels, planes): (&[GaussianKernel], &[&Plane]),
+        scratch: &mut DescribeScratch,
+        out: &mut Vec<Described>,
+    ) {
+        let (size, pixel) = (self.size, octave_pixel(self.octave));
+        let base = (self.base)(keypoint.slope_index);
+        let from = base.sigma_octave();
+        let kernel = &kernels[keypoint.level as usize];
+        // The descriptor's square and the neighbours that its gradients need, and the kernel around them.
+        let level_reach = |sigma: f32| descriptor_radius(sigma) + 1;
+        let wanted_sigma = f64::from(keypoint.sigma_octave);
+        let mut reach = (scale::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
+            .max(hat_reach(rim_radius(wanted_sigma, self.space.levels), 1));
+        if self.own_slopes.is_none() {
+            reach = reach.max(level_reach(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
+        }
+        let DescribeScratch { raw, level: patch, .. } = scratch;
+        base.patch(size, around(keypoint.x, reach), around(keypoint.y, reach), &mut scratch.patch, raw);
+        let located = self.located(keypoint, raw, from, &mut scratch.locate);
+        let Keypoint { x, y, sigma_octave: sigma, .. } = located;
+        let reach_level = level_reach(sigma);
+        if let Some((frames, offsets)) = self.own_slope(&located) {
+            let kernel = self.kernel(keypoint.level, frames.sigma_octave(&offsets));
+            let needed = reach_level + kernel.radius();
+            let own = frames.base(planes, &offsets);
+            own.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
+            raw.blurred(around(x, reach_level), around(y, reach_level), &kernel, &mut scratch.blur, patch);
+        } else {
+            // A scale that grew much needs a larger patch.
+            let needed = reach_level + kernel.radius();
+            if needed + FARTHEST_MOVE_PX > reach {
+                base.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
+            }
+            raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
+        }
+        let at_slope_limit = self.at_slope_limit(&located);
+        let most = self.params.max_orientations;
+        for angle in orientations(patch, size, (x, y), sigma, most, &mut scratch.orientation) {
+            let feature = Feature {
+                u: x * pixel,
+                v: y * pixel,
+                sigma: sigma * pixel,
+                orientation: if angle > std::f32::consts::PI { angle - std::f32::consts::TAU } else { angle },
+                slope: located.slope,
+                response: keypoint.value,
+                snr: keypoint.snr,
+                octave: self.octave,
+                level: located.level,
+                slope_index: located.slope_index,
+                at_slope_limit,
+            };
+            let descriptor = descriptor(patch, size, (x, y), sigma, angle, &mut scratch.descriptor);
+            out.push(Described { feature, descriptor, keypoint: number });
+        }
+    }
+}

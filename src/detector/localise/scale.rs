@@ -1,0 +1,181 @@
+//! The scale of a blob: where |D| at its place is largest over all scales, not only those of the pyramid.
+//!
+//! D at one place needs no picture: it is the difference of two sums of pixels under Gaussians, and these are separable and as wide as one likes. So D is evaluated
+//! at three close scales around the pyramid's answer, and again around the peak of the parabola through the logarithms until that moves no more.
+//! The scales are the pyramid's: VLFeat's convention, in which the pixels already have a σ of their own.
+
+use crate::detector::localise::place::rim_radius;
+use crate::kernel::compact_kernel::{PixelView, RIM};
+use multiversion::multiversion;
+
+/// Distance of the three scales, as a logarithm.
+const STEP: f64 = 0.035;
+/// Rounds at most; two are usual.
+const MAX_ROUNDS: usize = 4;
+/// A round moves at most this many steps.
+const FARTHEST: f64 = 4.0;
+/// The least variance that sampled Gaussians stand for, pixels².
+const LEAST_VARIANCE: f64 = 0.5;
+/// Gaussians end at this many standard deviations.
+const CUT: f64 = 4.0;
+/// Gaussians in a round: two for each of three scales.
+const GAUSSIANS: usize = 6;
+/// Values whose sums are in registers at once.
+const LANES: usize = 32;
+
+/// Samples of Gaussians of variance `variances` at the whole pixels from `first` on, around `at`: `count` of each, then zeros up to `stride`.
+fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride: usize) -> Vec<f32> {
+    let mut taps = vec![0.0f32; stride * GAUSSIANS];
+    for (taps, variance) in taps.chunks_exact_mut(stride).zip(variances) {
+        // Each sample is the one before times a ratio that itself falls by a constant ratio.
+        let d = first as f64 - at;
+        let mut value = (-0.5 * d * d / variance).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
+        let mut ratio = (-(d + 0.5) / variance).exp();
+        let fall = (-1.0 / variance).exp();
+        for tap in &mut taps[..count] {
+            *tap = value as f32;
+            value *= ratio;
+            ratio *= fall;
+        }
+    }
+    taps
+}
+
+/// The sums of pixels under Gaussians with samples `along_u` and `along_v`, each `stride` long; `lines` are the rows of pixels, as long. `stride` is a
+/// multiple of [`LANES`].
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [f64; GAUSSIANS] {
+    let mut sums = [0.0f64; GAUSSIANS];
+    for (sum, (along_u, along_v)) in sums.iter_mut().zip(along_u.chunks_exact(stride).zip(along_v.chunks_exact(stride)))
+    {
+        let mut total = [0.0f32; LANES];
+        for (start, along_u) in along_u.chunks_exact(LANES).enumerate() {
+            let mut acc = [0.0f32; LANES];
+            for (line, weight) in lines.chunks_exact(stride).zip(along_v) {
+                let pixels: &[f32; LANES] = line[start * LANES..][..LANES].try_into().expect("a whole block");
+                for l in 0..LANES {
+                    acc[l] = weight.mul_add(pixels[l], acc[l]);
+                }
+            }
+            for l in 0..LANES {
+                total[l] = along_u[l].mul_add(acc[l], total[l]);
+            }
+        }
+        *sum = total.iter().map(|&x| f64::from(x)).sum();
+    }
+    sums
+}
+
+/// How far around a feature of scale `sigma` (pixels, `levels` levels an octave) the pixels are read.
+pub fn reach(sigma: f64, levels: usize) -> usize {
+    (CUT * sigma * 2f64.powf(1.0 / levels as f64) * (1.0 + STEP)).ceil() as usize + 1
+}
+
+/// The σ around `sigma` at which |D(x, y)| is largest, all in pixels. The pixels have `from` of σ already; D is that of `levels` levels an octave. `None` when
+/// there is no peak within one level.
+pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels: usize, from: f64) -> Option<f64> {
+    let k = 2f64.powf(1.0 / levels as f64);
+    // The Gaussians are cut off where a blob has ended; less its surroundings nothing is lost.
+    let ground = pixels.ground(RIM.on_rim(rim_radius(sigma, levels)), (x, y));
+    let radius = reach(sigma, levels) as i64;
+    let first = (x.round() as i64 - radius, y.round() as i64 - radius);
+    let count = 2 * radius as usize + 1;
+    let stride = count.next_multiple_of(LANES);
+    let mut lines = vec![0.0f32; stride * count];
+    for (line, v) in lines.chunks_exact_mut(stride).zip(first.1..) {
+        pixels.line(v, first.0, &mut line[..count]);
+        line[..count].iter_mut().for_each(|x| *x -= ground);
+    }
+    // The pixels are as smooth as they are: nothing finer can be looked at.
+    let finest = 0.5 * (from * from + LEAST_VARIANCE).ln() + STEP;
+    let limits = sigma.ln() - k.ln()..sigma.ln() + k.ln();
+    let mut middle = sigma.ln().max(finest);
+    for _ in 0..MAX_ROUNDS {
+        let variances: [f64; GAUSSIANS] = std::array::from_fn(|g| {
+            let sigma = (middle + STEP * ((g / 2) as f64 - 1.0)).exp() * if g % 2 == 0 { 1.0 } else { k };
+            sigma * sigma - from * from
+        });
+        let along_u = taps(&variances, x, first.0, count, stride);
+        let along_v = taps(&variances, y, first.1, count, stride);
+        let g = weighted_sums(&lines, &along_u, &along_v, stride);
+        let sign = (g[3] - g[2]).signum();
+        let d: [f64; 3] = std::array::from_fn(|i| sign * (g[2 * i + 1] - g[2 * i]));
+        if d.iter().any(|d| *d <= 0.0) {
+            return None;
+        }
+        let [before, here, after] = d.map(f64::ln);
+        let curvature = before - 2.0 * here + after;
+        if curvature >= 0.0 {
+            return None;
+        }
+        let offset = (0.5 * (before - after) / curvature).clamp(-FARTHEST, FARTHEST);
+        let peak = middle + STEP * offset;
+        if !limits.contains(&peak) {
+            return None;
+        }
+        if offset.abs() < 0.75 {
+            return Some(peak.exp());
+        }
+        if peak < finest && middle == finest {
+            return (offset > -1.0).then(|| peak.exp());
+        }
+        middle = peak.max(finest);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::Plane;
+    use crate::synth::chart::draw_disc;
+
+    fn pixels(plane: &Plane) -> PixelView<'_> {
+        PixelView::of(plane)
+    }
+
+    #[test]
+    fn a_gaussian_blob_has_its_own_scale() {
+        // The blob's own σ is b less the pixels': D is largest at σ = b/√k.
+        for (b, levels) in [(3.0f64, 3), (4.4, 4), (3.6, 1)] {
+            let plane = Plane::from_fn(120, 110, |u, v| {
+                (0.3 - 0.2 * (-((u as f64 - 60.3).powi(2) + (v as f64 - 54.8).powi(2)) / (2.0 * b * b)).exp()) as f32
+            });
+            let k = 2f64.powf(1.0 / levels as f64);
+            // With pixels of σ 1.6 the blob itself is narrower and the Gaussians of D are wider than those applied: the sum is what it was.
+            for from in [0.0, 0.5, 1.6] {
+                let blob = (b * b - from * from).sqrt();
+                let expected = blob / k.sqrt();
+                for start in [0.96, 1.0, 1.05] {
+                    let found = scale_peak(&pixels(&plane), (60.3, 54.8), start * expected, levels, from);
+                    if expected.powi(2) > from * from + LEAST_VARIANCE * 1.3 {
+                        let found = found.expect("a blob");
+                        assert!((found / expected - 1.0).abs() < 1e-3, "{b} {levels} {from}: {found} {expected}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_disc_has_the_expected_scale() {
+        for radius in [3.6, 5.0, 8.3] {
+            let mut plane = Plane::from_fn(140, 130, |_, _| 0.1);
+            draw_disc(&mut plane, 70.4, 64.7, radius, 0.12);
+            // See `evaluate::accuracy`: where the difference of Gaussians answers a disc most strongly.
+            let k2 = 2f64.sqrt();
+            let expected = radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt();
+            let found = scale_peak(&pixels(&plane), (70.4, 64.7), 1.04 * expected, 4, 0.5).expect("a disc");
+            assert!((found / expected - 1.0).abs() < 2e-3, "{radius}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn where_there_is_no_blob_there_is_no_scale() {
+        let ramp = Plane::from_fn(80, 70, |u, v| (u + 2 * v) as f32 * 0.003);
+        let edge = Plane::from_fn(80, 70, |u, _| f32::from(u > 40));
+        for plane in [ramp, edge] {
+            assert_eq!(scale_peak(&pixels(&plane), (40.5, 35.0), 3.0, 3, 0.5), None);
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! The scale space: Gaussian levels of a motion stack, octave by octave, and their differences D.
+//!
+//! [`levels`] names the scales and says which octaves are searched; [`octave`] makes one tile of D.
+
+pub mod levels;
+pub mod octave;

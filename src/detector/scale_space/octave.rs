@@ -1,0 +1,222 @@
+//! One octave of the search: where its pixels come from, and the tiles of its DoG levels.
+//!
+//! For the first octave the pixels are made from the frames: stacked at a slope and brought to the octave's resolution. Later octaves
+//! start from planes that the octave before left behind, one for each slope. Everything is made in tiles; a tile carries the pixels around it
+//! that its filters need, so each value has the same bits whatever the tiles.
+
+use crate::detector::scale_space::levels::ScaleSpace;
+use crate::detector::stack::offsets::stack_row;
+use crate::kernel::gaussian_bank::{Axis, FilterBank, FilterScratch, filter_tile};
+use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack_rows::RowStacker;
+use crate::plane::Plane;
+use crate::plane::tile::{Region, Tile};
+use std::ops::Range;
+
+/// Where the first level (s = −1) of an octave at one slope comes from.
+#[derive(Debug)]
+pub enum Base<'a> {
+    /// The frames, shifted by a slope's offsets: for the first octave.
+    Frames {
+        /// Frames of one size, in time order.
+        frames: &'a [&'a Plane],
+        /// [`crate::detector::stack::offsets::frame_offsets`] of the slope.
+        offsets: &'a [FrameOffset],
+        /// The octave, which is the first one.
+        octave: i32,
+    },
+    /// The finished first level, on the octave's pixels.
+    Level(&'a Plane),
+}
+
+impl Base<'_> {
+    /// Rows `rows` and columns `columns` of the stacked image at the octave's resolution, before any blur. Each written by `write(v, row)`.
+    pub(crate) fn raw_rows(
+        &self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+        stacked: &mut Vec<f32>,
+        mut write: impl FnMut(usize, &[f32]),
+    ) {
+        let Self::Frames { frames, offsets, octave } = self else {
+            unreachable!("only frames are made into raw rows");
+        };
+        let (width_image, height_image) = frames[0].size();
+        match octave {
+            0 => {
+                stacked.resize(columns.len(), 0.0);
+                for v in rows {
+                    stack_row(frames, offsets, v, columns.clone(), stacked);
+                    write(v, stacked);
+                }
+            }
+            -1 => doubled_rows(frames, offsets, rows, columns, (width_image, height_image), stacked, write),
+            _ => {
+                let step = 1usize << octave;
+                let wide = columns.start * step..(columns.end - 1) * step + 1;
+                stacked.resize(wide.len(), 0.0);
+                let mut row = vec![0.0; columns.len()];
+                for v in rows {
+                    stack_row(frames, offsets, v * step, wide.clone(), stacked);
+                    for (out, chunk) in row.iter_mut().zip(stacked.chunks(step)) {
+                        *out = chunk[0];
+                    }
+                    write(v, &row);
+                }
+            }
+        }
+    }
+
+    /// σ of what the octave is made from, in octave pixels.
+    pub fn sigma_octave(&self) -> f64 {
+        match self {
+            Self::Frames { octave, .. } => crate::detector::scale_space::levels::SIGMA_INPUT * 2f64.powi(-octave),
+            Self::Level(_) => crate::detector::scale_space::levels::SIGMA_BASE,
+        }
+    }
+}
+
+/// The filters of an octave.
+#[derive(Debug)]
+pub struct OctaveFilters {
+    along_u: Axis,
+    along_v: Axis,
+    /// Index of the level from which the next octave starts, among those that are made.
+    next: Option<usize>,
+}
+
+impl OctaveFilters {
+    /// For an octave of `size` of `space`, which is the first one or not; `bank` makes the Gaussian level indices `levels` (0 is level −1), as
+    /// [`ScaleSpace::bank`] gives it.
+    pub fn new(space: &ScaleSpace, bank: &FilterBank, levels: &Range<usize>, size: (usize, usize)) -> Self {
+        let next = levels.contains(&space.levels).then(|| space.levels - levels.start);
+        Self { along_u: bank.axis(size.0), along_v: bank.axis(size.1), next }
+    }
+
+    /// The pixels that the values of `region` depend on.
+    pub fn inputs(&self, region: &Region) -> Region {
+        Region { columns: self.along_u.inputs(&region.columns), rows: self.along_v.inputs(&region.rows) }
+    }
+}
+
+/// A tile of the differences of consecutive Gaussian levels of one slope. In a search index 0 is DoG level −1.
+#[derive(Debug, Default)]
+pub struct DogTile {
+    /// One tile a level.
+    pub levels: Vec<Tile>,
+}
+
+impl DogTile {
+    /// D at DoG level index `level_index` and the octave's pixel (x, y).
+    #[inline]
+    pub fn at(&self, level_index: usize, x: usize, y: usize) -> f32 {
+        self.levels[level_index].at(x, y)
+    }
+}
+
+/// The pixels of one slope at the octave's resolution, before any of its filters.
+#[derive(Debug, Clone, Copy)]
+pub enum Pixels<'a> {
+    /// A stacked tile that holds what the filters need.
+    Stacked(&'a Tile),
+    /// The octave's first level.
+    Level(&'a Plane),
+}
+
+/// Filters `region` of an octave into `dog`; `batch_done` is told which rows are finished. With `next` the level from which the next octave starts is kept.
+pub fn dog_tile(
+    filters: &OctaveFilters,
+    pixels: Pixels<'_>,
+    region: &Region,
+    scratch: &mut FilterScratch,
+    dog: &mut DogTile,
+    next: Option<&mut Tile>,
+    batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
+) {
+    dog.levels.resize_with(filters.along_u.level_count() - 1, Tile::default);
+    let axes = (&filters.along_u, &filters.along_v);
+    let keep = next.map(|tile| (filters.next.expect("the level is among those made"), tile));
+    match pixels {
+        Pixels::Stacked(tile) => filter_tile(axes, tile, region, scratch, &mut dog.levels, keep, batch_done),
+        Pixels::Level(plane) => filter_tile(axes, plane, region, scratch, &mut dog.levels, keep, batch_done),
+    }
+}
+
+/// Columns that a stacked row has room for beyond its own, so that filters can read it in whole vectors where it lies.
+const PADDING: usize = 32;
+
+/// The stacked images of some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope. `slopes` are the frames' offsets.
+pub fn stack_tiles(
+    frames: &[&Plane],
+    slopes: &[impl AsRef<[FrameOffset]>],
+    octave: i32,
+    region: &Region,
+    tiles: &mut Vec<Tile>,
+) {
+    tiles.resize_with(slopes.len().max(tiles.len()), Tile::default);
+    tiles
+        .iter_mut()
+        .take(slopes.len())
+        .for_each(|tile| tile.reset(region, (region.columns.len() + PADDING).next_multiple_of(16)));
+    if octave == 0 {
+        let mut stacker = RowStacker::new(frames, slopes.iter().map(AsRef::as_ref).collect());
+        for v in region.rows.clone() {
+            let mut rows: Vec<&mut [f32]> = tiles[..slopes.len()].iter_mut().map(|tile| tile.row_mut(v)).collect();
+            stacker.row(v, region.columns.clone(), &mut rows);
+        }
+        return;
+    }
+    let mut stacked = Vec::new();
+    for (offsets, tile) in slopes.iter().zip(tiles) {
+        let base = Base::Frames { frames, offsets: offsets.as_ref(), octave };
+        base.raw_rows(region.rows.clone(), region.columns.clone(), &mut stacked, |v, row| {
+            tile.row_mut(v).copy_from_slice(row);
+        });
+    }
+}
+
+/// Rows of the stacked image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j), the last one is repeated.
+fn doubled_rows(
+    frames: &[&Plane],
+    offsets: &[FrameOffset],
+    rows: Range<usize>,
+    columns: Range<usize>,
+    size_image: (usize, usize),
+    stacked: &mut Vec<f32>,
+    mut write: impl FnMut(usize, &[f32]),
+) {
+    let (width, height) = size_image;
+    let narrow = columns.start / 2..((columns.end - 1) / 2 + 2).min(width);
+    let n = narrow.len();
+    stacked.resize(n, 0.0);
+    let double = |v: usize, stacked: &mut [f32], out: &mut [f32]| {
+        stack_row(frames, offsets, v.min(height - 1), narrow.clone(), stacked);
+        for (out, x) in out.iter_mut().zip(columns.clone()) {
+            let i = x / 2 - narrow.start;
+            *out = if x % 2 == 0 { stacked[i] } else { 0.5 * (stacked[i] + stacked[(i + 1).min(n - 1)]) };
+        }
+    };
+    let (mut upper, mut lower, mut middle) =
+        (vec![0.0; columns.len()], vec![0.0; columns.len()], vec![0.0; columns.len()]);
+    let mut upper_is = None;
+    for v in rows {
+        let i = v / 2;
+        if upper_is != Some(i) {
+            if upper_is.is_some_and(|held| held + 1 == i) && v % 2 == 0 {
+                std::mem::swap(&mut upper, &mut lower);
+            } else {
+                double(i, stacked, &mut upper);
+            }
+            upper_is = Some(i);
+        }
+        if v % 2 == 0 {
+            write(v, &upper);
+        } else {
+            double(i + 1, stacked, &mut lower);
+            for ((out, a), b) in middle.iter_mut().zip(&upper).zip(&lower) {
+                *out = 0.5 * (a + b);
+            }
+            write(v, &middle);
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule, those at the slopes around it.
+//!
+//! The tests come in METHOD's order and each rejection is counted. Thresholds come first because they are cheapest and reject nearly
+//! everything, together with the eight neighbours in the image: both are tested for a whole row at once, in vector lanes.
+
+use crate::detector::feature::{Tally, Test};
+use crate::detector::scale_space::octave::DogTile;
+use crate::plane::tile::{Region, Tile};
+use multiversion::multiversion;
+
+/// A sample that is an extremum in space and scale at its own slope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// Column, octave pixels.
+    pub x: usize,
+    /// Row, octave pixels.
+    pub y: usize,
+    /// Index of its DoG level: 1 is level 0.
+    pub level_index: usize,
+    /// D there.
+    pub value: f32,
+}
+
+/// The least |D| that a sample must have, by DoG level index.
+#[derive(Debug, Clone)]
+pub struct Thresholds {
+    /// The peak threshold's first test, the same for all levels.
+    pub peak: f32,
+    /// The noise gate where all frames cover, by DoG level index.
+    pub gate: Vec<f32>,
+}
+
+/// Columns that are passed over together when nothing in them reaches the thresholds.
+const RUN: usize = 64;
+
+/// What is known of the inner columns of a row after the cheapest tests.
+#[derive(Debug, Default, Clone, Copy)]
+struct Counts {
+    /// Below the peak threshold.
+    below_peak: u32,
+    /// Below the peak threshold or the noise gate.
+    below_any: u32,
+}
+
+/// Appends to `found` the inner columns (0 is the row's second one) of a row whose value reaches `limit` in magnitude and is above, or below, all its eight
+/// neighbours, and counts what fails before that. The rows are those above, at and below.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, found: &mut Vec<u32>) -> Counts {
+    let larger = |x: f32, y: f32| if x > y { x } else { y };
+    let smaller = |x: f32, y: f32| if x < y { x } else { y };
+    let mut counts = Counts::default();
+    let total = row.len() - 2;
+    let mut marks = [0u8; RUN];
+    let mut start = 0;
+    while start < total {
+        let n = RUN.min(total - start);
+        let (a, b, c) = (&above[start..][..n], &above[start + 1..][..n], &above[start + 2..][..n]);
+        let (d, e, f) = (&row[start..][..n], &row[start + 1..][..n], &row[start + 2..][..n]);
+        let (g, h, i) = (&below[start..][..n], &below[start + 1..][..n], &below[start + 2..][..n]);
+        let (mut below_peak, mut below_any) = (0u32, 0u32);
+        for value in e {
+            below_peak += u32::from(value.abs() < peak);
+            below_any += u32::from(value.abs() < limit);
+        }
+        counts.below_peak += below_peak;
+        counts.below_any += below_any;
+        if below_any < n as u32 {
+            let marks = &mut marks[..n];
+            for u in 0..n {
+                let most = larger(
+                    larger(larger(a[u], b[u]), larger(c[u], d[u])),
+                    larger(larger(f[u], g[u]), larger(h[u], i[u])),
+                );
+                let least = smaller(
+                    smaller(smaller(a[u], b[u]), smaller(c[u], d[u])),
+                    smaller(smaller(f[u], g[u]), smaller(h[u], i[u])),
+                );
+                let high = (e[u] > most) & (e[u] >= limit);
+                let low = (e[u] < least) & (e[u] <= -limit);
+                marks[u] = u8::from(high | low);
+            }
+            append_marked(marks, start as u32, found);
+        }
+        start += n;
+    }
+    counts
+}
+
+/// Appends `first` plus the places of the marks that are not 0: eight at a time, since few are.
+#[inline(always)]
+fn append_marked(marks: &[u8], first: u32, found: &mut Vec<u32>) {
+    let (words, rest) = marks.as_chunks::<8>();
+    for (place, word) in words.iter().enumerate() {
+        let mut word = u64::from_le_bytes(*word);
+        while word != 0 {
+            found.push(first + 8 * place as u32 + word.trailing_zeros() / 8);
+            word &= word - 1;
+        }
+    }
+    let end = first + 8 * words.len() as u32;
+    found.extend(rest.iter().zip(end..).filter(|(mark, _)| **mark != 0).map(|(_, at)| at));
+}
+
+/// Whether `value` beats three samples.
+#[inline]
+fn beats_three(value: f32, samples: &[f32]) -> bool {
+    let (a, b, c) = (samples[0], samples[1], samples[2]);
+    if value > 0.0 { value > a && value > b && value > c } else { value < a && value < b && value < c }
+}
+
+/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope. `or_equals` lets it stand when it only
+/// equals them: of two slopes with the same D, which a motion half-way between them gives, exactly one must stay.
+pub fn beats_all_27(value: f32, dog: &DogTile, x: usize, y: usize, level_index: usize, or_equals: bool) -> bool {
+    let sign = value.signum();
+    let limit = sign * value;
+    dog.levels[level_index - 1..=level_index + 1].iter().all(|level| {
+        (y - 1..=y + 1).all(|v| {
+            around(level, x, v).iter().all(|&other| {
+                let other = sign * other;
+                other < limit || (or_equals && other == limit)
+            })
+        })
+    })
+}
+
+/// The three samples around column `x` of row `v`.
+#[inline]
+fn around(level: &Tile, x: usize, v: usize) -> &[f32] {
+    let first = x - 1 - level.region().columns.start;
+    &level.row(v)[first..first + 3]
+}
+
+/// Whether the sample beats its neighbours at the levels above and below.
+fn is_scale_extremum(value: f32, levels: &[Tile], x: usize, y: usize, level_index: usize) -> bool {
+    [&levels[level_index - 1], &levels[level_index + 1]]
+        .iter()
+        .all(|level| (y - 1..=y + 1).all(|v| beats_three(value, around(level, x, v))))
+}
+
+/// Appends the samples of `region` that pass the thresholds and are extrema at their own slope, and counts the others. `levels` are the tiles of D; they hold
+/// at least one pixel more on each side of the region, inside the octave of `size`.
+pub fn own_slope_extrema(
+    levels: &[Tile],
+    region: &Region,
+    size: (usize, usize),
+    thresholds: &Thresholds,
+    tally: &mut Tally,
+    out: &mut Vec<Candidate>,
+) {
+    let mut found = Vec::with_capacity(region.columns.len() / 2);
+    for level_index in 1..levels.len() - 1 {
+        level_extrema((levels, level_index), region, size, thresholds, tally, &mut found, out);
+    }
+}
+
+/// The same at one level, by its index. `found` is space to be reused.
+fn level_extrema(
+    (levels, level_index): (&[Tile], usize),
+    region: &Region,
+    (width, height): (usize, usize),
+    thresholds: &Thresholds,
+    tally: &mut Tally,
+    found: &mut Vec<u32>,
+    out: &mut Vec<Candidate>,
+) {
+    let (first, end) = (region.columns.start.max(1), region.columns.end.min(width - 1));
+    if first >= end {
+        return;
+    }
+    let count = end - first;
+    // A sample of exactly 0 is no extremum, whatever the thresholds.
+    let limit = thresholds.peak.max(thresholds.gate[level_index]).max(f32::MIN_POSITIVE);
+    let own = &levels[level_index];
+    let left = first - 1 - own.region().columns.start;
+    let line = |v: usize| &own.row(v)[left..left + count + 2];
+    for y in region.rows.start.max(1)..region.rows.end.min(height - 1) {
+        found.clear();
+        let counts = space_extrema(line(y - 1), line(y), line(y + 1), thresholds.peak, limit, found);
+        let (below_peak, below_any) = (u64::from(counts.below_peak), u64::from(counts.below_any));
+        tally.samples += count as u64;
+        tally.reject(Test::PeakThreshold, below_peak);
+        tally.reject(Test::NoiseGate, below_any - below_peak);
+        for &column in found.iter() {
+            let x = first + column as usize;
+            let value = own.at(x, y);
+            if is_scale_extremum(value, levels, x, y, level_index) {
+                out.push(Candidate { x, y, level_index, value });
+            } else {
+                tally.reject(Test::ScaleExtremum, 1);
+            }
+        }
+        let extrema = found.len() as u64;
+        tally.reject(Test::SpaceExtremum, count as u64 - below_any - extrema);
+    }
+}
+
+/// What the tests at its own slope say of the one sample (x, y) at `level_index`: the candidate, or the test that rejects it. `None` for a sample on the
+/// octave's border, which the search does not examine. The tiles must hold the sample and a pixel around it.
+pub fn own_slope_verdict(
+    levels: &[Tile],
+    (x, y, level_index): (usize, usize, usize),
+    size: (usize, usize),
+    thresholds: &Thresholds,
+) -> Option<Result<Candidate, Test>> {
+    let sample = Region { columns: x..x + 1, rows: y..y + 1 };
+    let (mut tally, mut out) = (Tally::default(), Vec::new());
+    level_extrema((levels, level_index), &sample, size, thresholds, &mut tally, &mut Vec::new(), &mut out);
+    let rejected = Test::ALL.into_iter().find(|test| tally.rejected_by(*test) > 0);
+    (tally.samples > 0).then(|| out.first().copied().ok_or_else(|| rejected.expect("it passes or it is rejected")))
+}

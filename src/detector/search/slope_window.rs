@@ -1,0 +1,325 @@
+//! The slopes that the search holds at once, for one tile of the octave: one, unless candidates are compared with other slopes or refined over them.
+//!
+//! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as soon as it is found, while their tiles are
+//! still held, and with those after its own as they come: it waits for them with what is needed of its own tile, which nobody asks for any more. So a line
+//! of slopes needs two tiles, a plane one row of the grid and two.
+
+use crate::detector::feature::{Tally, Test};
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema, SlopeNeighbours};
+use crate::detector::refine::{Refined, peak_offset, peak_offset_2d};
+use crate::detector::scale_space::octave::DogTile;
+use crate::detector::search::extrema::{Candidate, beats_all_27};
+
+/// A candidate that no slope so far has beaten.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::detector) struct Undecided {
+    /// The sample.
+    pub candidate: Candidate,
+    /// Where the extremum lies between the samples, or the test that rejects it should no slope do so.
+    pub refined: Result<Refined, Test>,
+    /// D of the refined sample at the slopes around, as far as they have come: `around[dj + 1][di + 1]`.
+    around: [[f32; 3]; 3],
+}
+
+impl Undecided {
+    /// Takes note of a neighbouring slope's tile.
+    fn look_at(&mut self, tile: &DogTile, (di, dj): (i64, i64)) {
+        if let (Ok(Refined { x, y, .. }), -1..=1, -1..=1) = (self.refined, di, dj) {
+            self.around[(dj + 1) as usize][(di + 1) as usize] = tile.at(self.candidate.level_index, x, y);
+        }
+    }
+}
+
+/// What a candidate needs of other slopes than its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::detector) enum OtherSlopes {
+    /// Nothing.
+    Unseen,
+    /// D around it at the neighbouring slopes, to refine its slope.
+    Seen,
+    /// The same, and it must beat them.
+    Beaten(SlopeNeighbours),
+}
+
+impl OtherSlopes {
+    /// What a search with `params` asks for.
+    pub(in crate::detector) fn of(params: &DetectorParams) -> Self {
+        match (params.slope_extrema, params.localisation) {
+            (SlopeExtrema::Joint, _) => Self::Beaten(params.slope_neighbours),
+            (SlopeExtrema::Each, Localisation::Quadratic) => Self::Seen,
+            (SlopeExtrema::Each, Localisation::Continuous) => Self::Unseen,
+        }
+    }
+
+    /// Running distance from a slope of `grid` to the farthest one that is held with it; `None` for all of them.
+    fn reach(self, grid: &SlopeGrid) -> Option<usize> {
+        match self {
+            Self::Unseen => Some(0),
+            Self::Beaten(SlopeNeighbours::All) => None,
+            Self::Seen | Self::Beaten(SlopeNeighbours::Adjacent) => {
+                Some(if grid.v.count > 1 { grid.u.count + 1 } else { 1 })
+            }
+        }
+    }
+}
+
+/// DoG tiles and undecided candidates of the slopes in reach.
+#[derive(Debug)]
+pub(in crate::detector) struct SlopeWindow {
+    grid: SlopeGrid,
+    others: OtherSlopes,
+    tiles: Vec<DogTile>,
+    /// Candidates of the slope that was made last.
+    candidates: Vec<Candidate>,
+    undecided: Vec<Vec<Undecided>>,
+}
+
+/// How many tiles the window holds.
+pub(in crate::detector) fn capacity(grid: &SlopeGrid, others: OtherSlopes) -> usize {
+    others.reach(grid).map_or(grid.len(), |reach| (reach + 1).min(grid.len()))
+}
+
+impl SlopeWindow {
+    pub(in crate::detector) fn new(grid: SlopeGrid, others: OtherSlopes) -> Self {
+        let capacity = capacity(&grid, others);
+        Self {
+            grid,
+            others,
+            tiles: (0..capacity).map(|_| DogTile::default()).collect(),
+            candidates: Vec::new(),
+            undecided: vec![Vec::new(); capacity],
+        }
+    }
+
+    /// The tile and the (emptied) candidates to be filled for slope `index`.
+    pub(in crate::detector) fn slot_mut(&mut self, index: usize) -> (&mut DogTile, &mut Vec<Candidate>) {
+        let slot = index % self.tiles.len();
+        self.candidates.clear();
+        (&mut self.tiles[slot], &mut self.candidates)
+    }
+
+    fn tile(&self, index: usize) -> &DogTile {
+        &self.tiles[index % self.tiles.len()]
+    }
+
+    /// The slopes before slope `index` at which it is looked, and how many steps from it they lie along both axes.
+    fn earlier(&self, index: usize) -> Vec<(usize, (i64, i64))> {
+        let (i, j) = self.grid.coordinates(index);
+        let reach = self.others.reach(&self.grid);
+        let first = reach.map_or(0, |reach| index.saturating_sub(reach));
+        (first..index)
+            .map(|other| {
+                let (ii, jj) = self.grid.coordinates(other);
+                (other, (ii as i64 - i as i64, jj as i64 - j as i64))
+            })
+            .filter(|(_, (di, dj))| reach.is_none() || (di.abs() <= 1 && dj.abs() <= 1))
+            .collect()
+    }
+
+    /// Compares the tile of slope `made` with the candidates that wait for it, and its candidates with the slopes before it. A candidate that `gate` lets
+    /// pass and that beats them waits with what `refine` makes of it. `tally` counts the others.
+    pub(in crate::detector) fn compare(
+        &mut self,
+        made: usize,
+        gate: impl Fn(&Candidate) -> bool,
+        refine: impl Fn(&DogTile, &Candidate) -> Result<Refined, Test>,
+        tally: &mut Tally,
+    ) {
+        let earlier = self.earlier(made);
+        let slots = self.tiles.len();
+        let own = &self.tiles[made % slots];
+        let joint = matches!(self.others, OtherSlopes::Beaten(_));
+        // Of two slopes with the same D the earlier one stays.
+        let beats = |candidate: &Candidate, tile: &DogTile, or_equals: bool| {
+            !joint || beats_all_27(candidate.value, tile, candidate.x, candidate.y, candidate.level_index, or_equals)
+        };
+        for &(other, (di, dj)) in &earlier {
+            let waiting = &mut self.undecided[other % slots];
+            let before = waiting.len();
+            waiting.retain_mut(|undecided| {
+                let stays = beats(&undecided.candidate, own, true);
+                undecided.look_at(own, (-di, -dj));
+                stays
+            });
+            tally.reject(Test::SlopeExtremum, (before - waiting.len()) as u64);
+        }
+        let mut waiting = std::mem::take(&mut self.undecided[made % slots]);
+        waiting.clear();
+        for candidate in &self.candidates {
+            if !gate(candidate) {
+                tally.reject(Test::NoiseGate, 1);
+            } else if !earlier.iter().all(|&(other, _)| beats(candidate, self.tile(other), false)) {
+                tally.reject(Test::SlopeExtremum, 1);
+            } else {
+                let refined = refine(own, candidate);
+                let mut undecided = Undecided { candidate: *candidate, refined, around: [[0.0; 3]; 3] };
+                undecided.look_at(own, (0, 0));
+                earlier.iter().for_each(|&(other, step)| undecided.look_at(self.tile(other), step));
+                waiting.push(undecided);
+            }
+        }
+        self.undecided[made % slots] = waiting;
+    }
+
+    /// The slopes whose candidates have been compared with all their neighbours once slope `made` has been.
+    pub(in crate::detector) fn decidable(&self, made: usize) -> std::ops::Range<usize> {
+        let last = made + 1 == self.grid.len();
+        match self.others.reach(&self.grid) {
+            None if last => 0..self.grid.len(),
+            None => 0..0,
+            Some(reach) => {
+                let start = made.saturating_sub(reach);
+                let end = if last { self.grid.len() } else { (made + 1).saturating_sub(reach) };
+                start.min(end)..end
+            }
+        }
+    }
+
+    /// What has not been beaten at slope `index`.
+    pub(in crate::detector) fn undecided(&self, index: usize) -> &[Undecided] {
+        &self.undecided[index % self.undecided.len()]
+    }
+
+    /// The slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope `index`. An axis
+    /// on which `index` is the first or last keeps the grid's slope, and so do all where other slopes are not looked at.
+    pub(in crate::detector) fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
+        refined_slope(&self.grid, self.others, index, &undecided.around)
+    }
+}
+
+/// See [`SlopeWindow::refined_slope`]; `around[dj + 1][di + 1]` is D of the refined sample at the slopes around slope `index`, 0 where there is none.
+pub(in crate::detector) fn refined_slope(
+    grid: &SlopeGrid,
+    others: OtherSlopes,
+    index: usize,
+    around: &[[f32; 3]; 3],
+) -> Slope {
+    if others == OtherSlopes::Unseen {
+        return grid.slope(index);
+    }
+    let (i, j) = grid.coordinates(index);
+    let inner = |at: usize, count: usize| at > 0 && at + 1 < count;
+    let (di, dj) = match (inner(i, grid.u.count), inner(j, grid.v.count)) {
+        (false, false) => (0.0, 0.0),
+        (true, false) => (peak_offset(around[1][0], around[1][1], around[1][2]), 0.0),
+        (false, true) => (0.0, peak_offset(around[0][1], around[1][1], around[2][1])),
+        (true, true) => peak_offset_2d(*around),
+    };
+    grid.at(i as f32 + di, j as f32 + dj)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::tile::{Region, Tile};
+
+    fn grids() -> [SlopeGrid; 7] {
+        [
+            SlopeGrid::line(-1.0..=1.0, 1),
+            SlopeGrid::line(-1.0..=1.0, 2),
+            SlopeGrid::line(-1.0..=1.0, 9),
+            SlopeGrid::line_along(90.0, -1.0..=1.0, 5),
+            SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 2),
+            SlopeGrid::plane(-1.0..=1.0, 5, -1.0..=1.0, 7),
+            SlopeGrid::plane(0.0..=0.0, 1, -1.0..=1.0, 4),
+        ]
+    }
+
+    /// D is `values[slope]` in the middle of a tile of 3×3 samples, and a little less around.
+    fn fill(tile: &mut DogTile, value: f32) {
+        tile.levels.resize_with(3, Tile::default);
+        for (s, level) in tile.levels.iter_mut().enumerate() {
+            level.reset(&Region { columns: 0..3, rows: 0..3 }, 16);
+            for v in 0..3 {
+                for u in 0..3 {
+                    let middle = (s, u, v) == (1, 1, 1);
+                    level.row_mut(v)[u] = if middle { value } else { value - 0.5 };
+                }
+            }
+        }
+    }
+
+    /// Which slopes keep a candidate in the middle, in the order in which they are decided, and D around them.
+    fn kept(grid: SlopeGrid, others: OtherSlopes, values: &[f32]) -> (Vec<usize>, Vec<[[f32; 3]; 3]>, Tally) {
+        let mut window = SlopeWindow::new(grid, others);
+        let (mut kept, mut around, mut tally) = (Vec::new(), Vec::new(), Tally::default());
+        for (made, &value) in values.iter().enumerate() {
+            let (tile, candidates) = window.slot_mut(made);
+            fill(tile, value);
+            candidates.push(Candidate { x: 1, y: 1, level_index: 1, value });
+            let here = Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value };
+            window.compare(made, |_| true, |_, _| Ok(here), &mut tally);
+            for index in window.decidable(made) {
+                for undecided in window.undecided(index) {
+                    kept.push(index);
+                    around.push(undecided.around);
+                }
+            }
+        }
+        (kept, around, tally)
+    }
+
+    #[test]
+    fn every_slope_is_compared_with_all_its_neighbours_and_decided_once() {
+        for grid in grids() {
+            // Repeats, so that some neighbours are equal.
+            let values: Vec<f32> = (0..grid.len()).map(|k| 1.0 + ((k * 7919 + 13) % 11) as f32).collect();
+            for others in [
+                OtherSlopes::Beaten(SlopeNeighbours::Adjacent),
+                OtherSlopes::Beaten(SlopeNeighbours::All),
+                OtherSlopes::Seen,
+            ] {
+                let (kept, around, tally) = kept(grid, others, &values);
+                let near = |a: usize, b: usize| a.abs_diff(b) <= 1;
+                let is_kept = |index: &usize| {
+                    let (i, j) = grid.coordinates(*index);
+                    (0..grid.len()).all(|other| {
+                        let (ii, jj) = grid.coordinates(other);
+                        let compared = match others {
+                            OtherSlopes::Beaten(SlopeNeighbours::All) => true,
+                            OtherSlopes::Beaten(SlopeNeighbours::Adjacent) => near(i, ii) && near(j, jj),
+                            OtherSlopes::Seen | OtherSlopes::Unseen => false,
+                        };
+                        let earlier_or_less =
+                            values[other] < values[*index] || (values[other] == values[*index] && other >= *index);
+                        !compared || earlier_or_less
+                    })
+                };
+                let expected: Vec<usize> = (0..grid.len()).filter(is_kept).collect();
+                assert_eq!(kept, expected, "{grid:?} {others:?}");
+                let rejected = tally.rejected_by(Test::SlopeExtremum) as usize;
+                assert_eq!(rejected + kept.len(), grid.len());
+                for (index, around) in kept.iter().zip(&around) {
+                    let (i, j) = grid.coordinates(*index);
+                    for (dj, row) in (-1i64..).zip(around) {
+                        for (di, &value) in (-1i64..).zip(row) {
+                            let (ii, jj) = (i as i64 + di, j as i64 + dj);
+                            let there =
+                                (0..grid.u.count as i64).contains(&ii) && (0..grid.v.count as i64).contains(&jj);
+                            let expected = if there { values[jj as usize * grid.u.count + ii as usize] } else { 0.0 };
+                            assert_eq!(value, expected, "{grid:?} {index} {di} {dj}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_for_themselves_are_decided_at_once_and_keep_the_slope_of_the_grid() {
+        for grid in grids() {
+            let mut window = SlopeWindow::new(grid, OtherSlopes::Unseen);
+            assert_eq!(capacity(&grid, OtherSlopes::Unseen), 1);
+            for made in 0..grid.len() {
+                let (tile, candidates) = window.slot_mut(made);
+                fill(tile, 1.0);
+                candidates.push(Candidate { x: 1, y: 1, level_index: 1, value: 1.0 });
+                let here = Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value: 1.0 };
+                window.compare(made, |_| true, |_, _| Ok(here), &mut Tally::default());
+                assert_eq!(window.decidable(made), made..made + 1);
+                assert_eq!(window.refined_slope(made, &window.undecided(made)[0]), grid.slope(made));
+            }
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! The vector code under the detector's steps.
+//!
+//! What takes the time is written here for whole vectors, and nothing else: rows of frames that are weighted and summed ([`stack_rows`], [`weighted_rows`]), all
+//! Gaussian levels of an octave in one pass ([`gaussian_bank`]), and, on the [`patch`] around one feature, its motion stack ([`stack_patch`]), its blur
+//! ([`blur_patch`]), its [`gradient`]s and the answer of a compactly supported kernel ([`compact_kernel`]). Which of these are asked for, and what the numbers mean, is
+//! [`crate::detector`]'s. Each routine has a plain twin, a few lines that say what it computes, and a test that holds the two equal.
+
+pub(crate) mod blur_patch;
+pub mod compact_kernel;
+pub mod gaussian_bank;
+pub(crate) mod gradient;
+pub mod offset;
+pub mod patch;
+pub(crate) mod stack_patch;
+pub(crate) mod stack_rows;
+pub(crate) mod vectors;
+pub(crate) mod weighted_rows;
+pub(crate) mod weighted_sum;
