@@ -1,10 +1,14 @@
 //! The window: panes, panels, overlays, shortcuts. It computes nothing that a command could not compute.
 //!
-//! [`window::BurstscopeApp`] holds the [`state::Model`] (plain values), the workers of [`crate::engine`], and what the widgets remember. Each
-//! pass takes what the workers have published, runs the [`actions`] that were asked for, draws the [`panels`], and asks the workers for what is
-//! wanted and not there. What lies between toolbar and status bar is a workspace: one burst, two, several methods, or many bursts ([`dataset`]).
-//! Pictures are shown in [panes](pane), each with its own cursor; the [`inspector`] draws any arrangement of them. On their pictures one can [`measure`], and
-//! a [`figure`] is made of what they show. [`canvas`] is the picture's widget, [`gpu`] draws its pixels, [`histogram`] sets their range.
+//! [`project`] holds what is open as plain values. Each pass of [`window::BurstscopeApp`] takes what the workers of
+//! [`crate::engine`] have published, runs the [`actions`] that were asked for, draws, and lets `jobs` ask the workers
+//! for what is wanted and not there.
+//!
+//! What lies between toolbar and status bar is a [`workspace`]: one burst, two, several methods, or many bursts
+//! ([`dataset`]); each arranges panes and panels. Pictures are shown in [panes](pane), each with its own cursor; the
+//! [`inspector`] draws any arrangement of them, [`canvas`] is the picture's widget, [`gpu`] draws its pixels,
+//! [`histogram`] sets their range. On the pictures one can [`measure`], and a [`figure`] is made of what they show. A
+//! [`panel`] is about one subject.
 
 pub mod actions;
 pub mod canvas;

@@ -138,7 +138,7 @@ pub struct RangeCount {
 }
 
 /// A disc and what found it.
-struct Found {
+struct FoundDisc {
     disc: FeatureTruth,
     apart: bool,
     feature: Option<Feature>,
@@ -157,10 +157,10 @@ impl AccuracyStudy {
         let found = run_jobs(&jobs, 1, monitor, |&(snr, seed), monitor, steps| {
             let (burst, truth) = synth_chart(&ChartParams { snr, seed, ..self.chart.clone() }, monitor)?;
             let detection = detect(&burst, &self.detector, monitor)?;
-            let mut found: Vec<Found> = truth
+            let mut found: Vec<FoundDisc> = truth
                 .features
                 .iter()
-                .map(|&disc| Found { disc, apart: stands_apart(&disc, &truth), feature: None })
+                .map(|&disc| FoundDisc { disc, apart: stands_apart(&disc, &truth), feature: None })
                 .collect();
             for judged in judge(&detection.features, &truth, Ranking::Strength) {
                 if let Some(disc) = judged.disc {
@@ -180,13 +180,13 @@ impl AccuracyStudy {
         })
     }
 
-    fn row<'a>(&self, snr: f64, found: impl Iterator<Item = &'a Found>) -> AccuracyRow {
+    fn row<'a>(&self, snr: f64, found: impl Iterator<Item = &'a FoundDisc>) -> AccuracyRow {
         let grid = self.detector.used_slopes();
         let (mut within, mut beyond) = (RangeCount::default(), RangeCount::default());
         let (mut u, mut v, mut scale) = (Vec::new(), Vec::new(), Vec::new());
         let (mut slope_u, mut slope_v) = (Vec::new(), Vec::new());
         let (mut apart_u, mut apart_v) = (Vec::new(), Vec::new());
-        for Found { disc, apart, feature } in found {
+        for FoundDisc { disc, apart, feature } in found {
             let count = if reaches(&grid, disc) { &mut within } else { &mut beyond };
             count.discs += 1;
             let Some(feature) = feature else { continue };

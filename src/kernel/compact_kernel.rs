@@ -1,6 +1,6 @@
-//! Hats: small round filters that say exactly where a blob lies.
+//! Compactly supported kernels: small round filters that say exactly where a blob lies.
 //!
-//! The DoG's Gaussians never end; what lies three radii away from a blob still pulls at its extremum. A hat ends. Over q = ρ²/R² it is
+//! The DoG's Gaussians never end; what lies three radii away from a blob still pulls at its extremum. A compact kernel ends. Over q = ρ²/R² it is
 //! h(q) = (1 − q)³·p(q) for q < 1 and 0 beyond, with a polynomial p that makes its mean 0, so that neither a grey level nor a ramp moves a blob; it reaches
 //! its end with two continuous derivatives. Gradient and second derivatives are known in closed form, so Newton's steps find the extremum. There are two:
 //!
@@ -14,23 +14,23 @@
 use crate::plane::Plane;
 use multiversion::multiversion;
 
-/// A hat's shape.
+/// The shape of a compactly supported kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hat {
+pub struct CompactKernel {
     /// Coefficients of 1, q, q², q³ in h over (1 − q)³.
     value: [f32; 4],
     /// The same in h' over (1 − q)².
     first: [f32; 4],
     /// The same in h'' over 1 − q.
     second: [f32; 4],
-    /// Where the hat is zero, in units of its radius R.
+    /// Where the kernel is zero, in units of its radius R.
     pub zero_at: f64,
     /// Standard deviation of a component of the gradient on pixels of white noise of standard deviation 1: √(2π∫q·h'² dq), whatever the radius.
     pub gradient_noise: f64,
 }
 
 /// For blobs with a rim.
-pub const RIM: Hat = Hat {
+pub const RIM: CompactKernel = CompactKernel {
     value: [1.0, 3.0, -24.0, 0.0],
     first: [0.0, -60.0, 120.0, 0.0],
     second: [-60.0, 420.0, -480.0, 0.0],
@@ -38,14 +38,14 @@ pub const RIM: Hat = Hat {
     gradient_noise: 2.9960,
 };
 /// For everything else.
-pub const SOFT: Hat = Hat {
+pub const SOFT: CompactKernel = CompactKernel {
     value: [1.0, -10.0, 24.0, -21.0],
     first: [-13.0, 88.0, -183.0, 126.0],
     second: [114.0, -630.0, 1110.0, -630.0],
     zero_at: 0.377964,
     gradient_noise: 1.5715,
 };
-/// Columns that a line of pixels holds; no hat is wider.
+/// Columns that a line of pixels holds; no kernel is wider.
 const LINE: usize = 192;
 /// Largest radius, pixels.
 pub const MAX_RADIUS: f64 = 90.0;
@@ -89,9 +89,9 @@ impl<'a> PixelView<'a> {
     }
 }
 
-/// The hat's answer at a place, its gradient, and its second derivatives (uu, vv, uv), per pixel.
+/// The kernel's answer at a place, its gradient, and its second derivatives (uu, vv, uv), per pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Answer {
+pub struct KernelResponse {
     /// The answer.
     pub value: f64,
     /// Its derivatives to the right and down.
@@ -100,7 +100,7 @@ pub struct Answer {
     pub hessian: [f64; 3],
 }
 
-impl Answer {
+impl KernelResponse {
     /// The smaller curvature of the peak, of a bright blob or a dark one; at most 0 where there is no peak.
     pub fn sharpness(&self) -> f64 {
         let [uu, vv, uv] = self.hessian.map(|h| -self.value.signum() * h);
@@ -114,10 +114,17 @@ fn cubic(c: &[f32; 4], q: f32) -> f32 {
     q.mul_add(q.mul_add(q.mul_add(c[3], c[2]), c[1]), c[0])
 }
 
-/// The sums that make an [`Answer`], over the pixels from (`first.0`, `first.1`) on. `x` and `y` are the distances of their columns and rows from
+/// The sums that make an [`KernelResponse`], over the pixels from (`first.0`, `first.1`) on. `x` and `y` are the distances of their columns and rows from
 /// the place in radii; those of columns that only fill up a vector are beyond 1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn sums(hat: &Hat, pixels: &PixelView, first: (i64, i64), x: &[f32], y: &[f32], ground: f32) -> [f32; 7] {
+fn sums(
+    kernel: &CompactKernel,
+    pixels: &PixelView,
+    first: (i64, i64),
+    x: &[f32],
+    y: &[f32],
+    local_mean: f32,
+) -> [f32; 7] {
     let mut line = [0.0f32; LINE];
     let mut acc = [[0.0f32; LANES]; 7];
     for (j, &y) in y.iter().enumerate() {
@@ -128,12 +135,12 @@ fn sums(hat: &Hat, pixels: &PixelView, first: (i64, i64), x: &[f32], y: &[f32], 
                 let x = x[l];
                 let q = x.mul_add(x, yy);
                 let w = (1.0 - q).max(0.0);
-                let pixel = (pixels[l] - ground) * w;
-                let second = pixel * cubic(&hat.second, q);
+                let pixel = (pixels[l] - local_mean) * w;
+                let second = pixel * cubic(&kernel.second, q);
                 let pixel = pixel * w;
-                let first = pixel * cubic(&hat.first, q);
+                let first = pixel * cubic(&kernel.first, q);
                 let pixel = pixel * w;
-                acc[0][l] = pixel.mul_add(cubic(&hat.value, q), acc[0][l]);
+                acc[0][l] = pixel.mul_add(cubic(&kernel.value, q), acc[0][l]);
                 acc[1][l] += first;
                 acc[2][l] = first.mul_add(x, acc[2][l]);
                 acc[3][l] = first.mul_add(y, acc[3][l]);
@@ -150,8 +157,8 @@ fn sums(hat: &Hat, pixels: &PixelView, first: (i64, i64), x: &[f32], y: &[f32], 
 impl PixelView<'_> {
     /// The grey level around the place (x, y) of the image: the mean of pixels on a circle of nine tenths of `radius`.
     ///
-    /// The samples of a hat do not sum to exactly 0. Where it ends they are least even, so a hat is laid on the difference from what is there.
-    pub fn ground(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
+    /// The samples of a kernel do not sum to exactly 0. Where it ends they are least even, so a kernel is laid on the difference from what is there.
+    pub fn local_mean(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
         let near = |at: f64, n: usize| (at.round().max(0.0) as usize).min(n - 1);
         let at = |du: f64, dv: f64| {
             let (u, v) = (x - self.left as f64 + 0.9 * radius * du, y - self.top as f64 + 0.9 * radius * dv);
@@ -164,12 +171,18 @@ impl PixelView<'_> {
         sum / 16.0
     }
 
-    /// The answer of `hat` of `radius` pixels at the place (x, y) of the image, on the pixels less `ground`, which [`PixelView::ground`] gives.
+    /// The answer of `kernel` of `radius` pixels at the place (x, y) of the image, on the pixels less `local_mean`, which [`PixelView::local mean`] gives.
     ///
     /// # Panics
     /// When the radius is not between 1 and [`MAX_RADIUS`], or there are no pixels.
-    pub fn hat(&self, hat: &Hat, radius: f64, (x, y): (f64, f64), ground: f32) -> Answer {
-        assert!((1.0..=MAX_RADIUS).contains(&radius), "a hat of radius {radius}");
+    pub fn kernel_response(
+        &self,
+        kernel: &CompactKernel,
+        radius: f64,
+        (x, y): (f64, f64),
+        local_mean: f32,
+    ) -> KernelResponse {
+        assert!((1.0..=MAX_RADIUS).contains(&radius), "a kernel of radius {radius}");
         let first = ((x - radius).floor() as i64 + 1, (y - radius).floor() as i64 + 1);
         let count = ((x + radius).ceil() as i64 - first.0) as usize;
         let rows = ((y + radius).ceil() as i64 - first.1) as usize;
@@ -182,11 +195,11 @@ impl PixelView<'_> {
         for (j, out) in distances[1][..rows].iter_mut().enumerate() {
             *out = ((first.1 as f64 + j as f64 - y) * inverse) as f32;
         }
-        let sums = sums(hat, self, first, &distances[0][..columns], &distances[1][..rows], ground);
+        let sums = sums(kernel, self, first, &distances[0][..columns], &distances[1][..rows], local_mean);
         let [value, ring, ring_x, ring_y, xx, yy, xy] = sums.map(f64::from);
         // Derivatives of q with respect to the place, not the pixel.
         let (once, twice) = (2.0 * inverse, 4.0 * inverse * inverse);
-        Answer {
+        KernelResponse {
             value,
             gradient: [-once * ring_x, -once * ring_y],
             hessian: [twice * xx + once * inverse * ring, twice * yy + once * inverse * ring, twice * xy],
@@ -211,8 +224,8 @@ mod tests {
         c.iter().rev().fold(0.0, |sum, &c| sum * q + f64::from(c))
     }
 
-    fn h(hat: &Hat, q: f64) -> f64 {
-        (1.0 - q).powi(3) * polynomial(&hat.value, q)
+    fn h(kernel: &CompactKernel, q: f64) -> f64 {
+        (1.0 - q).powi(3) * polynomial(&kernel.value, q)
     }
 
     /// ∫f dq from 0 to 1.
@@ -221,14 +234,14 @@ mod tests {
     }
 
     /// The definition, pixel by pixel.
-    fn by_definition(hat: &Hat, plane: &Plane, radius: f64, (x, y): (f64, f64), ground: f32) -> f64 {
+    fn by_definition(kernel: &CompactKernel, plane: &Plane, radius: f64, (x, y): (f64, f64), local_mean: f32) -> f64 {
         let mut sum = 0.0;
         for v in -30..90i64 {
             for u in -30..90i64 {
                 let q = ((u as f64 - x).powi(2) + (v as f64 - y).powi(2)) / (radius * radius);
                 if q < 1.0 {
-                    let pixel = plane.at(u.clamp(0, 59) as usize, v.clamp(0, 49) as usize) - ground;
-                    sum += h(hat, q) * f64::from(pixel);
+                    let pixel = plane.at(u.clamp(0, 59) as usize, v.clamp(0, 49) as usize) - local_mean;
+                    sum += h(kernel, q) * f64::from(pixel);
                 }
             }
         }
@@ -238,18 +251,18 @@ mod tests {
     proptest! {
         #[test]
         fn the_answer_is_the_sum_and_its_derivatives_are_differences(
-            x in -3.0f64..62.0, y in -3.0f64..52.0, radius in 3.5f64..21.0, ground in 0.0f32..1.0, soft in any::<bool>(),
+            x in -3.0f64..62.0, y in -3.0f64..52.0, radius in 3.5f64..21.0, local_mean in 0.0f32..1.0, soft in any::<bool>(),
         ) {
-            let (plane, hat) = (texture(), if soft { SOFT } else { RIM });
-            let answer = pixels(&plane).hat(&hat, radius, (x, y), ground);
-            let expected = |dx: f64, dy: f64| by_definition(&hat, &plane, radius, (x + dx, y + dy), ground);
+            let (plane, kernel) = (texture(), if soft { SOFT } else { RIM });
+            let answer = pixels(&plane).kernel_response(&kernel, radius, (x, y), local_mean);
+            let expected = |dx: f64, dy: f64| by_definition(&kernel, &plane, radius, (x + dx, y + dy), local_mean);
             prop_assert!((answer.value - expected(0.0, 0.0)).abs() < 2e-4 * radius, "{}", answer.value);
             let e = 1e-3;
             let steps = [[(e, 0.0), (-e, 0.0)], [(0.0, e), (0.0, -e)]];
             for (axis, [plus, minus]) in steps.into_iter().enumerate() {
                 let difference = (expected(plus.0, plus.1) - expected(minus.0, minus.1)) / (2.0 * e);
                 prop_assert!((answer.gradient[axis] - difference).abs() < 1e-3, "{answer:?} {difference}");
-                let gradient = |(dx, dy)| pixels(&plane).hat(&hat, radius, (x + dx, y + dy), ground).gradient;
+                let gradient = |(dx, dy)| pixels(&plane).kernel_response(&kernel, radius, (x + dx, y + dy), local_mean).gradient;
                 let second = |of: usize| (gradient(plus)[of] - gradient(minus)[of]) / (2.0 * e);
                 prop_assert!((answer.hessian[axis] - second(axis)).abs() < 2e-2, "{answer:?} {}", second(axis));
                 prop_assert!((answer.hessian[2] - second(1 - axis)).abs() < 2e-2, "{answer:?} {}", second(1 - axis));
@@ -262,8 +275,11 @@ mod tests {
         let plane = texture();
         let part = Plane::from_fn(30, 30, |u, v| plane.at(u + 12, v + 9));
         let (whole, part) = (pixels(&plane), PixelView { left: 12, top: 9, ..pixels(&part) });
-        assert_eq!(whole.ground(8.0, (25.3, 22.8)), part.ground(8.0, (25.3, 22.8)));
-        assert_eq!(whole.hat(&RIM, 8.0, (25.3, 22.8), 0.5), part.hat(&RIM, 8.0, (25.3, 22.8), 0.5));
+        assert_eq!(whole.local_mean(8.0, (25.3, 22.8)), part.local_mean(8.0, (25.3, 22.8)));
+        assert_eq!(
+            whole.kernel_response(&RIM, 8.0, (25.3, 22.8), 0.5),
+            part.kernel_response(&RIM, 8.0, (25.3, 22.8), 0.5)
+        );
     }
 
     #[test]
@@ -271,8 +287,9 @@ mod tests {
         let ramp = Plane::from_fn(60, 50, |u, v| 0.2 + 0.01 * u as f32 - 0.02 * v as f32);
         for at in [(30.0, 25.0), (30.4, 25.2), (29.5, 24.5)] {
             let disc = |u: usize, v: usize| (u as f64 - at.0).hypot(v as f64 - at.1) < 12.0 * RIM.zero_at;
-            let blob = pixels(&Plane::from_fn(60, 50, |u, v| f32::from(disc(u, v)))).hat(&RIM, 12.0, at, 0.0);
-            let answer = pixels(&ramp).hat(&RIM, 12.0, at, pixels(&ramp).ground(12.0, at));
+            let blob =
+                pixels(&Plane::from_fn(60, 50, |u, v| f32::from(disc(u, v)))).kernel_response(&RIM, 12.0, at, 0.0);
+            let answer = pixels(&ramp).kernel_response(&RIM, 12.0, at, pixels(&ramp).local_mean(12.0, at));
             assert!(answer.value.abs() < 1e-3 * blob.value, "{answer:?} {blob:?}");
             assert!(answer.gradient.iter().all(|g| g.abs() < 2e-3 * blob.value), "{answer:?}");
         }
@@ -282,40 +299,43 @@ mod tests {
     fn the_ground_is_what_lies_around() {
         let plane =
             Plane::from_fn(60, 50, |u, v| if (u as f64 - 30.2).hypot(v as f64 - 25.7) < 8.0 { 0.9 } else { 0.1 });
-        assert!((pixels(&plane).ground(12.0, (30.2, 25.7)) - 0.1).abs() < 1e-6);
+        assert!((pixels(&plane).local_mean(12.0, (30.2, 25.7)) - 0.1).abs() < 1e-6);
     }
 
     #[test]
     fn a_hat_is_what_its_numbers_say() {
-        for hat in [RIM, SOFT] {
-            assert!(polynomial(&hat.value, hat.zero_at.powi(2)).abs() < 1e-4, "{hat:?}");
-            assert!(integral(|q| h(&hat, q)).abs() < 1e-6, "its mean is 0: {hat:?}");
-            let first = |q: f64| (1.0 - q).powi(2) * polynomial(&hat.first, q);
+        for kernel in [RIM, SOFT] {
+            assert!(polynomial(&kernel.value, kernel.zero_at.powi(2)).abs() < 1e-4, "{kernel:?}");
+            assert!(integral(|q| h(&kernel, q)).abs() < 1e-6, "its mean is 0: {kernel:?}");
+            let first = |q: f64| (1.0 - q).powi(2) * polynomial(&kernel.first, q);
             for q in [0.05, 0.2, 0.5, 0.83] {
                 let e = 1e-5;
-                assert!(((h(&hat, q + e) - h(&hat, q - e)) / (2.0 * e) - first(q)).abs() < 1e-6, "{hat:?} {q}");
-                let second = (1.0 - q) * polynomial(&hat.second, q);
-                assert!(((first(q + e) - first(q - e)) / (2.0 * e) - second).abs() < 1e-5, "{hat:?} {q}");
+                assert!(
+                    ((h(&kernel, q + e) - h(&kernel, q - e)) / (2.0 * e) - first(q)).abs() < 1e-6,
+                    "{kernel:?} {q}"
+                );
+                let second = (1.0 - q) * polynomial(&kernel.second, q);
+                assert!(((first(q + e) - first(q - e)) / (2.0 * e) - second).abs() < 1e-5, "{kernel:?} {q}");
             }
             let noise = (2.0 * std::f64::consts::PI * integral(|q| q * first(q).powi(2))).sqrt();
-            assert!((noise / hat.gradient_noise - 1.0).abs() < 1e-3, "{noise} {hat:?}");
+            assert!((noise / kernel.gradient_noise - 1.0).abs() < 1e-3, "{noise} {kernel:?}");
         }
     }
 
     #[test]
     fn places_of_discs_are_as_noisy_as_said() {
-        for (hat, expected) in [(RIM, 0.79), (SOFT, 1.11)] {
-            // ∂h/∂ρ in units of the hat's radius.
-            let slope = |rho: f64| 2.0 * rho * (1.0 - rho * rho).powi(2) * polynomial(&hat.first, rho * rho);
-            let rim = hat.zero_at;
+        for (kernel, expected) in [(RIM, 0.79), (SOFT, 1.11)] {
+            // ∂h/∂ρ in units of the kernel's radius.
+            let slope = |rho: f64| 2.0 * rho * (1.0 - rho * rho).powi(2) * polynomial(&kernel.first, rho * rho);
+            let rim = kernel.zero_at;
             let noise = integral(|rho| slope(rho).powi(2) * rho).sqrt() / (rim * slope(rim).abs());
-            assert!((noise - expected).abs() < 0.005, "{noise} {hat:?}");
+            assert!((noise - expected).abs() < 0.005, "{noise} {kernel:?}");
         }
     }
 
     #[test]
     fn a_peak_is_as_sharp_as_its_smaller_curvature() {
-        let answer = |value: f64, hessian| Answer { value, gradient: [0.0; 2], hessian };
+        let answer = |value: f64, hessian| KernelResponse { value, gradient: [0.0; 2], hessian };
         assert!((answer(2.0, [-3.0, -1.0, 0.0]).sharpness() - 1.0).abs() < 1e-12);
         assert!((answer(-2.0, [2.0, 2.0, 1.0]).sharpness() - 1.0).abs() < 1e-12);
         assert!(answer(2.0, [-3.0, 0.5, 0.0]).sharpness() < 0.0, "a saddle");

@@ -10,7 +10,7 @@ use crate::detector::describe::patch::around;
 use crate::detector::feature::{Descriptor, Feature};
 use crate::detector::keypoint::Keypoint;
 use crate::detector::localise::LocateScratch;
-use crate::detector::localise::place::{FARTHEST_MOVE_PX, hat_reach, rim_radius};
+use crate::detector::localise::place::{FARTHEST_MOVE_PX, kernel_reach, rim_radius};
 use crate::detector::localise::scale;
 use crate::detector::orient::{OrientationScratch, orientations};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
@@ -166,7 +166,7 @@ impl Describing<'_> {
         let level_reach = |sigma: f32| descriptor_radius(sigma) + 1;
         let wanted_sigma = f64::from(keypoint.sigma_octave);
         let mut reach = (scale::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
-            .max(hat_reach(rim_radius(wanted_sigma, self.space.levels), 1));
+            .max(kernel_reach(rim_radius(wanted_sigma, self.space.levels), 1));
         if self.own_slopes.is_none() {
             reach = reach.max(level_reach(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
         }

@@ -1,4 +1,4 @@
-//! Localising one keypoint: which pixels of which slopes its [hats](crate::kernel::compact_kernel) are laid on.
+//! Localising one keypoint: which pixels of which slopes its [kernels](crate::kernel::compact_kernel) are laid on.
 
 pub mod place;
 pub mod scale;
@@ -6,13 +6,13 @@ pub mod scale;
 use crate::detector::describe::Describing;
 use crate::detector::describe::patch::around;
 use crate::detector::keypoint::Keypoint;
-use crate::detector::localise::place::{FARTHEST_MOVE_PX, Neighbours, hat_reach, place, rim_radius, slope_steps};
+use crate::detector::localise::place::{FARTHEST_MOVE_PX, Neighbours, kernel_reach, place, rim_radius, slope_steps};
 use crate::detector::localise::scale::scale_peak;
 use crate::detector::params::{Localisation, SlopeExtrema};
 use crate::detector::scale_space::levels::{octave_pixel, octave_size};
 use crate::detector::scale_space::octave::Base;
 use crate::detector::stack::offsets::interpolation_blur;
-use crate::kernel::compact_kernel::{Answer, Hat, PixelView, SOFT};
+use crate::kernel::compact_kernel::{CompactKernel, KernelResponse, PixelView, SOFT};
 use crate::kernel::patch::{Patch, PatchScratch};
 use crate::plane::Plane;
 use std::cell::RefCell;
@@ -66,14 +66,14 @@ struct Around3x3<'d, 'a> {
     at: (f64, f64),
     /// The radius of its rim, octave pixels.
     rim: f64,
-    hat: Hat,
+    kernel: CompactKernel,
     scratch: RefCell<&'d mut LocateScratch>,
 }
 
 impl Around3x3<'_, '_> {
-    fn answered(&self, pixels: &PixelView<'_>) -> Answer {
-        let radius = self.hat.on_rim(self.rim);
-        pixels.hat(&self.hat, radius, self.at, pixels.ground(radius, self.at))
+    fn answered(&self, pixels: &PixelView<'_>) -> KernelResponse {
+        let radius = self.kernel.on_rim(self.rim);
+        pixels.kernel_response(&self.kernel, radius, self.at, pixels.local_mean(radius, self.at))
     }
 
     fn index(&self, di: i32, dj: i32) -> Option<usize> {
@@ -85,9 +85,9 @@ impl Around3x3<'_, '_> {
 }
 
 impl Neighbours for Around3x3<'_, '_> {
-    fn answer(&self, di: i32, dj: i32) -> Option<Answer> {
+    fn answer(&self, di: i32, dj: i32) -> Option<KernelResponse> {
         let base = (self.describing.base)(self.index(di, dj)?);
-        let radius = self.hat.on_rim(self.rim);
+        let radius = self.kernel.on_rim(self.rim);
         let mut scratch = self.scratch.borrow_mut();
         let around = Around::of(&base, self.describing.size, self.at, radius.ceil() as usize + 1, &mut scratch);
         Some(self.answered(&around.pixels()))
@@ -114,19 +114,19 @@ impl Describing<'_> {
             Some(finer) => {
                 let (at, rim) = ((2.0 * at.0, 2.0 * at.1), 2.0 * rim);
                 let size = octave_size(self.size_image, self.octave - 1);
-                let around = Around::of(&finer(keypoint.slope_index), size, at, hat_reach(rim, 2), scratch);
+                let around = Around::of(&finer(keypoint.slope_index), size, at, kernel_reach(rim, 2), scratch);
                 place(&around.pixels(), at, rim, 2.0 * FARTHEST_MOVE_PX as f64)
-                    .map(|((x, y), hat)| ((0.5 * x, 0.5 * y), hat))
+                    .map(|((x, y), kernel)| ((0.5 * x, 0.5 * y), kernel))
             }
         };
-        let (at, hat) = match placed {
+        let (at, kernel) = match placed {
             Some(found) => found,
-            // What no hat places keeps the place of the fit. A joint search refined its slope there; otherwise that is still to be done.
+            // What no kernel places keeps the place of the fit. A joint search refined its slope there; otherwise that is still to be done.
             None if self.params.slope_extrema == SlopeExtrema::Joint => return *keypoint,
             None => (at, SOFT),
         };
         let own = self.grid.coordinates(keypoint.slope_index);
-        let slopes = Around3x3 { describing: self, own, at, rim, hat, scratch: RefCell::new(scratch) };
+        let slopes = Around3x3 { describing: self, own, at, rim, kernel, scratch: RefCell::new(scratch) };
         let (i, j) = slope_steps(&slopes.answered(&raw.pixels()), &slopes);
         let slope = self.grid.at(own.0 as f32 + i, own.1 as f32 + j);
         if placed.is_none() {

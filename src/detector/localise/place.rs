@@ -3,16 +3,16 @@
 //! The quadratic fit of [`crate::detector::refine`] looks at 27 samples of D one octave pixel apart. That leaves errors of a tenth of an input pixel even
 //! without noise, and the long tails of D's Gaussians let neighbours pull. So, from the fit on:
 //!
-//! - **Place**: the extremum of a [hat](crate::kernel::compact_kernel) whose zero lies where D's own scale puts a blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the hat
+//! - **Place**: the extremum of a [kernel](crate::kernel::compact_kernel) whose zero lies where D's own scale puts a blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel
 //!   for blobs with a rim and the soft one, which resembles D, the one is taken that promises the smaller error: its noise over its curvature here. That is the
 //!   former for discs, crowded or not, and the latter for most of what a photograph holds. The octave before is used where there is one: its pixels are sharper.
 //! - **Scale**: the largest |D| at that place ([`crate::detector::localise::scale`]).
-//! - **Slope**: the hat's answers at that place at the neighbouring slopes, and the peak of the parabola through their logarithms. Frames that
+//! - **Slope**: the kernel's answers at that place at the neighbouring slopes, and the peak of the parabola through their logarithms. Frames that
 //!   are shifted by a fraction f of a pixel are blurred by linear interpolation, with variance f(1 − f), which makes slopes of whole pixels answer more strongly than others:
 //!   a bias of up to 0.03 px/frame. A blur of variance τ changes an answer by τ/2 times its second derivative, so it is taken off.
 
 use crate::detector::refine::{peak_offset, peak_offset_2d};
-use crate::kernel::compact_kernel::{Answer, Hat, PixelView, RIM, SOFT};
+use crate::kernel::compact_kernel::{CompactKernel, KernelResponse, PixelView, RIM, SOFT};
 
 /// A place that moves farther than this from the quadratic fit, in octave pixels, is not the same extremum.
 pub const FARTHEST_MOVE_PX: usize = 1;
@@ -28,43 +28,59 @@ pub fn rim_radius(sigma: f64, levels: usize) -> f64 {
     sigma * (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
 }
 
-impl Hat {
-    /// The radius of the hat whose zero lies on a rim of radius `rim`.
+impl CompactKernel {
+    /// The radius of the kernel whose zero lies on a rim of radius `rim`.
     pub fn on_rim(&self, rim: f64) -> f64 {
         rim / self.zero_at
     }
 
-    /// The error that noise makes of a place, up to a factor that all hats share; infinite where there is no peak.
-    fn error(&self, answer: &Answer) -> f64 {
+    /// The error that noise makes of a place, up to a factor that all kernels share; infinite where there is no peak.
+    fn error(&self, answer: &KernelResponse) -> f64 {
         let sharpness = answer.sharpness();
         if sharpness > 0.0 { self.gradient_noise / sharpness } else { f64::INFINITY }
     }
 }
 
 /// How far around a feature the pixels must reach for a rim of radius `rim`, when `unit` of them make an octave pixel.
-pub fn hat_reach(rim: f64, unit: usize) -> usize {
+pub fn kernel_reach(rim: f64, unit: usize) -> usize {
     SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
 }
 
-/// The place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the hat that says so; all in pixels of `pixels`. `None` when
+/// The place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the kernel that says so; all in pixels of `pixels`. `None` when
 /// there is none.
-pub fn place(pixels: &PixelView<'_>, start: (f64, f64), rim: f64, farthest: f64) -> Option<((f64, f64), Hat)> {
-    let answer = |hat: &Hat| pixels.hat(hat, hat.on_rim(rim), start, pixels.ground(hat.on_rim(rim), start));
-    // Where there is no rim the hat for rims has little to hold on to, or finds no peak at all.
-    let hats: &[Hat] = if RIM.error(&answer(&RIM)) <= SOFT.error(&answer(&SOFT)) { &[RIM, SOFT] } else { &[SOFT] };
-    hats.iter().find_map(|hat| extremum(pixels, hat, start, hat.on_rim(rim), farthest).map(|at| (at, *hat)))
+pub fn place(
+    pixels: &PixelView<'_>,
+    start: (f64, f64),
+    rim: f64,
+    farthest: f64,
+) -> Option<((f64, f64), CompactKernel)> {
+    let answer = |kernel: &CompactKernel| {
+        pixels.kernel_response(kernel, kernel.on_rim(rim), start, pixels.local_mean(kernel.on_rim(rim), start))
+    };
+    // Where there is no rim the kernel for rims has little to hold on to, or finds no peak at all.
+    let kernels: &[CompactKernel] =
+        if RIM.error(&answer(&RIM)) <= SOFT.error(&answer(&SOFT)) { &[RIM, SOFT] } else { &[SOFT] };
+    kernels
+        .iter()
+        .find_map(|kernel| extremum(pixels, kernel, start, kernel.on_rim(rim), farthest).map(|at| (at, *kernel)))
 }
 
-/// The extremum of the answer of `hat` of `radius` near (x0, y0), not farther than `farthest`.
-fn extremum(pixels: &PixelView<'_>, hat: &Hat, (x0, y0): (f64, f64), radius: f64, farthest: f64) -> Option<(f64, f64)> {
+/// The extremum of the answer of `kernel` of `radius` near (x0, y0), not farther than `farthest`.
+fn extremum(
+    pixels: &PixelView<'_>,
+    kernel: &CompactKernel,
+    (x0, y0): (f64, f64),
+    radius: f64,
+    farthest: f64,
+) -> Option<(f64, f64)> {
     let (mut x, mut y) = (x0, y0);
-    let ground = pixels.ground(radius, (x, y));
+    let local_mean = pixels.local_mean(radius, (x, y));
     for _ in 0..MAX_STEPS {
-        let answer = pixels.hat(hat, radius, (x, y), ground);
+        let answer = pixels.kernel_response(kernel, radius, (x, y), local_mean);
         if answer.sharpness() <= 0.0 {
             return None;
         }
-        let Answer { gradient: [gu, gv], hessian: [uu, vv, uv], .. } = answer;
+        let KernelResponse { gradient: [gu, gv], hessian: [uu, vv, uv], .. } = answer;
         let determinant = uu * vv - uv * uv;
         let (du, dv) = ((uv * gv - vv * gu) / determinant, (uv * gu - uu * gv) / determinant);
         let length = du.hypot(dv).max(1e-12);
@@ -80,18 +96,18 @@ fn extremum(pixels: &PixelView<'_>, hat: &Hat, (x0, y0): (f64, f64), radius: f64
     Some((x, y))
 }
 
-/// What a hat answers at the neighbouring slopes.
+/// What a kernel answers at the neighbouring slopes.
 pub trait Neighbours {
     /// The answer at the neighbouring slope (di, dj) of the grid, or `None` where the grid ends.
-    fn answer(&self, di: i32, dj: i32) -> Option<Answer>;
+    fn answer(&self, di: i32, dj: i32) -> Option<KernelResponse>;
     /// The variances (along u, along v) of the blur of linear interpolation at that slope, in the square of the answer's pixels.
     fn blur(&self, di: i32, dj: i32) -> (f64, f64);
 }
 
 /// The offset of the strongest slope from the grid's slope whose answer at the feature's place is `here`, in steps along both axes, within ±1; 0 on an axis
 /// where a neighbour is missing.
-pub fn slope_steps(here: &Answer, neighbours: &impl Neighbours) -> (f32, f32) {
-    let sharp = |answer: &Answer, di: i32, dj: i32| {
+pub fn slope_steps(here: &KernelResponse, neighbours: &impl Neighbours) -> (f32, f32) {
+    let sharp = |answer: &KernelResponse, di: i32, dj: i32| {
         let (along_u, along_v) = neighbours.blur(di, dj);
         (answer.value - 0.5 * (along_u * answer.hessian[0] + along_v * answer.hessian[1])) as f32
     };
@@ -148,8 +164,8 @@ mod tests {
         let mut plane = Plane::zeros(80, 70);
         draw_disc(&mut plane, 40.0, 35.0, 6.0, 1.0);
         draw_disc(&mut plane, 58.0, 35.0, 6.0, 1.0);
-        let (found, hat) = place(&pixels(&plane), (40.3, 34.9), 6.0, 1.0).expect("a disc");
-        assert_eq!(hat, RIM);
+        let (found, kernel) = place(&pixels(&plane), (40.3, 34.9), 6.0, 1.0).expect("a disc");
+        assert_eq!(kernel, RIM);
         assert!((found.0 - 40.0).abs() < 1e-3 && (found.1 - 35.0).abs() < 1e-3, "{found:?}");
     }
 
@@ -171,18 +187,18 @@ mod tests {
     impl Bump {
         const HESSIAN: [f64; 3] = [-0.08, -0.05, 0.0];
 
-        fn at(&self, di: i32, dj: i32) -> Answer {
+        fn at(&self, di: i32, dj: i32) -> KernelResponse {
             let d2 =
                 (f64::from(di) - f64::from(self.peak.0)).powi(2) + (f64::from(dj) - f64::from(self.peak.1)).powi(2);
             let sharp = (-d2 / 8.0).exp();
             let (u, v) = self.blur(di, dj);
             let share = 1.0 + 0.5 * (u * Self::HESSIAN[0] + v * Self::HESSIAN[1]);
-            Answer { value: sharp * share, gradient: [0.0; 2], hessian: Self::HESSIAN.map(|h| sharp * h) }
+            KernelResponse { value: sharp * share, gradient: [0.0; 2], hessian: Self::HESSIAN.map(|h| sharp * h) }
         }
     }
 
     impl Neighbours for Bump {
-        fn answer(&self, di: i32, dj: i32) -> Option<Answer> {
+        fn answer(&self, di: i32, dj: i32) -> Option<KernelResponse> {
             ((di, dj) != self.missing).then(|| self.at(di, dj))
         }
         fn blur(&self, di: i32, dj: i32) -> (f64, f64) {

@@ -76,7 +76,7 @@ pub fn reach(sigma: f64, levels: usize) -> usize {
 pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels: usize, from: f64) -> Option<f64> {
     let k = 2f64.powf(1.0 / levels as f64);
     // The Gaussians are cut off where a blob has ended; less its surroundings nothing is lost.
-    let ground = pixels.ground(RIM.on_rim(rim_radius(sigma, levels)), (x, y));
+    let local_mean = pixels.local_mean(RIM.on_rim(rim_radius(sigma, levels)), (x, y));
     let radius = reach(sigma, levels) as i64;
     let first = (x.round() as i64 - radius, y.round() as i64 - radius);
     let count = 2 * radius as usize + 1;
@@ -84,7 +84,7 @@ pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels
     let mut lines = vec![0.0f32; stride * count];
     for (line, v) in lines.chunks_exact_mut(stride).zip(first.1..) {
         pixels.line(v, first.0, &mut line[..count]);
-        line[..count].iter_mut().for_each(|x| *x -= ground);
+        line[..count].iter_mut().for_each(|x| *x -= local_mean);
     }
     // The pixels are as smooth as they are: nothing finer can be looked at.
     let finest = 0.5 * (from * from + LEAST_VARIANCE).ln() + STEP;

@@ -1,8 +1,9 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
-//! [`inputs`] says which frames take part and what their noise is; [`search`] goes through octaves, tiles and slopes and finds keypoints; [`finish`] keeps one
-//! keypoint for one blob, localises and describes those that stay. Here the features are ranked, and what the detection leaves is gathered: a [`Trail`], which
-//! [`judge`] can ask about single samples.
+//! The inputs say which frames take part and what their noise is; the [search](crate::detector::search) goes through
+//! octaves, tiles and slopes and finds keypoints; `finish` keeps one keypoint for one blob, localises and describes
+//! those that stay. Here the features are ranked, and what the detection leaves is gathered: a [`Trail`], which can
+//! be asked about single samples ([`Judgement`]).
 
 mod finish;
 mod judge;

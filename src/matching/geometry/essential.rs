@@ -10,7 +10,7 @@
 use super::consensus::Problem;
 use super::fundamental::epipolar_row;
 use super::linear::{Vector9, cross_matrix, matrix_of, null_space};
-use super::points::Pair;
+use super::points::PointPair;
 use super::polynomial::real_roots;
 use super::pose::{RelativePose, poses_of};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 /// Estimates E from matched directions.
 pub(super) struct EssentialProblem<'a> {
     /// Directions (x, y, 1).
-    pub pairs: &'a [Pair],
+    pub pairs: &'a [PointPair],
     /// Focal lengths of A's camera, pixels.
     pub focal_a: [f64; 2],
     /// Focal lengths of B's camera, pixels.
@@ -34,7 +34,7 @@ impl Problem for EssentialProblem<'_> {
     }
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
-        let pairs: [&Pair; 5] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        let pairs: [&PointPair; 5] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         models.extend(from_five(&pairs));
     }
 
@@ -90,7 +90,7 @@ impl Problem for EssentialProblem<'_> {
 
 impl EssentialProblem<'_> {
     /// d_bᵀ·E·d_a, and the squared length of its gradient after the pixels' four coordinates.
-    fn equation(&self, e: &Matrix3<f64>, pair: &Pair) -> (f64, f64) {
+    fn equation(&self, e: &Matrix3<f64>, pair: &PointPair) -> (f64, f64) {
         let ([x, y], [u, v]) = (pair.a, pair.b);
         let in_b = [e.m11 * x + e.m12 * y + e.m13, e.m21 * x + e.m22 * y + e.m23];
         let in_a = [e.m11 * u + e.m21 * v + e.m31, e.m12 * u + e.m22 * v + e.m32];
@@ -178,7 +178,7 @@ fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &
 }
 
 /// Up to ten essential matrices that five matches satisfy exactly.
-fn from_five(pairs: &[&Pair; 5]) -> Vec<Matrix3<f64>> {
+fn from_five(pairs: &[&PointPair; 5]) -> Vec<Matrix3<f64>> {
     let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else {
         return Vec::new();
     };

@@ -13,14 +13,14 @@ use super::consensus::Problem;
 use super::homography;
 use super::linear::{Vector9, cross_matrix, least_eigenvector, matrix_of, null_space, null_vector};
 use super::loss::Loss;
-use super::points::Pair;
+use super::points::PointPair;
 use super::polynomial::real_roots;
 use super::sampling::Sampler;
 use nalgebra::{Matrix3, SMatrix};
 
 /// Estimates F from matches in normalised coordinates.
 pub(super) struct FundamentalProblem<'a> {
-    pub pairs: &'a [Pair],
+    pub pairs: &'a [PointPair],
 }
 
 /// Samples of four inliers among which a dominant plane is looked for: if it holds half of them, it is missed once in 600 times.
@@ -37,7 +37,7 @@ impl Problem for FundamentalProblem<'_> {
     }
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
-        let pairs: [&Pair; 7] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        let pairs: [&PointPair; 7] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         models.extend(from_seven(&pairs).into_iter().filter(|f| is_oriented(f, &pairs)));
     }
 
@@ -65,8 +65,8 @@ impl Problem for FundamentalProblem<'_> {
 
     fn repair(&self, model: &Matrix3<f64>, loss: &Loss, sampler: &mut Sampler) -> Option<Matrix3<f64>> {
         let plane = self.dominant_plane(model, loss, sampler)?;
-        let is_off_plane = |pair: &&Pair| !loss.is_inlier(homography::squared_error(&plane, pair));
-        let off_plane: Vec<&Pair> = self.pairs.iter().filter(is_off_plane).collect();
+        let is_off_plane = |pair: &&PointPair| !loss.is_inlier(homography::squared_error(&plane, pair));
+        let off_plane: Vec<&PointPair> = self.pairs.iter().filter(is_off_plane).collect();
         if off_plane.len() < 2 {
             return None;
         }
@@ -93,7 +93,7 @@ impl FundamentalProblem<'_> {
         loss: &Loss,
         sampler: &mut Sampler,
     ) -> Option<homography::Homography> {
-        let inliers: Vec<Pair> =
+        let inliers: Vec<PointPair> =
             self.pairs.iter().filter(|pair| loss.is_inlier(sampson_squared(model, pair))).copied().collect();
         if inliers.len() < 4 {
             return None;
@@ -118,13 +118,13 @@ impl FundamentalProblem<'_> {
 }
 
 /// The coefficients of F's elements, row by row, in x_bᵀ·F·x_a.
-pub(super) fn epipolar_row(pair: &Pair) -> [f64; 9] {
+pub(super) fn epipolar_row(pair: &PointPair) -> [f64; 9] {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     [u * x, u * y, u, v * x, v * y, v, x, y, 1.0]
 }
 
 /// The squared length of the gradient of x_bᵀ·F·x_a after the four coordinates.
-fn squared_gradient(f: &Matrix3<f64>, pair: &Pair) -> f64 {
+fn squared_gradient(f: &Matrix3<f64>, pair: &PointPair) -> f64 {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
     let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
@@ -132,7 +132,7 @@ fn squared_gradient(f: &Matrix3<f64>, pair: &Pair) -> f64 {
 }
 
 /// The squared Sampson distance: to first order, by how much both points together must move to satisfy F exactly. Infinite at the epipoles.
-pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &Pair) -> f64 {
+pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &PointPair) -> f64 {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
     let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
@@ -142,7 +142,7 @@ pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &Pair) -> f64 {
 }
 
 /// Up to three matrices of rank 2 that seven matches satisfy exactly.
-fn from_seven(pairs: &[&Pair; 7]) -> Vec<Matrix3<f64>> {
+fn from_seven(pairs: &[&PointPair; 7]) -> Vec<Matrix3<f64>> {
     let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else {
         return Vec::new();
     };
@@ -157,11 +157,11 @@ fn from_seven(pairs: &[&Pair; 7]) -> Vec<Matrix3<f64>> {
 }
 
 /// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then point the same way for all of them, or opposite ways for all of them.
-fn is_oriented(f: &Matrix3<f64>, pairs: &[&Pair]) -> bool {
+fn is_oriented(f: &Matrix3<f64>, pairs: &[&PointPair]) -> bool {
     let Some(epipole) = null_vector(&f.transpose()) else {
         return false;
     };
-    let side = |pair: &&Pair| epipole.cross(&pair.b_homogeneous()).dot(&(f * pair.a_homogeneous()));
+    let side = |pair: &&PointPair| epipole.cross(&pair.b_homogeneous()).dot(&(f * pair.a_homogeneous()));
     let first = side(&pairs[0]);
     pairs.iter().all(|pair| side(pair) * first > 0.0)
 }
@@ -175,8 +175,8 @@ pub(super) fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
 }
 
 /// The fundamental matrix of a plane's homography `h` and two matches off that plane, whose lines from the plane's point to the true one meet in the epipole.
-fn from_plane_and_parallax(h: &Matrix3<f64>, first: &Pair, second: &Pair) -> Option<Matrix3<f64>> {
-    let line = |pair: &Pair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
+fn from_plane_and_parallax(h: &Matrix3<f64>, first: &PointPair, second: &PointPair) -> Option<Matrix3<f64>> {
+    let line = |pair: &PointPair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
     let epipole = line(first).cross(&line(second));
     let f = cross_matrix(&epipole) * h;
     let norm = f.norm();

@@ -6,7 +6,7 @@
 
 use super::consensus::Problem;
 use super::linear::{Vector9, least_eigenvector, matrix_of, null_space};
-use super::points::Pair;
+use super::points::PointPair;
 use nalgebra::{Matrix3, SMatrix};
 
 /// A homography and its inverse, with signs that put matches in front of the camera.
@@ -20,8 +20,8 @@ pub(super) struct Homography {
 
 impl Homography {
     /// With the sign for which the third coordinates of the mapped `pairs` are positive on the whole; `None` for a matrix that has no inverse.
-    pub(super) fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a Pair>) -> Option<Self> {
-        let depth = |p: &Pair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
+    pub(super) fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a PointPair>) -> Option<Self> {
+        let depth = |p: &PointPair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
         let sign: f64 = pairs.map(|p| if depth(p) < 0.0 { -1.0 } else { 1.0 }).sum();
         let norm = h.norm();
         let forward = h * (if sign < 0.0 { -1.0 } else { 1.0 } / norm);
@@ -42,7 +42,7 @@ pub(super) fn mapped(h: &Matrix3<f64>, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 /// The squared symmetric transfer error: the mean of the squared distances in A and in B. Infinite behind the cameras.
-pub(super) fn squared_error(h: &Homography, pair: &Pair) -> f64 {
+pub(super) fn squared_error(h: &Homography, pair: &PointPair) -> f64 {
     let (Some(in_b), Some(in_a)) = (mapped(&h.forward, pair.a), mapped(&h.backward, pair.b)) else {
         return f64::INFINITY;
     };
@@ -52,7 +52,7 @@ pub(super) fn squared_error(h: &Homography, pair: &Pair) -> f64 {
 
 /// Estimates H from matches in normalised coordinates.
 pub(super) struct HomographyProblem<'a> {
-    pub pairs: &'a [Pair],
+    pub pairs: &'a [PointPair],
 }
 
 impl Problem for HomographyProblem<'_> {
@@ -64,7 +64,7 @@ impl Problem for HomographyProblem<'_> {
     }
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Homography>) {
-        let pairs: [&Pair; 4] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        let pairs: [&PointPair; 4] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         if !keeps_orientation(&pairs) {
             return;
         }
@@ -103,14 +103,14 @@ impl Problem for HomographyProblem<'_> {
 }
 
 /// The coefficients of H's elements, row by row, in the two equations of a match; they are the transfer's errors in u and v times its depth.
-fn transfer_rows(pair: &Pair) -> [[f64; 9]; 2] {
+fn transfer_rows(pair: &PointPair) -> [[f64; 9]; 2] {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     [[-x, -y, -1.0, 0.0, 0.0, 0.0, u * x, u * y, u], [0.0, 0.0, 0.0, -x, -y, -1.0, v * x, v * y, v]]
 }
 
 /// Whether each three of the four points turn the same way in both images, and no three lie on a line. Planes in front of both cameras can be seen mirrored, from
 /// behind; then all turns are reversed.
-fn keeps_orientation(pairs: &[&Pair; 4]) -> bool {
+fn keeps_orientation(pairs: &[&PointPair; 4]) -> bool {
     let turn = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let mut sign = 0.0;
     for [i, j, k] in [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]] {

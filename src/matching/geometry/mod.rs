@@ -29,7 +29,7 @@ use super::camera::Camera;
 use super::params::{Geometry, MatchParams};
 use crate::monitor::{Cancelled, Monitor};
 use consensus::{Consensus, Settings, estimate};
-use points::{Normalisation, Pair};
+use points::{Normalisation, PointPair};
 
 /// What the matches agree on.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,7 +72,7 @@ pub fn verify(
     monitor: &Monitor,
 ) -> Result<Option<Verification>, MatchError> {
     params.validate()?;
-    let points: Vec<Pair> = pairs.iter().map(|p| Pair { a: p.a, b: p.b }).collect();
+    let points: Vec<PointPair> = pairs.iter().map(|p| PointPair { a: p.a, b: p.b }).collect();
     let mut order: Vec<usize> = (0..pairs.len()).collect();
     order.sort_by(|&i, &j| pairs[i].rank.total_cmp(&pairs[j].rank));
     let (model, iterations) = match (params.geometry, &params.camera) {
@@ -109,20 +109,20 @@ fn settings(params: &MatchParams, units_per_pixel: f64) -> Settings {
     }
 }
 
-type Found = Result<(Option<TwoViewModel>, usize), Cancelled>;
+type ModelFound = Result<(Option<TwoViewModel>, usize), Cancelled>;
 
-fn fundamental_of(points: &[Pair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> Found {
+fn fundamental_of(points: &[PointPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
     let normalisation = Normalisation::of(points);
-    let normalised: Vec<Pair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
+    let normalised: Vec<PointPair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
     let problem = fundamental::FundamentalProblem { pairs: &normalised };
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, normalisation.scale), monitor)?;
     let in_pixels = |f| TwoViewModel::Fundamental { fundamental: normalisation.fundamental_in_pixels(&f).normalize() };
     Ok((model.map(in_pixels), iterations))
 }
 
-fn homography_of(points: &[Pair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> Found {
+fn homography_of(points: &[PointPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
     let normalisation = Normalisation::of(points);
-    let normalised: Vec<Pair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
+    let normalised: Vec<PointPair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
     let problem = homography::HomographyProblem { pairs: &normalised };
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, normalisation.scale), monitor)?;
     let in_pixels =
@@ -130,9 +130,9 @@ fn homography_of(points: &[Pair], order: Vec<usize>, params: &MatchParams, monit
     Ok((model.and_then(in_pixels), iterations))
 }
 
-fn essential_of(points: &[Pair], order: Vec<usize>, camera: &Camera, params: &MatchParams, monitor: &Monitor) -> Found {
-    let directions: Vec<Pair> =
-        points.iter().map(|p| Pair { a: camera.direction_of(p.a), b: camera.direction_of(p.b) }).collect();
+fn essential_of(points: &[PointPair], order: Vec<usize>, camera: &Camera, params: &MatchParams, monitor: &Monitor) -> ModelFound {
+    let directions: Vec<PointPair> =
+        points.iter().map(|p| PointPair { a: camera.direction_of(p.a), b: camera.direction_of(p.b) }).collect();
     let focal = camera.focal_px();
     let problem = essential::EssentialProblem { pairs: &directions, focal_a: focal, focal_b: focal };
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, 1.0), monitor)?;

@@ -2,7 +2,7 @@
 
 use super::fundamental::sampson_squared;
 use super::homography::{Homography, mapped, squared_error};
-use super::points::Pair;
+use super::points::PointPair;
 use super::pose::{RelativePose, pose_in_front};
 use crate::matching::camera::Camera;
 use nalgebra::{Matrix3, Vector3};
@@ -45,13 +45,13 @@ impl TwoViewModel {
     /// distances in A and in B. Infinite where there is none: at the epipoles, or behind the camera.
     pub fn error_px(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let squared = match self {
-            Self::Fundamental { fundamental } => sampson_squared(fundamental, &Pair { a, b }),
+            Self::Fundamental { fundamental } => sampson_squared(fundamental, &PointPair { a, b }),
             Self::Essential { essential, camera } => {
-                let pair = Pair { a: straightened(camera, a), b: straightened(camera, b) };
+                let pair = PointPair { a: straightened(camera, a), b: straightened(camera, b) };
                 sampson_squared(&straight_fundamental(essential, camera), &pair)
             }
             Self::Homography { forward, backward } => {
-                squared_error(&Homography { forward: *forward, backward: *backward }, &Pair { a, b })
+                squared_error(&Homography { forward: *forward, backward: *backward }, &PointPair { a, b })
             }
         };
         if squared.is_nan() { f64::INFINITY } else { squared.sqrt() }
@@ -96,8 +96,8 @@ impl TwoViewModel {
         let Self::Essential { essential, camera } = self else {
             return None;
         };
-        let directions: Vec<Pair> =
-            pairs.iter().map(|(a, b)| Pair { a: camera.direction_of(*a), b: camera.direction_of(*b) }).collect();
+        let directions: Vec<PointPair> =
+            pairs.iter().map(|(a, b)| PointPair { a: camera.direction_of(*a), b: camera.direction_of(*b) }).collect();
         pose_in_front(essential, directions.iter())
     }
 }
