@@ -1,9 +1,9 @@
-//! CPU time, wall time and memory of whole detections, as the operating system counts them, on request: the partner of `versus_opencv.py`, which
-//! asks for runs in turns with another program's, so that both see the same machine.
+//! CPU time, wall time and memory of whole detections, as the operating system counts them, on request: the partner of
+//! `versus_opencv.py`, which asks for runs in turns with another program's, so that both see the same machine.
 //!
-//! Writes the middle frame as an 8-bit PNG to the path given as the first argument, then reads commands from standard input, one a line:
-//! `METHOD THREADS [PEAK_THRESHOLD]`, with METHOD one of `1d`, `2d`, `1d-doubled`, `sift`; answers each with a line of
-//! `METHOD features cpu_secs wall_secs peak_bytes_over_burst`.
+//! Writes the middle frame as an 8-bit PNG to the path given as the first argument, then reads commands from standard
+//! input, one a line: `METHOD THREADS [PEAK_THRESHOLD]`, with METHOD one of `1d`, `2d`, `1d-doubled`, `sift`; answers
+//! each with a line of `METHOD features cpu_secs wall_secs peak_bytes_over_burst`.
 
 mod common;
 

@@ -1,11 +1,14 @@
-//! Time of the exact search for the two nearest descriptors, on request: the partner of `versus_opencv_matching.py`, which asks for runs in turns with OpenCV's
-//! brute-force matcher, so that both see the same machine and the same descriptors.
+//! Time of the exact search for the two nearest descriptors, on request: the partner of `versus_opencv_matching.py`,
+//! which asks for runs in turns with OpenCV's brute-force matcher, so that both see the same machine and the same
+//! descriptors.
 //!
-//! Arguments: the number of descriptors on each side, and a folder, into which `a.npy` and `b.npy` (`[N, 128]` u8) are written. Then each line of the standard input is
-//! a number of threads, and is answered with `wall_secs cpu_secs`. `nearest` in place of a number writes the answer itself into `nearest.npy`
-//! (`[N, 3]` i64: index, squared distance, second squared distance).
+//! Arguments: the number of descriptors on each side, and a folder, into which `a.npy` and `b.npy` (`[N, 128]` u8) are
+//! written. Then each line of the standard input is a number of threads, and is answered with `wall_secs cpu_secs`.
+//! `nearest` in place of a number writes the answer itself into `nearest.npy` (`[N, 3]` i64: index, squared distance,
+//! second squared distance).
 //!
-//! Descriptors are made like the detector's: roots of numbers whose sum is 1, times 512. Half of B's are noisy copies of A's.
+//! Descriptors are made like the detector's: roots of numbers whose sum is 1, times 512. Half of B's are noisy copies
+//! of A's.
 
 use burstscope::Monitor;
 use burstscope::detector::Descriptor;

@@ -1,4 +1,5 @@
-//! How long a probe takes once its cache is there: a click should be answered at once. 1600×1200 pixels, ten frames, 7 slopes on a line and 7×7.
+//! How long a probe takes once its cache is there: a click should be answered at once. 1600×1200 pixels, ten frames, 7
+//! slopes on a line and 7×7.
 
 use burstscope::Monitor;
 use burstscope::detector::{DetectorParams, SearchParams, SlopeGrid};

@@ -1,6 +1,8 @@
-//! Ratios that are promised, each measured side by side in one run: how long an answer takes compared with something that everyone knows the cost of.
+//! Ratios that are promised, each measured side by side in one run: how long an answer takes compared with something
+//! that everyone knows the cost of.
 //!
-//! A table comes out, one line a promise: what was measured, the ratio (or the longest time) and the bound. Medians over turns; two threads unless the machine has one.
+//! A table comes out, one line a promise: what was measured, the ratio (or the longest time) and the bound. Medians
+//! over turns; two threads unless the machine has one.
 //!
 //!     cargo bench --bench ratios
 
@@ -44,7 +46,8 @@ fn row(what: &str, measured: String, bound: &str) {
     println!("| {what:<64} | {measured:>18} | {bound:>10} |");
 }
 
-/// The longest of some waits between a cancel and the return of `work`, which is begun anew for each and cancelled at a different moment.
+/// The longest of some waits between a cancel and the return of `work`, which is begun anew for each and cancelled at a
+/// different moment.
 fn longest_wait(whole: f64, work: impl Fn(&Monitor) + Sync) -> f64 {
     const TIMES: u32 = 12;
     (1..=TIMES)
@@ -149,8 +152,8 @@ fn cancelling(burst: &Burst) {
     );
 }
 
-/// From the creation of a window on the demo to its first picture, drawn and read back. Opening the graphics driver is not counted; without a card it is a
-/// software driver that draws.
+/// From the creation of a window on the demo to its first picture, drawn and read back. Opening the graphics driver is
+/// not counted; without a card it is a software driver that draws.
 fn first_picture() {
     let time = || -> Result<f64, OffscreenError> {
         let mut offscreen = Offscreen::new(egui::vec2(1280.0, 800.0), 1.0, AdapterChoice::Fastest)?;

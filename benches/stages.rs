@@ -1,4 +1,5 @@
-//! The stages of a detection and the whole of it, measured by criterion: pictures on ten frames of 1600×1200, whole searches on 800×600.
+//! The stages of a detection and the whole of it, measured by criterion: pictures on ten frames of 1600×1200, whole
+//! searches on 800×600.
 //!
 //!     cargo bench --bench stages
 //!     cargo bench --bench stages -- search      (only those whose name has it)

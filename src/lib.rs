@@ -3,8 +3,9 @@
 //! A robot at night takes bursts of dark, noisy frames. One frame shows little; but if the frames are shifted by the
 //! right apparent motion (a *slope*, in pixels per frame) and averaged, what moves that way comes out of the noise.
 //! Which motion is right differs from place to place, so the detector tries a whole grid of slopes, filters each mean
-//! image over a range of scales, and keeps what is an extremum jointly over place, scale and slope. This is the method of
-//! Ravendran, Bryson and Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv 2209.09470).
+//! image over a range of scales, and keeps what is an extremum jointly over place, scale and slope. This is the method
+//! of Ravendran, Bryson and Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv
+//! 2209.09470).
 //!
 //! The crate is a library (everything that needs no window) with the window and the command line on top. A room may use
 //! the rooms below it, never those above:
@@ -23,10 +24,11 @@
 //! ```
 //!
 //! # Conventions
-//! `u` is the column, to the right; `v` the row, down; the centre of the first pixel is (0, 0). Slopes are pixels of the
-//! input image per frame; a point at `x` at the reference time `t0 = (N − 1)/2` is at `x + (t − t0)·λ` in frame `t`.
-//! Frames hold `f32` in [0, 1] of the file's full scale, and thresholds are in that unit. Scale `sigma` is in input pixels.
-//! `D = G(next level) − G(this level)`: a bright blob is a negative extremum. Orientations are radians from +u towards +v.
+//! `u` is the column, to the right; `v` the row, down; the centre of the first pixel is (0, 0). Slopes are pixels of
+//! the input image per frame; a point at `x` at the reference time `t0 = (N − 1)/2` is at `x + (t − t0)·λ` in frame
+//! `t`. Frames hold `f32` in [0, 1] of the file's full scale, and thresholds are in that unit. Scale `sigma` is in
+//! input pixels. `D = G(next level) − G(this level)`: a bright blob is a negative extremum. Orientations are radians
+//! from +u towards +v.
 
 #[cfg(feature = "app")]
 pub mod app;

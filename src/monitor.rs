@@ -1,8 +1,8 @@
 //! Progress out, cancellation in: the one handle that long work carries.
 //!
-//! A [`Monitor`] is cheap to clone; clones share the cancel flag and the listener. Long loops call [`Monitor::check`] once
-//! per strip, slope or file and return at once when it fails, without a partial result. Progress is a stage's name and the
-//! fraction of it that is done; it may be reported from any thread.
+//! A [`Monitor`] is cheap to clone; clones share the cancel flag and the listener. Long loops call [`Monitor::check`]
+//! once per strip, slope or file and return at once when it fails, without a partial result. Progress is a stage's name
+//! and the fraction of it that is done; it may be reported from any thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -90,12 +90,14 @@ impl Monitor {
         Self { cancel: Arc::default(), listener: Some(Arc::new(listener)) }
     }
 
-    /// A monitor with the same cancel flag that reports to nobody: for a part of larger work, which reports progress of its own.
+    /// A monitor with the same cancel flag that reports to nobody: for a part of larger work, which reports progress of
+    /// its own.
     pub fn silent(&self) -> Self {
         Self { cancel: self.cancel.clone(), listener: None }
     }
 
-    /// A monitor for a part of larger work: the same cancel flag, and its progress of 0 … 1 is told as `done` to `done + share` of the whole.
+    /// A monitor for a part of larger work: the same cancel flag, and its progress of 0 … 1 is told as `done` to
+    /// `done + share` of the whole.
     pub fn part(&self, done: f32, share: f32) -> Self {
         let listener = self.listener.clone().map(|listener| -> Listener {
             Arc::new(move |p: Progress| {

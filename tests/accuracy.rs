@@ -1,7 +1,8 @@
-//! How close features come to the truth: places, scales and slopes of a chart's discs, in one and two dimensions of motion.
+//! How close features come to the truth: places, scales and slopes of a chart's discs, in one and two dimensions of
+//! motion.
 //!
-//! True slopes are drawn from a continuum and the grid has steps of 0.5 px/frame, so what is finer than the step is the refinement's work. Discs
-//! reach half a pixel per frame beyond the grid; those must be marked.
+//! True slopes are drawn from a continuum and the grid has steps of 0.5 px/frame, so what is finer than the step is the
+//! refinement's work. Discs reach half a pixel per frame beyond the grid; those must be marked.
 
 use burstscope::evaluate::accuracy::{AccuracyReport, AccuracyStudy};
 use burstscope::evaluate::statistics::Errors;

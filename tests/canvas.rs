@@ -389,7 +389,8 @@ fn thousands_of_features_draw_with_few_triangles() {
             .sum();
     }
     println!("5000 features: {fastest:.1} ms a frame, {triangles} triangles");
-    // The time is printed, not judged: a busy machine is no mistake. What it grows with is bounded instead: under 100 triangles a feature.
+    // The time is printed, not judged: a busy machine is no mistake. What it grows with is bounded instead: under 100
+    // triangles a feature.
     assert!((100_000..500_000).contains(&triangles), "{triangles} triangles");
 }
 

@@ -1,4 +1,5 @@
-//! From a dataset to COLMAP: what is written, that it is not done twice, and, where pycolmap is installed, that COLMAP reads it.
+//! From a dataset to COLMAP: what is written, that it is not done twice, and, where pycolmap is installed, that COLMAP
+//! reads it.
 
 #[path = "colmap/support.rs"]
 mod support;

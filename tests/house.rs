@@ -1,4 +1,5 @@
-//! The walls of the house: which part of the crate may use which, read from the code itself, and what the pure library depends on.
+//! The walls of the house: which part of the crate may use which, read from the code itself, and what the pure library
+//! depends on.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! Explanations are held to what they explain: over a whole picture the verdicts add up to the tally, and what they call kept is what was kept.
+//! Explanations are held to what they explain: over a whole picture the verdicts add up to the tally, and what they
+//! call kept is what was kept.
 
 #[path = "inspect/comparing.rs"]
 mod comparing;

@@ -1,7 +1,8 @@
 //! The laws of the detector: what must hold for every burst, whatever it shows.
 //!
-//! The bursts are textures of random blobs that move at two slopes under a little noise, so that there is something to find at several scales and
-//! slopes. Features are compared as sets: same count, each with a partner near where the law says it is.
+//! The bursts are textures of random blobs that move at two slopes under a little noise, so that there is something to
+//! find at several scales and slopes. Features are compared as sets: same count, each with a partner near where the law
+//! says it is.
 
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::detector::{
@@ -70,17 +71,20 @@ fn inside(detection: &Detection, margin: f32) -> Vec<Feature> {
     detection.features.iter().filter(keep).copied().collect()
 }
 
-/// Features well above the thresholds: sums in another order round differently, which may tip one that is just at a threshold.
+/// Features well above the thresholds: sums in another order round differently, which may tip one that is just at a
+/// threshold.
 fn clear(detection: &Detection, params: &DetectorParams) -> Vec<Feature> {
     let keep =
         |f: &&Feature| f.response.abs() > 1.1 * params.peak_threshold && f.snr > 1.1 * detection.noise_gate_factor;
     detection.features.iter().filter(keep).copied().collect()
 }
 
-/// Where rounding decides whether the refinement moves on by a pixel, the fit around another sample answers up to a tenth of a pixel elsewhere.
+/// Where rounding decides whether the refinement moves on by a pixel, the fit around another sample answers up to a
+/// tenth of a pixel elsewhere.
 const ROUNDING_PX: f32 = 0.1;
 
-/// Each of `theirs`, once `mapped`, has a partner in `ours` within `tolerance` px, 1 % of scale, and `tolerance` px/frame.
+/// Each of `theirs`, once `mapped`, has a partner in `ours` within `tolerance` px, 1 % of scale, and `tolerance`
+/// px/frame.
 fn assert_all_found(ours: &[Feature], theirs: &[Feature], mapped: impl Fn(&Feature) -> Feature, tolerance: f32) {
     assert!(theirs.len() >= 4, "only {} features: the law would hold for nothing", theirs.len());
     let missing: Vec<&Feature> = theirs
@@ -95,11 +99,13 @@ fn assert_all_found(ours: &[Feature], theirs: &[Feature], mapped: impl Fn(&Featu
             })
         })
         .collect();
-    // About one feature in ten thousand lies on the border of a test (edge ratio, convergence) and is tipped by rounding.
+    // About one feature in ten thousand lies on the border of a test (edge ratio, convergence) and is tipped by
+    // rounding.
     assert!(missing.len() <= usize::from(tolerance >= ROUNDING_PX), "of {} none for {missing:?}", theirs.len());
 }
 
-/// The laws are about the search. What the noise model measures depends on which squares and frames it looks at, and these do not move with the burst.
+/// The laws are about the search. What the noise model measures depends on which squares and frames it looks at, and
+/// these do not move with the burst.
 fn plane_grid() -> DetectorParams {
     DetectorParams {
         noise_model: NoiseModelKind::White,
@@ -157,7 +163,8 @@ proptest! {
 
     #[test]
     fn turning_the_frames_turns_the_features(seed in 0u64..1000) {
-        // By 90° from +u towards +v: (u, v) goes to (H−1−v, u). One octave, since coarser ones start from the top-left pixel.
+        // By 90° from +u towards +v: (u, v) goes to (H−1−v, u). One octave, since coarser ones start from the top-left
+        // pixel.
         let burst = two_slopes(seed, 4);
         let turned = map_frames(&burst, |p| Plane::from_fn(SIZE.1, SIZE.0, |u, v| p.at(v, SIZE.1 - 1 - u)));
         let params = DetectorParams { octaves: 1, ..plane_grid() };
@@ -316,7 +323,8 @@ fn a_blob_beyond_the_grid_is_marked() {
     assert!(from_before_the_rim.count() > 0, "a smear whose slope leads to the rim");
 }
 
-/// Gaussian blobs of radius σ px and a height, each moving through a place at mid-burst, over an even ground with a little noise.
+/// Gaussian blobs of radius σ px and a height, each moving through a place at mid-burst, over an even ground with a
+/// little noise.
 fn moving(n: usize, blobs: &[(f32, f32, f32, f32, Slope)]) -> Burst {
     let mut rng = Stream::new(5, 0);
     let frame = |t: usize| {

@@ -1,6 +1,7 @@
 //! Memory is bounded: what a detection needs beyond the burst itself, as the operating system counts it.
 //!
-//! One test, alone in its program, so that nothing else is counted. Where the system has no `/proc` it says so and stops.
+//! One test, alone in its program, so that nothing else is counted. Where the system has no `/proc` it says so and
+//! stops.
 
 use burstscope::detector::{DetectorParams, SlopeGrid};
 use burstscope::synth::{SceneParams, synth_scene};

@@ -1,4 +1,5 @@
-//! Opening bursts: every format and its values, every way to name a burst, every failure and its message, and files that are damaged at random.
+//! Opening bursts: every format and its values, every way to name a burst, every failure and its message, and files
+//! that are damaged at random.
 
 #[path = "opening/errors.rs"]
 mod errors;

@@ -1,7 +1,8 @@
-//! What the features are for, scaled down to what runs in seconds and without COLMAP: bursts along a camera's way past a dark scene, matched and verified pair by pair.
+//! What the features are for, scaled down to what runs in seconds and without COLMAP: bursts along a camera's way past
+//! a dark scene, matched and verified pair by pair.
 //!
-//! The scene and the way are our own (`synth trajectory`), so it is known where each feature of one burst is seen in another, and matches can be counted that are
-//! right, not only those that agree with one another.
+//! The scene and the way are our own (`synth trajectory`), so it is known where each feature of one burst is seen in
+//! another, and matches can be counted that are right, not only those that agree with one another.
 
 use burstscope::Monitor;
 use burstscope::baseline::detect;
@@ -75,7 +76,8 @@ fn merge() -> DetectorParams {
     DetectorParams { method: Method::Merge, peak_threshold: 0.0, max_orientations: 2, ..DetectorParams::default() }
 }
 
-/// In the dark burst features must have half as many inliers again as the merged burst, and as many more that are right.
+/// In the dark burst features must have half as many inliers again as the merged burst, and as many more that are
+/// right.
 fn assert_burst_features_win(way: &Trajectory, slopes: SlopeGrid) {
     let buff = matched(way, &DetectorParams { slopes, ..DetectorParams::default() });
     let merge = matched(way, &merge());

@@ -47,10 +47,10 @@ fn progress_runs_from_noise_to_description_and_never_back_by_more_than_threads_o
     assert_eq!(heard.first().map(|p| (p.stage, p.fraction)), Some((Stage::Noise, 0.0)));
     assert_eq!(heard.last().map(|p| (p.stage, p.fraction)), Some((Stage::Describe, 1.0)));
     assert!(heard.iter().any(|p| matches!(p.stage, Stage::Search { octave: 2 })));
-    let mut most = 0.0f32;
+    let mut max = 0.0f32;
     for progress in heard.iter() {
-        assert!(progress.fraction > most - 0.05, "{progress:?} after {most}");
-        most = most.max(progress.fraction);
+        assert!(progress.fraction > max - 0.05, "{progress:?} after {max}");
+        max = max.max(progress.fraction);
     }
     // Fine enough that a bar moves: no step of more than a tenth of the whole.
     let steps = heard.windows(2).map(|pair| pair[1].fraction - pair[0].fraction);
@@ -75,7 +75,7 @@ fn a_cancel_is_obeyed_while_the_machine_is_busy() {
         own.set(monitor.clone()).expect("set once");
         let result = while_busy(|| detect(&burst, &params(), &monitor));
         assert!(matches!(result, Err(DetectError::Cancelled(_))), "cancelled at {at}");
-        let most = heard_after.lock().expect("no panic").iter().copied().fold(0.0, f32::max);
-        assert!(most < at + 0.2, "cancelled at {at}, still working at {most}");
+        let max = heard_after.lock().expect("no panic").iter().copied().fold(0.0, f32::max);
+        assert!(max < at + 0.2, "cancelled at {at}, still working at {max}");
     }
 }

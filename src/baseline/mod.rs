@@ -1,10 +1,12 @@
 //! What burst features are compared with: a burst made into one image, on which an ordinary detector runs.
 //!
-//! Each baseline is a function from a burst to a burst of one frame: [`merge_burst`], the robust merge of aligned frames, and [`plain_mean`]. The same detector then runs on
-//! it, so that a comparison shows what the burst search adds and nothing else. (SIFT on a single frame needs no baseline: that is the same detector on the burst
-//! itself, of which it takes the middle frame. Nor does the gold standard: it is SIFT on an image that was taken with enough light.)
+//! Each baseline is a function from a burst to a burst of one frame: [`merge_burst`], the robust merge of aligned
+//! frames, and [`plain_mean`]. The same detector then runs on it, so that a comparison shows what the burst search adds
+//! and nothing else. (SIFT on a single frame needs no baseline: that is the same detector on the burst itself, of which
+//! it takes the middle frame. Nor does the gold standard: it is SIFT on an image that was taken with enough light.)
 //!
-//! [`detect`] is the detector with every [`Method`], and [`search`] finds the slopes first where they are to be found; [`prepare`] is what a method does before the search.
+//! [`detect`] is the detector with every [`Method`], and [`search`] finds the slopes first where they are to be found;
+//! [`prepare`] is what a method does before the search.
 
 mod mean;
 mod merge;
@@ -21,7 +23,8 @@ use std::time::Instant;
 /// Finds the features of a burst by the method that `params` ask for.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
 pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
     let frames_used = params.used_frames(burst.len());
     let (burst, params) = prepare(burst, params, monitor)?;
@@ -57,10 +60,12 @@ pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result
     Ok(Searched { detection, params, finding, slopes_secs })
 }
 
-/// The burst that is searched, and with which parameters: for [`Method::Merge`] one merged frame, otherwise just what is given.
+/// The burst that is searched, and with which parameters: for [`Method::Merge`] one merged frame, otherwise just what
+/// is given.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
 pub fn prepare(
     burst: &Burst,
     params: &DetectorParams,

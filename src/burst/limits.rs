@@ -1,5 +1,5 @@
-//! How large a burst may be. Declared sizes are checked against this before any pixel is allocated, so that a damaged or
-//! hostile file cannot take the machine's memory.
+//! How large a burst may be. Declared sizes are checked against this before any pixel is allocated, so that a damaged
+//! or hostile file cannot take the machine's memory.
 
 use super::error::OpenError;
 use std::path::Path;

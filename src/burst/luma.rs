@@ -28,7 +28,8 @@ fn luma(r: f32, g: f32, b: f32) -> f32 {
     g + LUMA_WEIGHTS[0] * (r - g) + LUMA_WEIGHTS[2] * (b - g)
 }
 
-/// One value for each pixel of `samples` (interleaved, `channels` of them: grey, grey + alpha, RGB or RGB + alpha), divided by `divisor`.
+/// One value for each pixel of `samples` (interleaved, `channels` of them: grey, grey + alpha, RGB or RGB + alpha),
+/// divided by `divisor`.
 pub(super) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, divisor: f32) -> Vec<f32> {
     match channels {
         1 => samples.iter().map(|s| s.to_f32() / divisor).collect(),

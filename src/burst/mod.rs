@@ -1,7 +1,8 @@
 //! A burst: frames of one size, in time order, as `f32` in [0, 1] of the file's full scale.
 //!
-//! Everything that knows file formats is in this room; the detector sees only the frames. [`find_bursts`] says which bursts an input names,
-//! [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
+//! Everything that knows file formats is in this room; the detector sees only the frames. [`find_bursts`] says which
+//! bursts an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens one of
+//! them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
 
 mod decode;
 mod error;
@@ -32,7 +33,8 @@ pub struct Burst {
     pub frames: Vec<Arc<Plane>>,
     /// A name for each frame (file name, or page number).
     pub frame_names: Vec<String>,
-    /// The file's value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest magnitude for others.
+    /// The file's value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest
+    /// magnitude for others.
     pub full_scale: f32,
     /// The smallest difference that the files can hold, in [0, 1] units: 1/255 for 8 bit; 0 when unknown (float).
     pub quantisation_step: f32,

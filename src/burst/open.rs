@@ -12,17 +12,19 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Float files whose largest magnitude is not above this are taken to be in [0, 1] already. Noise and calibration push single values of such files
-/// above 1; files in other units lie far above it.
+/// Float files whose largest magnitude is not above this are taken to be in [0, 1] already. Noise and calibration push
+/// single values of such files above 1; files in other units lie far above it.
 const LARGEST_UNIT_VALUE: f32 = 2.0;
 
 /// How to open a burst.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct OpenOptions {
-    /// A bias frame, or a stack or folder of them, which is averaged. It is subtracted in file units, before the division by the full scale.
-    /// Negative differences are kept: clipping them would raise the mean of the noise and make it look smaller than it is.
+    /// A bias frame, or a stack or folder of them, which is averaged. It is subtracted in file units, before the
+    /// division by the full scale. Negative differences are kept: clipping them would raise the mean of the noise and
+    /// make it look smaller than it is.
     pub bias: Option<PathBuf>,
-    /// The file's value that becomes 1.0, such as 4095 for 12-bit values in 16-bit files. `None` takes it from the files: see [`Burst::open_with`].
+    /// The file's value that becomes 1.0, such as 4095 for 12-bit values in 16-bit files. `None` takes it from the
+    /// files: see [`Burst::open_with`].
     pub full_scale: Option<f32>,
     /// How large the burst may be.
     pub limits: Limits,
@@ -37,15 +39,17 @@ impl Burst {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
 
-    /// Opens one burst: a folder of frames (in natural order), a multi-page TIFF, a `.npy` stack, or several files that are its frames (in the order
-    /// given). One single picture is a burst of one frame, which is enough for SIFT but has no slopes.
+    /// Opens one burst: a folder of frames (in natural order), a multi-page TIFF, a `.npy` stack, or several files that
+    /// are its frames (in the order given). One single picture is a burst of one frame, which is enough for SIFT but
+    /// has no slopes.
     ///
-    /// **Values.** Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if signed), also when the camera has
-    /// fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless [`OpenOptions::full_scale`] says otherwise. Float files are
-    /// taken as they are if their values lie in [0, 1] (magnitudes up to 2 are taken for noise around that), otherwise they are
-    /// divided by the burst's largest magnitude (before the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the divisor. Colour becomes
-    /// luma with the weights of Rec. 709 on the stored values ([`super::LUMA_WEIGHTS`]); alpha is ignored. Pixels stay where
-    /// the file has them: notes on how to turn a photograph (EXIF) are not followed.
+    /// **Values.** Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
+    /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
+    /// [`OpenOptions::full_scale`] says otherwise. Float files are taken as they are if their values lie in [0, 1]
+    /// (magnitudes up to 2 are taken for noise around that), otherwise they are divided by the burst's largest
+    /// magnitude (before the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the
+    /// divisor. Colour becomes luma with the weights of Rec. 709 on the stored values ([`super::LUMA_WEIGHTS`]); alpha
+    /// is ignored. Pixels stay where the file has them: notes on how to turn a photograph (EXIF) are not followed.
     ///
     /// Frames are decoded in parallel; `monitor` hears of every frame and is asked before each.
     ///
@@ -138,7 +142,8 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The file's value that becomes 1.0. Where 8-bit and 16-bit frames come together, it is the larger one; each frame is divided by its own.
+/// The file's value that becomes 1.0. Where 8-bit and 16-bit frames come together, it is the larger one; each frame is
+/// divided by its own.
 fn natural_full_scale(frames: &[RawFrame]) -> f32 {
     let range = frames.iter().filter_map(|f| if let FileScale::Range(r) = f.scale { Some(r) } else { None });
     let largest =

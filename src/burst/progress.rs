@@ -38,8 +38,8 @@ impl<'a> Ticker<'a> {
     }
 }
 
-/// `f(0) … f(count − 1)` in parallel. When several fail, the answer is the failure of the lowest index, whatever the number of threads, so that a
-/// person who mends one file after the other sees them in order.
+/// `f(0) … f(count − 1)` in parallel. When several fail, the answer is the failure of the lowest index, whatever the
+/// number of threads, so that a person who mends one file after the other sees them in order.
 pub(super) fn in_order<T: Send>(
     count: usize,
     f: impl Fn(usize) -> Result<T, OpenError> + Sync,

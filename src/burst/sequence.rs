@@ -1,4 +1,5 @@
-//! A long sequence of frames, cut into bursts: a robot that films all the way has no folders of bursts, but every N frames of its film are one.
+//! A long sequence of frames, cut into bursts: a robot that films all the way has no folders of bursts, but every N
+//! frames of its film are one.
 //!
 //! The cut is between files, and no pixel is read: each burst lists its own frames and is opened alone.
 
@@ -16,8 +17,9 @@ pub struct SequenceCut {
 }
 
 impl SequenceCut {
-    /// Bursts of `length` frames; each begins `step` frames after the one before. Without a step they follow one another: each frame is in one burst.
-    /// With a smaller one they overlap, with a larger one frames between them are left out.
+    /// Bursts of `length` frames; each begins `step` frames after the one before. Without a step they follow one
+    /// another: each frame is in one burst. With a smaller one they overlap, with a larger one frames between them are
+    /// left out.
     ///
     /// # Errors
     /// [`OpenError::Cut`] when either is 0.
@@ -39,7 +41,8 @@ impl SequenceCut {
         self.step
     }
 
-    /// The frames of each burst in a sequence of `frames` frames, in order. Frames at the end that do not fill a burst are left out.
+    /// The frames of each burst in a sequence of `frames` frames, in order. Frames at the end that do not fill a burst
+    /// are left out.
     pub fn ranges(self, frames: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
         let count = if frames < self.length { 0 } else { (frames - self.length) / self.step + 1 };
         (0..count).map(move |k| k * self.step..k * self.step + self.length)
@@ -48,8 +51,9 @@ impl SequenceCut {
 
 /// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order.
 ///
-/// A burst is named after its middle frame (of N frames that with index N/2, which is also the frame that SIFT on one frame looks at), so that what is
-/// found in it can be put beside what is known of that frame, such as the camera's pose. Whoever cuts several sequences tells them apart by [`name_among_several`].
+/// A burst is named after its middle frame (of N frames that with index N/2, which is also the frame that SIFT on one
+/// frame looks at), so that what is found in it can be put beside what is known of that frame, such as the camera's
+/// pose. Whoever cuts several sequences tells them apart by [`name_among_several`].
 ///
 /// # Errors
 /// A folder that cannot be read; a sequence that is shorter than one burst; a stack, whose frames are in one file.

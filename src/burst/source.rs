@@ -1,11 +1,11 @@
 //! What an input names: one burst, or several.
 //!
 //! A folder that holds pictures is a burst. A folder that holds none, but has subfolders that do, is a dataset: each of
-//! those subfolders is a burst. A multi-page TIFF or a `.npy` stack alone is a burst; several stacks, given together or lying in
-//! one folder, are several bursts. Several single pictures are the frames of one burst.
+//! those subfolders is a burst. A multi-page TIFF or a `.npy` stack alone is a burst; several stacks, given together or
+//! lying in one folder, are several bursts. Several single pictures are the frames of one burst.
 //!
-//! A folder is read in natural order (`frame_2` before `frame_10`). Files that are named one by one keep the order in which they
-//! are named, so that frames can be put in order by hand.
+//! A folder is read in natural order (`frame_2` before `frame_10`). Files that are named one by one keep the order in
+//! which they are named, so that frames can be put in order by hand.
 
 use super::decode;
 use super::error::OpenError;
@@ -40,8 +40,8 @@ pub fn supported_extensions() -> &'static [&'static str] {
     &["png", "tif", "tiff", "npy", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"]
 }
 
-/// The bursts that `inputs` name, in natural order (folders and stacks that are named one by one keep their order). Reads folders and the
-/// headers of possible stacks, no pixels.
+/// The bursts that `inputs` name, in natural order (folders and stacks that are named one by one keep their order).
+/// Reads folders and the headers of possible stacks, no pixels.
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
@@ -166,14 +166,15 @@ fn has_picture_extension(path: &Path) -> bool {
     extension.is_some_and(|e| supported_extensions().contains(&&*e))
 }
 
-/// Natural order of file names; names that differ only in leading zeros are told apart by their bytes, so that the order never depends on the
-/// file system.
+/// Natural order of file names; names that differ only in leading zeros are told apart by their bytes, so that the
+/// order never depends on the file system.
 pub(super) fn natural_order(a: &Path, b: &Path) -> Ordering {
     let name = |p: &Path| p.file_name().unwrap_or_default().to_os_string();
     alphanumeric_sort::compare_os_str(name(a), name(b)).then_with(|| a.cmp(b))
 }
 
-/// Numbers the second and later bursts of one name, so that their exports do not overwrite each other (letter case does not tell files apart everywhere).
+/// Numbers the second and later bursts of one name, so that their exports do not overwrite each other (letter case does
+/// not tell files apart everywhere).
 pub(super) fn make_names_unique(sources: &mut [BurstSource]) {
     let mut taken = HashSet::new();
     for source in sources {

@@ -20,8 +20,8 @@ pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, i
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
 ///
-/// Without a command the window opens, on INPUT or on the built-in demo burst. Where there is no display it is drawn into a
-/// PNG file instead, and the strongest features are printed.
+/// Without a command the window opens, on INPUT or on the built-in demo burst. Where there is no display it is drawn
+/// into a PNG file instead, and the strongest features are printed.
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -40,8 +40,8 @@ pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, i
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
 )]
 pub struct Cli {
-    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'; two of them side by side; or a
-    /// folder of bursts, or several, as a dataset.
+    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'; two of
+    /// them side by side; or a folder of bursts, or several, as a dataset.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     #[allow(missing_docs)]
@@ -119,8 +119,9 @@ pub struct SequenceArgs {
 
 /// Find the features of one or many bursts.
 ///
-/// A folder whose subfolders hold frames is a dataset: each subfolder is a burst. Image files given together are the frames of one
-/// burst, in the order given. A long sequence is cut into bursts by --burst-length. A burst that fails is reported; the others go on.
+/// A folder whose subfolders hold frames is a dataset: each subfolder is a burst. Image files given together are the
+/// frames of one burst, in the order given. A long sequence is cut into bursts by --burst-length. A burst that fails is
+/// reported; the others go on.
 #[derive(Debug, Args)]
 #[command(after_long_help = DETECT_HELP)]
 pub struct DetectArgs {
@@ -170,8 +171,8 @@ JSON (--json):
 
 /// Write the motion-stack image at a slope, or its DoG response.
 ///
-/// The image is the mean of the frames shifted by the slope; with --octave and --level it is the DoG response of that image, on the
-/// octave's pixels. Values are fractions of full scale, written as 32-bit float TIFF.
+/// The image is the mean of the frames shifted by the slope; with --octave and --level it is the DoG response of that
+/// image, on the octave's pixels. Values are fractions of full scale, written as 32-bit float TIFF.
 #[derive(Debug, Args)]
 pub struct StackArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
@@ -202,8 +203,9 @@ pub struct StackArgs {
 
 /// Align the frames of a burst and average them into one image: the burst-merge baseline.
 ///
-/// Tiles of each frame are searched for where the middle frame has them, from coarse to fine, and averaged robustly: what does not fit is left out. Values are
-/// fractions of full scale, written as 32-bit float TIFF. 'detect --method merge' finds the features of this image.
+/// Tiles of each frame are searched for where the middle frame has them, from coarse to fine, and averaged robustly:
+/// what does not fit is left out. Values are fractions of full scale, written as 32-bit float TIFF. 'detect --method
+/// merge' finds the features of this image.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]

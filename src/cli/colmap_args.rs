@@ -13,9 +13,9 @@ use std::str::FromStr;
 
 /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
 ///
-/// Each burst becomes an image. Its features are found, matched with those of the other bursts and verified. Bursts whose features are in --out
-/// already, found with the same parameters from the same files, are not done again: after an interruption the same command goes on. A burst that
-/// cannot be opened is reported and left out.
+/// Each burst becomes an image. Its features are found, matched with those of the other bursts and verified. Bursts
+/// whose features are in --out already, found with the same parameters from the same files, are not done again: after
+/// an interruption the same command goes on. A burst that cannot be opened is reported and left out.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = COLMAP_HELP)]
 pub struct ColmapArgs {

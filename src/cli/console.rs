@@ -1,4 +1,5 @@
-//! Where a command meets the terminal: results on the standard output, progress on the standard error, Ctrl-C as a cancel.
+//! Where a command meets the terminal: results on the standard output, progress on the standard error, Ctrl-C as a
+//! cancel.
 
 use super::args::OutputArgs;
 use super::failure::Failure;
@@ -20,7 +21,8 @@ pub(super) struct Console {
 const STEPS: u64 = 1000;
 
 impl Console {
-    /// Sets up threads, the progress bar (only where the standard error is a terminal) and Ctrl-C: once cancels the work, twice leaves at once.
+    /// Sets up threads, the progress bar (only where the standard error is a terminal) and Ctrl-C: once cancels the
+    /// work, twice leaves at once.
     ///
     /// # Errors
     /// When threads or the Ctrl-C handler cannot be set up.

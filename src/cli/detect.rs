@@ -70,7 +70,8 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
 /// Opens a burst, finds its features, writes them and says so.
 ///
 /// # Errors
-/// A burst that cannot be opened, parameters that make no sense for it, files that cannot be written, or an interruption.
+/// A burst that cannot be opened, parameters that make no sense for it, files that cannot be written, or an
+/// interruption.
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,

@@ -79,7 +79,8 @@ fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<S
     Ok(Searched { detector, slopes, direction_deg })
 }
 
-/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF 2D has it on both axes.
+/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
+/// 2D has it on both axes.
 pub(super) fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
     if slopes.is_plane() {
         return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);

@@ -79,16 +79,19 @@ impl ChartsArgs {
 
 /// Count the discs that each method finds in the dark.
 ///
-/// Charts of discs are made for every ratio and seed, and all methods run on them with the same parameters. A feature finds a disc when it
-/// lies within half the radius plus 1.5 px of it at mid-burst and its scale is within a factor of 2 of r/√2; repeats are false. The table shows the discs found
-/// at the threshold where a tenth of the detections are false, and what is found at the default threshold.
+/// Charts of discs are made for every ratio and seed, and all methods run on them with the same parameters. A feature
+/// finds a disc when it lies within half the radius plus 1.5 px of it at mid-burst and its scale is within a factor of
+/// 2 of r/√2; repeats are false. The table shows the discs found at the threshold where a tenth of the detections are
+/// false, and what is found at the default threshold.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = CHART_HELP)]
 pub struct EvaluateChartArgs {
     /// Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO,…", value_delimiter = ',', default_value = "0.2,0.35,0.6")]
     pub snr: Vec<f64>,
-    /// Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean of all frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes found from each burst).
+    /// Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean of all
+    /// frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes found from each
+    /// burst).
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "sift-frame,sift-mean,sift-merge,buff-1d,buff-2d",
         value_parser = BurstMethod::from_str)]
     pub methods: Vec<BurstMethod>,
@@ -134,11 +137,13 @@ JSON (--json):
 
 /// Compare places, scales and slopes with the truth.
 ///
-/// Slopes of the discs are drawn from a continuum that reaches beyond the grid searched. For each disc that is found the strongest feature is
-/// compared with the truth at mid-burst. Features marked as lying at the limit of the slope grid are counted and left out of the errors. Scales
-/// are compared with the σ at which a difference of Gaussians answers a disc most strongly (0.633 of the radius with 3 levels an octave).
+/// Slopes of the discs are drawn from a continuum that reaches beyond the grid searched. For each disc that is found
+/// the strongest feature is compared with the truth at mid-burst. Features marked as lying at the limit of the slope
+/// grid are counted and left out of the errors. Scales are compared with the σ at which a difference of Gaussians
+/// answers a disc most strongly (0.633 of the radius with 3 levels an octave).
 ///
-/// Two kinds of charts are measured: crowded ones, where neighbours draw features aside, and ones with fewer discs that stand apart in all frames.
+/// Two kinds of charts are measured: crowded ones, where neighbours draw features aside, and ones with fewer discs that
+/// stand apart in all frames.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = ACCURACY_HELP)]
 pub struct AccuracyArgs {
@@ -148,7 +153,8 @@ pub struct AccuracyArgs {
     /// Largest slope of the discs on each axis that moves, pixels per frame.
     #[arg(long, value_name = "SLOPE", default_value_t = 3.5)]
     pub max_slope: f64,
-    /// Number of discs of the charts on which they stand apart; 0 leaves those charts out. Without it 20 on 800×600 pixels, and as many for their area on others.
+    /// Number of discs of the charts on which they stand apart; 0 leaves those charts out. Without it 20 on 800×600
+    /// pixels, and as many for their area on others.
     #[arg(long, value_name = "N")]
     pub apart_discs: Option<usize>,
     #[allow(missing_docs)]
@@ -164,8 +170,9 @@ pub struct AccuracyArgs {
 
 /// Count what is found on noise alone, where there is nothing.
 ///
-/// Bursts of 10 frames of Gaussian noise around half of full scale are searched by BuFF 1D (13 slopes) and BuFF 2D (7×7), or with the
-/// slopes and method given: white noise, and noise as cameras and files make it. The gate strict promises at most one false feature in a million pixels of the image.
+/// Bursts of 10 frames of Gaussian noise around half of full scale are searched by BuFF 1D (13 slopes) and BuFF 2D
+/// (7×7), or with the slopes and method given: white noise, and noise as cameras and files make it. The gate strict
+/// promises at most one false feature in a million pixels of the image.
 #[derive(Debug, Clone, Args)]
 pub struct NoiseArgs {
     /// Standard deviations of the noise of one frame, fractions of full scale, separated by commas.
@@ -174,8 +181,9 @@ pub struct NoiseArgs {
     /// Bits of the converter that rounds the noise, separated by commas; 'none' for numbers that are not rounded.
     #[arg(long, value_name = "BITS,…", value_delimiter = ',', default_value = "none,8", value_parser = parse_bits)]
     pub bits: Vec<Bits>,
-    /// Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY, correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker, clipped-black, saturated, constant-frame, constant.
-    /// Without it the white ones of --sigma and --bits, and all others.
+    /// Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY, correlated,
+    /// black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker, clipped-black, saturated,
+    /// constant-frame, constant. Without it the white ones of --sigma and --bits, and all others.
     #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseCase::from_str)]
     pub case: Vec<NoiseCase>,
     /// Standard deviation of the noise of the kinds of --case, fraction of full scale.

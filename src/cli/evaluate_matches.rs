@@ -25,21 +25,26 @@ fn noisy() -> NoisyParams {
 
 /// Count the matches between the bursts of a dataset, method by method.
 ///
-/// Every method finds the features of every burst; pairs of bursts are matched and verified. The table has the columns of the paper's that need no reconstruction. With --snr the
-/// frames are taken for what the camera sees, each burst is taken anew with noise, and the frames themselves are the gold standard.
+/// Every method finds the features of every burst; pairs of bursts are matched and verified. The table has the columns
+/// of the paper's that need no reconstruction. With --snr the frames are taken for what the camera sees, each burst is
+/// taken anew with noise, and the frames themselves are the gold standard.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = MATCHES_HELP, allow_negative_numbers = true)]
 pub struct MatchesArgs {
     /// Folder of bursts (each a folder of frames), several of them, stacks, or a long sequence with --burst-length.
     #[arg(value_name = "DATASET", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Rows of the table, separated by commas: gold, sift-frame, sift-mean, sift-merge, buff-1d, buff-2d, buff-auto (each burst's slopes found) [default: gold if there is one, sift-frame, sift-merge, and buff-auto, or with given slopes buff-1d, buff-2d].
+    /// Rows of the table, separated by commas: gold, sift-frame, sift-mean, sift-merge, buff-1d, buff-2d, buff-auto
+    /// (each burst's slopes found) [default: gold if there is one, sift-frame, sift-merge, and buff-auto, or with given
+    /// slopes buff-1d, buff-2d].
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = MatchMethod::from_str)]
     pub methods: Vec<MatchMethod>,
-    /// Sharp images of the same views, in the bursts' order: a dataset as the bursts are, or with one image for each; SIFT on its middle frames is the gold standard.
+    /// Sharp images of the same views, in the bursts' order: a dataset as the bursts are, or with one image for each;
+    /// SIFT on its middle frames is the gold standard.
     #[arg(long, value_name = "DATASET", conflicts_with = "snr")]
     pub gold: Option<PathBuf>,
-    /// Add noise: signal-to-noise ratio of one pixel in one frame, the standard deviation of all pixels over that of the noise at their mean.
+    /// Add noise: signal-to-noise ratio of one pixel in one frame, the standard deviation of all pixels over that of
+    /// the noise at their mean.
     #[arg(long, value_name = "RATIO")]
     pub snr: Option<f64>,
     /// Standard deviation of the read noise that is added, electrons.

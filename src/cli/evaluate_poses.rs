@@ -19,20 +19,24 @@ fn study() -> PoseStudy {
 
 /// Compare camera poses that were estimated with the true ones.
 ///
-/// Poses are paired, the estimate is laid on the truth by the best similarity of the camera centres (scale, rotation, translation; Umeyama 1991), and what is left
-/// over is told: the absolute trajectory error of each pose, and the relative pose error of the motion from one pose to the next, in translation
-/// (the truth's unit of length) and rotation. Cameras on a straight line leave the rotation about that line open; there the
-/// directions in which they look decide.
+/// Poses are paired, the estimate is laid on the truth by the best similarity of the camera centres (scale, rotation,
+/// translation; Umeyama 1991), and what is left over is told: the absolute trajectory error of each pose, and the
+/// relative pose error of the motion from one pose to the next, in translation (the truth's unit of length) and
+/// rotation. Cameras on a straight line leave the rotation about that line open; there the directions in which they
+/// look decide.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = POSES_HELP)]
 pub struct PosesArgs {
-    /// COLMAP's sparse model (its folder or a file in it, or the folder above: then its largest part is taken), or a trajectory file.
+    /// COLMAP's sparse model (its folder or a file in it, or the folder above: then its largest part is taken), or a
+    /// trajectory file.
     #[arg(long, value_name = "SPARSE_DIR")]
     pub estimate: PathBuf,
-    /// The true poses: a trajectory file 'timestamp tx ty tz qx qy qz qw' (an image's name may stand for the time), or a sparse model.
+    /// The true poses: a trajectory file 'timestamp tx ty tz qx qy qz qw' (an image's name may stand for the time), or
+    /// a sparse model.
     #[arg(long, value_name = "POSES")]
     pub truth: PathBuf,
-    /// What makes two poses belong together: name, time or order [default: names if both sides have them, else times if all fit, else order].
+    /// What makes two poses belong together: name, time or order [default: names if both sides have them, else times if
+    /// all fit, else order].
     #[arg(long, value_name = "RULE", value_parser = words::<Association>(ASSOCIATIONS))]
     pub associate: Option<Association>,
     /// Times that differ by more do not belong together; in the files' unit.

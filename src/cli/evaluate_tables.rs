@@ -114,8 +114,8 @@ fn write_accuracy_row(out: &mut String, row: &AccuracyRow) -> Result {
     counts("discs within the range of slopes", row.within)?;
     counts("discs beyond the range", row.beyond)?;
     writeln!(out, "  {:24}{:>16}{:>12}{:>31}", "", "median |error|", "95 %", "mean ± standard error")?;
-    let mut line = |words: &str, median: f64, most: f64, signed: String| {
-        writeln!(out, "  {words:24}{median:>16.4}{most:>12.4}{signed:>31}")
+    let mut line = |words: &str, median: f64, max: f64, signed: String| {
+        writeln!(out, "  {words:24}{median:>16.4}{max:>12.4}{signed:>31}")
     };
     let mut errors = |words: &str, e: &Errors, factor: f64| {
         let signed = format!(

@@ -1,7 +1,7 @@
 //! From what was typed to the bursts it names.
 //!
-//! Each folder is looked at on its own, so that one that cannot be read does not stop the others. Files belong together: several pictures are
-//! the frames of one burst.
+//! Each folder is looked at on its own, so that one that cannot be read does not stop the others. Files belong
+//! together: several pictures are the frames of one burst.
 
 use super::args::SequenceArgs;
 use super::failure::Failure;
@@ -136,7 +136,8 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     Ok(bursts)
 }
 
-/// Files and paths that do not exist. A missing file spoils the burst whose frame it may be, but not stacks, which are bursts of their own.
+/// Files and paths that do not exist. A missing file spoils the burst whose frame it may be, but not stacks, which are
+/// bursts of their own.
 fn resolve_files(files: &[PathBuf]) -> Vec<Input> {
     let (present, missing): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(|f| f.exists());
     if missing.is_empty() || present.is_empty() {

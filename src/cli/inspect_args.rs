@@ -7,9 +7,10 @@ use std::path::PathBuf;
 
 /// Say which slopes a burst needs: its spectrum, what lies at the limit, and what to change.
 ///
-/// Without slopes they are found; with the ranges that you search they are judged. The features at each slope stand beside the evidence: what the frames have in common there, before
-/// any threshold, also beyond the range. Advice is about the range, the step, the direction, frames that add nothing, textures that repeat themselves, and cost; none is
-/// given when none is needed.
+/// Without slopes they are found; with the ranges that you search they are judged. The features at each slope stand
+/// beside the evidence: what the frames have in common there, before any threshold, also beyond the range. Advice is
+/// about the range, the step, the direction, frames that add nothing, textures that repeat themselves, and cost; none
+/// is given when none is needed.
 #[derive(Debug, Args)]
 #[command(after_long_help = SLOPES_HELP)]
 pub struct SlopesArgs {
@@ -45,9 +46,10 @@ JSON (--json), beside version, params, name and inputs:
 
 /// Say why there is a feature at a place, or why there is none.
 ///
-/// Every candidate near the place (a sample that stands out in place and scale at its own slope, however weak) is put through the tests of the search again: what it has, what is
-/// asked for, what beat it, the first test that it fails and the later ones, and the one option that would keep it. What each frame answers along the motion says
-/// whether it is one thing that moves or a ghost of another.
+/// Every candidate near the place (a sample that stands out in place and scale at its own slope, however weak) is put
+/// through the tests of the search again: what it has, what is asked for, what beat it, the first test that it fails
+/// and the later ones, and the one option that would keep it. What each frame answers along the motion says whether it
+/// is one thing that moves or a ghost of another.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("place").required(true).args(["at", "feature"])), after_long_help = PROBE_HELP)]
 pub struct ProbeArgs {
@@ -60,7 +62,8 @@ pub struct ProbeArgs {
     /// The place of this feature, counted from 0 in the order of 'detect'.
     #[arg(long, value_name = "N")]
     pub feature: Option<usize>,
-    /// Draw the answer as a figure: the response over slope and scale, each frame's share, a slice along the motion, and the tests.
+    /// Draw the answer as a figure: the response over slope and scale, each frame's share, a slice along the motion,
+    /// and the tests.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
     #[allow(missing_docs)]

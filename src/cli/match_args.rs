@@ -11,8 +11,9 @@ use std::path::PathBuf;
 
 /// Match the features of two bursts, and verify the matches.
 ///
-/// The features of both bursts are found with the same parameters. Each is matched with the one of the other burst whose descriptor is nearest, if it is clearly nearer
-/// than the second nearest and if that holds both ways; matches on which a geometry of the two views agrees are inliers.
+/// The features of both bursts are found with the same parameters. Each is matched with the one of the other burst
+/// whose descriptor is nearest, if it is clearly nearer than the second nearest and if that holds both ways; matches on
+/// which a geometry of the two views agrees are inliers.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = MATCH_HELP)]
 pub struct MatchArgs {
@@ -28,7 +29,8 @@ pub struct MatchArgs {
     /// Formats of the features, separated by commas: csv, colmap, npz.
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv")]
     pub format: Vec<ExportFormat>,
-    /// What the picture shows of each burst: middle, its middle frame, or merged, its frames merged; stretched to 8 bit.
+    /// What the picture shows of each burst: middle, its middle frame, or merged, its frames merged; stretched to 8
+    /// bit.
     #[arg(long, value_name = "KIND", default_value = "middle", value_parser = words::<ImageKind>(IMAGE_KINDS))]
     pub images: ImageKind,
     #[allow(missing_docs)]

@@ -1,4 +1,5 @@
-//! The options of matching, shared by the commands that match: raw arguments on one side, checked parameters on the other.
+//! The options of matching, shared by the commands that match: raw arguments on one side, checked parameters on the
+//! other.
 //!
 //! Names and help texts are those of [`crate::matching::params::doc`].
 

@@ -1,7 +1,8 @@
 //! The commands: what the window can compute, a command can.
 //!
-//! Raw arguments are described in [`args`] and turned once into checked values (see [`search_options`]); each command is a module of its own
-//! that calls the same functions as the window. Results go to the standard output, progress and errors to the standard error.
+//! Raw arguments are described in [`args`] and turned once into checked values (see [`search_options`]); each command
+//! is a module of its own that calls the same functions as the window. Results go to the standard output, progress and
+//! errors to the standard error.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 

@@ -7,7 +7,8 @@ use crate::burst::SequenceCut;
 use crate::dataset::DatasetSource;
 use std::path::PathBuf;
 
-/// The two bursts that two arguments name, one each; `None` for anything else: two files may be frames of one burst, and a folder of bursts is a dataset.
+/// The two bursts that two arguments name, one each; `None` for anything else: two files may be frames of one burst,
+/// and a folder of bursts is a dataset.
 pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
     let [first, second] = arguments else { return None };
     let inputs = resolve(arguments);
@@ -29,7 +30,8 @@ pub(super) enum Opening {
     Session(PathBuf),
 }
 
-/// What `arguments` name: a session file of the window, one burst, two if each argument is one, or a dataset if there are more or a sequence is cut.
+/// What `arguments` name: a session file of the window, one burst, two if each argument is one, or a dataset if there
+/// are more or a sequence is cut.
 ///
 /// # Errors
 /// A cut that makes no sense; the demo among others; several bursts of which one was not found.

@@ -35,7 +35,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         max_duration: Duration::from_secs(args.timeout),
     };
     console.begin("Drawing the window: ".to_owned());
-    // The window's own workers do the work and know nothing of this console; so it waits here for whichever comes first.
+    // The window's own workers do the work and know nothing of this console; so it waits here for whichever comes
+    // first.
     let out = args.out.clone();
     let drawing = std::thread::spawn(move || render_to_png(&options, &out));
     while !drawing.is_finished() {

@@ -10,8 +10,9 @@ use std::path::PathBuf;
 
 /// Draw the window into a PNG file, without a display.
 ///
-/// Of two bursts the window shows both side by side, with the matches between them; of a dataset it shows the first. The window is drawn as it is on a
-/// screen, with a software graphics driver if need be (Mesa's lavapipe on Linux). Without --slope the picture is taken at the slope with the most features.
+/// Of two bursts the window shows both side by side, with the matches between them; of a dataset it shows the first.
+/// The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux).
+/// Without --slope the picture is taken at the slope with the most features.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
@@ -67,8 +68,8 @@ pub struct RenderArgs {
 fn parse_size(text: &str) -> Result<(f32, f32), String> {
     let bad = || format!("'{text}' is not WIDTHxHEIGHT from 200x150 to 16384x16384, such as 1280x800");
     let (width, height) = text.split_once(['x', '×']).ok_or_else(bad)?;
-    let number = |s: &str, least: u32| {
-        s.trim().parse::<u32>().ok().filter(|x| (least..=16384).contains(x)).map(|x| x as f32).ok_or_else(bad)
+    let number = |s: &str, min: u32| {
+        s.trim().parse::<u32>().ok().filter(|x| (min..=16384).contains(x)).map(|x| x as f32).ok_or_else(bad)
     };
     Ok((number(width, 200)?, number(height, 150)?))
 }

@@ -238,14 +238,14 @@ fn write_summary(
 }
 
 fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result {
-    let most = slopes.iter().map(|s| s.features).max().unwrap_or(0).max(1);
+    let max = slopes.iter().map(|s| s.features).max().unwrap_or(0).max(1);
     let mut counts: Vec<usize> = slopes.iter().map(|s| s.features).filter(|&n| n > 0).collect();
     counts.sort_unstable_by(|a, b| b.cmp(a));
-    let least = counts.get(SLOPES_SHOWN - 1).copied().unwrap_or(1);
-    let shown: Vec<&SlopeCount> = slopes.iter().filter(|s| s.features >= least).take(SLOPES_SHOWN).collect();
+    let min = counts.get(SLOPES_SHOWN - 1).copied().unwrap_or(1);
+    let shown: Vec<&SlopeCount> = slopes.iter().filter(|s| s.features >= min).take(SLOPES_SHOWN).collect();
     writeln!(out, "  by slope (px/frame)")?;
     for slope in &shown {
-        let bar = "#".repeat((slope.features * BAR_WIDTH).div_ceil(most));
+        let bar = "#".repeat((slope.features * BAR_WIDTH).div_ceil(max));
         writeln!(out, "    ({:>6.2}, {:>6.2}) {:>7}  {bar}", slope.u, slope.v, slope.features)?;
     }
     let rest = slopes.iter().filter(|s| s.features > 0).count() - shown.len();

@@ -1,7 +1,7 @@
 //! The search options, shared by the commands: raw arguments on one side, checked parameters on the other.
 //!
-//! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file comes first, then the options that were given
-//! override it, one by one; the result is checked once.
+//! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file comes first, then the options
+//! that were given override it, one by one; the result is checked once.
 
 use super::choices::{
     AUTO_WORDS, AutoWord, DESCRIBE_SLOPES, FLICKERS, INTERPOLATIONS, LOCALISATIONS, METHODS, NOISE_MODELS,
@@ -153,8 +153,8 @@ fn read_params(path: &Path) -> Result<SearchParams, Failure> {
 impl SearchArgs {
     /// The checked parameters, and how the slopes are chosen.
     ///
-    /// Slopes are found from each burst unless ranges are given here or in the file; a direction alone says on which line. An axis of slopes that is
-    /// missing is the file's, or means 0 where the file has no ranges.
+    /// Slopes are found from each burst unless ranges are given here or in the file; a direction alone says on which
+    /// line. An axis of slopes that is missing is the file's, or means 0 where the file has no ranges.
     ///
     /// # Errors
     /// A parameter file that cannot be read or makes no sense, or a combination that makes no sense.

@@ -143,8 +143,9 @@ pub struct SceneArgs {
 
 /// Noisy copies of real frames, as our camera would have taken them in the dark.
 ///
-/// The frames are taken for the signal, and a camera with shot noise, read noise and rounding captures them anew, the same camera for all. The originals are then the gold
-/// standard that the copies are compared with. Frames keep their names and order; a dataset's bursts stay apart, each in a subfolder.
+/// The frames are taken for the signal, and a camera with shot noise, read noise and rounding captures them anew, the
+/// same camera for all. The originals are then the gold standard that the copies are compared with. Frames keep their
+/// names and order; a dataset's bursts stay apart, each in a subfolder.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct NoisyArgs {
@@ -154,7 +155,8 @@ pub struct NoisyArgs {
     /// Folder to make, for the frames (16-bit PNG) and noise.json; earlier noisy copies in it are replaced.
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
-    /// Signal-to-noise ratio of one pixel in one frame: the standard deviation of all pixels of the frames over that of the noise at their mean; 'inf' makes no noise.
+    /// Signal-to-noise ratio of one pixel in one frame: the standard deviation of all pixels of the frames over that of
+    /// the noise at their mean; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO", default_value_t = noisy().snr)]
     pub snr: f64,
     /// Standard deviation of the read noise, electrons.

@@ -12,9 +12,10 @@ fn trajectory() -> TrajectoryParams {
 
 /// Bursts that a camera takes on its way past textured planes at several depths, with its poses.
 ///
-/// The planes are drawn in perspective from the pose that the camera has in each frame, so the apparent motion follows from the depth. The folder holds bursts/ (a folder of frames for
-/// each), gold/ (the view at each mid-burst without noise), poses.txt (lines 'timestamp tx ty tz qx qy qz qw': the burst's number, the camera in the world at mid-burst),
-/// lens.toml (the camera, for --camera) and trajectory.json (everything else that is known).
+/// The planes are drawn in perspective from the pose that the camera has in each frame, so the apparent motion follows
+/// from the depth. The folder holds bursts/ (a folder of frames for each), gold/ (the view at each mid-burst without
+/// noise), poses.txt (lines 'timestamp tx ty tz qx qy qz qw': the burst's number, the camera in the world at
+/// mid-burst), lens.toml (the camera, for --camera) and trajectory.json (everything else that is known).
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true, after_long_help = HELP)]
 pub struct TrajectoryArgs {
@@ -42,7 +43,8 @@ pub struct TrajectoryArgs {
     /// Largest apparent motion on an axis, pixels per frame; the camera's speed is chosen for it.
     #[arg(long, value_name = "SLOPE", default_value_t = trajectory().max_slope)]
     pub max_slope: f64,
-    /// Signal-to-noise ratio of one pixel in one frame: the standard deviation of all pixels of the scene over that of the noise at their mean; 'inf' makes no noise [default: 0.3].
+    /// Signal-to-noise ratio of one pixel in one frame: the standard deviation of all pixels of the scene over that of
+    /// the noise at their mean; 'inf' makes no noise [default: 0.3].
     #[arg(long, value_name = "RATIO", conflicts_with = "electrons")]
     pub snr: Option<f64>,
     /// Electrons that scene white makes in a pixel of a frame, in place of a ratio.

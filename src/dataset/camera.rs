@@ -11,8 +11,8 @@ pub const GUESSED_FOCAL_FACTOR: f64 = 1.2;
 /// The camera of a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraChoice {
-    /// Nothing is known: a focal length is guessed ([`GUESSED_FOCAL_FACTOR`]) and the centre taken as the principal point, as COLMAP would. Images of different
-    /// sizes have cameras of their own.
+    /// Nothing is known: a focal length is guessed ([`GUESSED_FOCAL_FACTOR`]) and the centre taken as the principal
+    /// point, as COLMAP would. Images of different sizes have cameras of their own.
     Guessed(CameraModel),
     /// One known camera for all images.
     Known(Camera),

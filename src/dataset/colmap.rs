@@ -1,8 +1,8 @@
 //! On to COLMAP: a folder from which its mapper can begin at once.
 //!
-//! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features as COLMAP's importer takes them, and `database.db` cameras, images, features,
-//! matches and verified geometries. Bursts that are finished are not done again, see [`super::features`]; matches are, for they take
-//! little time beside the features.
+//! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features as COLMAP's importer takes them, and
+//! `database.db` cameras, images, features, matches and verified geometries. Bursts that are finished are not done
+//! again, see [`super::features`]; matches are, for they take little time beside the features.
 
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::geometry::{database_camera, database_geometry, match_indices};
@@ -21,7 +21,8 @@ use std::path::{Path, PathBuf};
 pub struct ColmapJob {
     /// How features are found.
     pub features: FeatureJob,
-    /// How they are matched. Where the camera is known it is used for verification; [`MatchParams::camera`] is set from it.
+    /// How they are matched. Where the camera is known it is used for verification; [`MatchParams::camera`] is set from
+    /// it.
     pub matching: MatchParams,
     /// Which bursts are matched with which.
     pub pairs: PairSelection,
@@ -99,8 +100,8 @@ pub struct ColmapReport {
     pub pairs: Vec<PairReport>,
 }
 
-/// Finds the features of `bursts`, matches them, and writes what COLMAP's mapper takes into the folder `out`. `on` hears what happens. A burst that cannot be
-/// opened is left out.
+/// Finds the features of `bursts`, matches them, and writes what COLMAP's mapper takes into the folder `out`. `on`
+/// hears what happens. A burst that cannot be opened is left out.
 ///
 /// # Errors
 /// [`DatasetError`]. Files are written whole or not at all; finished bursts stay finished.

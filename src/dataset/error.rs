@@ -45,8 +45,8 @@ pub enum DatasetError {
 }
 
 impl DatasetError {
-    /// Whether it concerns the whole dataset, so that the other bursts cannot go on. (Parameters are checked before the first burst; what makes
-    /// no sense later makes none for one burst, such as one with too few frames.)
+    /// Whether it concerns the whole dataset, so that the other bursts cannot go on. (Parameters are checked before the
+    /// first burst; what makes no sense later makes none for one burst, such as one with too few frames.)
     pub(super) fn is_final(&self) -> bool {
         !matches!(self, Self::Open(_) | Self::Param(_))
     }

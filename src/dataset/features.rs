@@ -29,7 +29,8 @@ pub struct BurstFeatures {
     pub resumed: bool,
     /// What was found of the burst's slopes, if they were to be found and were not found by an earlier run.
     pub slopes: Option<SlopeFinding>,
-    /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not say.
+    /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not
+    /// say.
     pub seconds: Option<f64>,
 }
 
@@ -45,7 +46,8 @@ impl BurstFeatures {
 pub struct FinishedBurst {
     /// Number of features.
     pub features: usize,
-    /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not say.
+    /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not
+    /// say.
     pub seconds: Option<f64>,
 }
 
@@ -101,7 +103,8 @@ impl FeatureStore {
     /// The dataset in `folder`, begun or to begin. Nothing is written.
     ///
     /// # Errors
-    /// [`DatasetError::Occupied`] when the folder holds something else, [`DatasetError::Open`] when the bias frame cannot be looked at.
+    /// [`DatasetError::Occupied`] when the folder holds something else, [`DatasetError::Open`] when the bias frame
+    /// cannot be looked at.
     pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self, DatasetError> {
         let bias = match &job.open.bias {
             Some(path) => FileStamp::of(&BurstSource { name: String::new(), paths: vec![path.clone()] }.files()?)?,
@@ -116,8 +119,9 @@ impl FeatureStore {
         Ok(Self { folder: folder.into(), job: job.clone(), manifest })
     }
 
-    /// The parameters with which the features in `folder` were found; `None` where there are none, or where another version of the program or another
-    /// revision of the detector found them: the same parameters would not bring those back.
+    /// The parameters with which the features in `folder` were found; `None` where there are none, or where another
+    /// version of the program or another revision of the detector found them: the same parameters would not bring those
+    /// back.
     pub fn params_in(folder: &Path) -> Option<SearchParams> {
         SearchParams::from_toml(&Manifest::detector_text(folder)?).ok()
     }
@@ -148,7 +152,8 @@ impl FeatureStore {
         })
     }
 
-    /// The features of `source`, from its files if it is finished. Otherwise they are found, and written with its picture.
+    /// The features of `source`, from its files if it is finished. Otherwise they are found, and written with its
+    /// picture.
     ///
     /// # Errors
     /// [`DatasetError`]; what was finished before stays finished.
@@ -234,10 +239,12 @@ pub fn image_name(source: &BurstSource) -> String {
     format!("{}.png", safe_file_name(&source.name))
 }
 
-/// The features of every one of `bursts` in turn; `on` is handed what was found. `monitor` hears of the progress through all of them.
+/// The features of every one of `bursts` in turn; `on` is handed what was found. `monitor` hears of the progress
+/// through all of them.
 ///
 /// # Errors
-/// [`DatasetError`] when it concerns all bursts, or it was cancelled. A burst that cannot be opened is told by [`BurstEvent::Failed`] and left out.
+/// [`DatasetError`] when it concerns all bursts, or it was cancelled. A burst that cannot be opened is told by
+/// [`BurstEvent::Failed`] and left out.
 pub fn detect_all(
     store: &mut FeatureStore,
     bursts: &[BurstSource],

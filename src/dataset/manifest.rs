@@ -1,8 +1,9 @@
-//! What has been done already: a small file beside the features, so that a dataset that was interrupted goes on where it was.
+//! What has been done already: a small file beside the features, so that a dataset that was interrupted goes on where
+//! it was.
 //!
-//! A burst is finished when its features were found by the same version of the program and the same revision of its detector, with the same parameters from
-//! the same files (of the same size and time), and the feature file is still there. Anything else is done again: features of two detectors do not match
-//! one another as well as those of one.
+//! A burst is finished when its features were found by the same version of the program and the same revision of its
+//! detector, with the same parameters from the same files (of the same size and time), and the feature file is still
+//! there. Anything else is done again: features of two detectors do not match one another as well as those of one.
 
 use super::DatasetError;
 use crate::burst::OpenError;
@@ -103,7 +104,8 @@ impl Manifest {
         self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == Some(REVISION)
     }
 
-    /// The detector's parameters, as text, with which this program found the features in `folder`; `None` where it did not.
+    /// The detector's parameters, as text, with which this program found the features in `folder`; `None` where it did
+    /// not.
     pub(super) fn detector_text(folder: &Path) -> Option<String> {
         let text = std::fs::read_to_string(folder.join(MANIFEST_FILE)).ok()?;
         let manifest: Self = serde_json::from_str(&text).ok()?;

@@ -1,7 +1,8 @@
 //! A dataset: many bursts along a robot's way, and what is made of all of them together.
 //!
-//! Features of each burst ([`features`]: found once, kept in files, and taken from these the next time), matches of chosen pairs of bursts ([`pairs`]), and the
-//! folder from which COLMAP goes on ([`colmap`]): images, feature files and its database. [`camera`] says what is known of the lens.
+//! Features of each burst ([`features`]: found once, kept in files, and taken from these the next time), matches of
+//! chosen pairs of bursts ([`pairs`]), and the folder from which COLMAP goes on ([`colmap`]): images, feature files and
+//! its database. [`camera`] says what is known of the lens.
 
 pub mod camera;
 #[cfg(feature = "colmap")]

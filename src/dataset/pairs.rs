@@ -5,7 +5,8 @@ use crate::matching::{MatchParams, MatchResult, MatchSide, match_features};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 
-/// Pairs that are matched before they are handed on: enough for all threads, few enough for memory and for being told soon.
+/// Pairs that are matched before they are handed on: enough for all threads, few enough for memory and for being told
+/// soon.
 const PAIRS_AT_ONCE: usize = 16;
 
 /// Takes the result of one pair, given by its places.
@@ -14,7 +15,8 @@ pub type OnPair<'a> = dyn FnMut((usize, usize), &MatchResult) -> Result<(), Data
 /// Matches the bursts of each of `pairs` (indices into `bursts`); `on` is handed the results in the order of `pairs`.
 ///
 /// # Errors
-/// [`DatasetError::Param`] for parameters that make no sense, [`DatasetError::Cancelled`] once `monitor` was cancelled, and what `on` answers.
+/// [`DatasetError::Param`] for parameters that make no sense, [`DatasetError::Cancelled`] once `monitor` was cancelled,
+/// and what `on` answers.
 ///
 /// # Panics
 /// When a pair has an index that `bursts` has not: a mistake of the caller.

@@ -16,7 +16,8 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ImageKind {
-    /// The middle frame of those used, which lies at the features' reference time (half a frame after it for an even number of frames).
+    /// The middle frame of those used, which lies at the features' reference time (half a frame after it for an even
+    /// number of frames).
     #[default]
     Middle,
     /// The frames used, merged where the middle one is: what a dark burst shows.

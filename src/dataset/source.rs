@@ -28,7 +28,8 @@ impl DatasetSource {
     /// Its bursts, in order, each with a name of its own. No pixel is read.
     ///
     /// # Errors
-    /// See [`OpenError`]: a path that is missing or holds no pictures, a cut that makes no sense, a sequence that is too short for it.
+    /// See [`OpenError`]: a path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
+    /// too short for it.
     pub fn bursts(&self) -> Result<Vec<BurstSource>, OpenError> {
         let sequences = find_bursts(&self.paths)?;
         let Some(length) = self.burst_length else {
@@ -55,7 +56,8 @@ impl DatasetSource {
         name.unwrap_or_else(|| "dataset".to_owned())
     }
 
-    /// The folder that keeps its features unless another is chosen: beside its (first) path, and another one for each way to cut it.
+    /// The folder that keeps its features unless another is chosen: beside its (first) path, and another one for each
+    /// way to cut it.
     pub fn default_folder(&self) -> Option<PathBuf> {
         let first = std::path::absolute(self.paths.first()?).ok()?;
         let mut name = format!("{}-burstscope", self.label());

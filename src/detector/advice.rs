@@ -1,8 +1,8 @@
 //! Why a detection found nothing, or little, or most of it at the limit of the slopes, and the one setting to change.
 //!
-//! The tally says what each test rejected, but a good detection rejects nearly everything too: most samples are noise, and of every hundred above it most belong to the
-//! flank of some blob. So each test is held against what it usually takes of the candidates that reach it; the one that took most beyond
-//! that is to blame.
+//! The tally says what each test rejected, but a good detection rejects nearly everything too: most samples are noise,
+//! and of every hundred above it most belong to the flank of some blob. So each test is held against what it usually
+//! takes of the candidates that reach it; the one that took most beyond that is to blame.
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, ParamDoc, doc};
@@ -41,16 +41,19 @@ const FEATURES_FOR_LIMIT: usize = 10;
 const LIMIT_SHARE: f64 = 0.5;
 /// and at least this many times the share of the grid's slopes that are on its rim: many are where the grid is small.
 const LIMIT_OVER_CHANCE: f64 = 1.4;
-/// Samples above both thresholds that a feature costs, at least: of 650 to 1000 one became a keypoint wherever [`usual_share`] was measured.
+/// Samples above both thresholds that a feature costs, at least: of 650 to 1000 one became a keypoint wherever
+/// [`usual_share`] was measured.
 const SAMPLES_PER_FEATURE: u64 = 500;
 /// A test that lets less than this part of its usual share pass is to blame.
 const BLAMED_BELOW: f64 = 0.5;
-/// A gate that rejects less than this share of what reaches it has little noise to reject: the peak threshold before it took that already.
+/// A gate that rejects less than this share of what reaches it has little noise to reject: the peak threshold before it
+/// took that already.
 const GATE_REJECTS_NOISE: f64 = 0.999;
 /// Below this factor the noise gate lets so much noise through that lowering it further is no help.
 const LOWEST_GATE: f32 = 4.0;
 
-/// Why `detection`, found with `params` in images of `size` (columns, rows), has nothing or little in it, or most of it at the slope limit; `None` where it has enough, or where few were asked for.
+/// Why `detection`, found with `params` in images of `size` (columns, rows), has nothing or little in it, or most of it
+/// at the slope limit; `None` where it has enough, or where few were asked for.
 pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usize)) -> Option<Advice> {
     let found = detection.features.len();
     let wanted = LITTLE.max((LITTLE_PER_MEGAPIXEL * 1e-6 * size.0 as f64 * size.1 as f64) as usize);
@@ -112,8 +115,9 @@ fn widened(axis: SlopeAxis, below: bool, above: bool) -> SlopeAxis {
     axis.with_more(more * usize::from(below), more * usize::from(above))
 }
 
-/// The share of the candidates that pass a test in a detection that finds enough. Measured without a peak threshold on a chart, the demo, two trajectories and two real scenes, all dark:
-/// they differ by a fifth at most, by a third for slopes. `None` for the thresholds, which are judged by themselves, and for what only cuts a list.
+/// The share of the candidates that pass a test in a detection that finds enough. Measured without a peak threshold on
+/// a chart, the demo, two trajectories and two real scenes, all dark: they differ by a fifth at most, by a third for
+/// slopes. `None` for the thresholds, which are judged by themselves, and for what only cuts a list.
 fn usual_share(test: Test) -> Option<f64> {
     match test {
         Test::PeakThreshold | Test::NoiseGate | Test::MaxFeatures => None,
@@ -176,7 +180,7 @@ fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
         let passed = reached.saturating_sub(tally.rejected_by(test));
         if let Some(usual) = usual_share(test).filter(|_| reached > 0) {
             let over_usual = passed as f64 / reached as f64 / usual;
-            if over_usual < BLAMED_BELOW && worst.is_none_or(|(least, ..)| over_usual < least) {
+            if over_usual < BLAMED_BELOW && worst.is_none_or(|(min, ..)| over_usual < min) {
                 worst = Some((over_usual, test, reached));
             }
         }
@@ -192,7 +196,8 @@ fn remedy(test: Test, params: &DetectorParams) -> Option<(ParamDoc, String)> {
             (params.peak_threshold > 0.0).then(|| (doc::PEAK_THRESHOLD, "0".to_owned()))
         }
         Test::NoiseGate => Some((doc::NOISE_GATE, LOWEST_GATE.to_string())),
-        // More levels make neighbours more alike in scale, fewer tell them apart; what wanders off in the refinement lies between two.
+        // More levels make neighbours more alike in scale, fewer tell them apart; what wanders off in the refinement
+        // lies between two.
         Test::ScaleExtremum | Test::Refinement => {
             Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
         }

@@ -1,10 +1,11 @@
 //! Distinct keypoints: one keypoint for one blob, over all slopes, scales and octaves.
 //!
-//! The search at each slope for itself finds a blob at every slope whose stack still shows it, and often at neighbouring levels and octaves too. Two keypoints
-//! with nearly the same descriptor make each other's matches ambiguous, so that the ratio test rejects both. So, from the strongest to the
-//! weakest: a keypoint stays unless it lies within [`Rule::radius`] σ of one that stayed, σ being the stronger one's, and their scales differ by at most
-//! [`Rule::scale_ratio`]. What was removed removes nothing. The strongest keypoint of a blob so chooses its slope. Two blobs that pass each other at one place
-//! both stay, if the frames say so: who calls this judges that.
+//! The search at each slope for itself finds a blob at every slope whose stack still shows it, and often at
+//! neighbouring levels and octaves too. Two keypoints with nearly the same descriptor make each other's matches
+//! ambiguous, so that the ratio test rejects both. So, from the strongest to the weakest: a keypoint stays unless it
+//! lies within [`Rule::radius`] σ of one that stayed, σ being the stronger one's, and their scales differ by at most
+//! [`Rule::scale_ratio`]. What was removed removes nothing. The strongest keypoint of a blob so chooses its slope. Two
+//! blobs that pass each other at one place both stay, if the frames say so: who calls this judges that.
 
 use super::keypoint::Keypoint;
 use crate::detector::scale_space::levels::ScaleSpace;
@@ -34,9 +35,10 @@ pub struct Blob {
 impl Blob {
     /// A keypoint of a search over the scales of `space`.
     ///
-    /// It is ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies between them at little loss to either
-    /// (docs/MEASUREMENTS.md). The noise is that at the refined scale, as 1/σ from the level's: by the level's own, a smear whose best sample is one level
-    /// coarser would win over the sharp blob, because noise falls from level to level. Without noise it is ranked by |D|.
+    /// It is ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies
+    /// between them at little loss to either (docs/MEASUREMENTS.md). The noise is that at the refined scale, as 1/σ
+    /// from the level's: by the level's own, a smear whose best sample is one level coarser would win over the sharp
+    /// blob, because noise falls from level to level. Without noise it is ranked by |D|.
     pub fn of(keypoint: &Keypoint, space: &ScaleSpace) -> Self {
         let (u, v, sigma) = keypoint.in_image();
         let magnitude = keypoint.value.abs();
@@ -56,8 +58,9 @@ impl Blob {
     }
 }
 
-/// Of the blobs that `stay`, the strongest that would remove `blob`, which is none of them: what [`covered_by`] would answer for it if its place in the order were
-/// after all that are at least as strong. `both_stay` as there, of the stronger one.
+/// Of the blobs that `stay`, the strongest that would remove `blob`, which is none of them: what [`covered_by`] would
+/// answer for it if its place in the order were after all that are at least as strong. `both_stay` as there, of the
+/// stronger one.
 pub fn would_cover(
     blob: &Blob,
     stay: impl Iterator<Item = (usize, Blob)>,
@@ -69,8 +72,9 @@ pub fn would_cover(
         .map(|(index, _)| index)
 }
 
-/// For each blob the index of the stronger one that stayed and covers it; `None` for those that stay. Of equally strong blobs the first one goes first.
-/// `both_stay(stronger, weaker)` is asked whether two that lie so near are different things all the same.
+/// For each blob the index of the stronger one that stayed and covers it; `None` for those that stay. Of equally strong
+/// blobs the first one goes first. `both_stay(stronger, weaker)` is asked whether two that lie so near are different
+/// things all the same.
 ///
 /// Time grows in proportion to the number of blobs: those that stayed are kept in cells by scale and place.
 pub fn covered_by(blobs: &[Blob], rule: Rule, both_stay: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {

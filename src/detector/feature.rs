@@ -28,7 +28,8 @@ pub struct Feature {
     pub level: i32,
     /// Running index of the grid's slope at which it was found.
     pub slope_index: usize,
-    /// Whether that slope is on the rim of the grid, or `slope` is nearest to one that is: the true motion may lie outside.
+    /// Whether that slope is on the rim of the grid, or `slope` is nearest to one that is: the true motion may lie
+    /// outside.
     pub at_slope_limit: bool,
 }
 
@@ -39,8 +40,8 @@ impl Feature {
     }
 }
 
-/// A 128-element descriptor: 4×4 cells (rows of cells from the top in the feature's own frame, u fastest) × 8 orientations,
-/// L1-root normalised, ×512, clamped to 255, in UBC/COLMAP's order.
+/// A 128-element descriptor: 4×4 cells (rows of cells from the top in the feature's own frame, u fastest) × 8
+/// orientations, L1-root normalised, ×512, clamped to 255, in UBC/COLMAP's order.
 pub type Descriptor = [u8; 128];
 
 /// The tests a sample of D goes through, in order.
@@ -137,8 +138,8 @@ impl Tally {
     }
 }
 
-/// Seconds spent in each stage of a detection, by the wall clock. Where threads search and describe at the same time, the time that passes is divided in
-/// proportion to what they spend on each.
+/// Seconds spent in each stage of a detection, by the wall clock. Where threads search and describe at the same time,
+/// the time that passes is divided in proportion to what they spend on each.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct StageTimes {
     /// Estimating the noise.

@@ -16,7 +16,8 @@ pub struct Keypoint {
     pub sigma_octave: f32,
     /// DoG level.
     pub level: i32,
-    /// The sample (column, row) that was the candidate, octave pixels. No two keypoints of one octave, level and slope share it.
+    /// The sample (column, row) that was the candidate, octave pixels. No two keypoints of one octave, level and slope
+    /// share it.
     pub sample: [u32; 2],
     /// Index in the slope grid.
     pub slope_index: usize,
@@ -43,8 +44,9 @@ impl Keypoint {
 
 /// By how much a response stands out, for ranking: |response|·√snr, or |response| where the burst has no noise.
 ///
-/// Response alone puts noise at fine scales above large faint blobs; signal-to-noise alone puts the weak hollows between large blobs
-/// above everything. Their mix found most discs of the charts among 10 % of false features, over powers 0, ½, 1 and 2 of the snr.
+/// Response alone puts noise at fine scales above large faint blobs; signal-to-noise alone puts the weak hollows
+/// between large blobs above everything. Their mix found most discs of the charts among 10 % of false features, over
+/// powers 0, ½, 1 and 2 of the snr.
 pub fn strength(response: f32, snr: f32) -> f32 {
     response.abs() * if snr.is_finite() { snr.sqrt() } else { 1.0 }
 }

@@ -8,8 +8,8 @@
 //!
 //! Beside the line: [`params`] with the grid of slopes; [`noise`], how noisy a frame is and how large D must be, and
 //! [`noise_model`], the same where noise is not white; [`slopes`], which slopes a burst needs, found before all that;
-//! [`view`], single steps as pictures; [`advice`], why there is nothing. [`pipeline`] puts the steps together. Everything
-//! here is a function from values to values; what takes the time is in [`crate::kernel`].
+//! [`view`], single steps as pictures; [`advice`], why there is nothing. [`pipeline`] puts the steps together.
+//! Everything here is a function from values to values; what takes the time is in [`crate::kernel`].
 
 pub mod advice;
 pub mod describe;

@@ -1,7 +1,7 @@
 //! Orientations: the directions in which the image mostly rises around a feature.
 //!
-//! As in VLFeat: a histogram of 36 gradient directions within 4.5σ, weighted by a Gaussian of 1.5σ, smoothed six times, whose peaks of at least 0.8 of the
-//! highest give the orientations, interpolated by a parabola.
+//! As in VLFeat: a histogram of 36 gradient directions within 4.5σ, weighted by a Gaussian of 1.5σ, smoothed six times,
+//! whose peaks of at least 0.8 of the highest give the orientations, interpolated by a parabola.
 
 use crate::kernel::gradient::{GradientRow, reach, vector_of, whole, window};
 use crate::kernel::patch::{LANES, Patch};
@@ -24,14 +24,15 @@ fn radius(sigma: f32) -> i64 {
     (4.5 * sigma).floor().max(1.0) as i64
 }
 
-/// The orientations of a feature at (x, y), scale `sigma`, in octave pixels: radians in [0, 2π), strongest first, at most `most` (1 … 4).
-/// `level` is the Gaussian level around it, reaching a pixel farther than 4.5σ, of an octave of `size`. Without any gradient the only orientation is 0.
+/// The orientations of a feature at (x, y), scale `sigma`, in octave pixels: radians in [0, 2π), strongest first, at
+/// most `most` (1 … 4). `level` is the Gaussian level around it, reaching a pixel farther than 4.5σ, of an octave of
+/// `size`. Without any gradient the only orientation is 0.
 pub fn orientations(
     level: &Patch,
     size: (usize, usize),
     (x, y): (f32, f32),
     sigma: f32,
-    most: usize,
+    max: usize,
     scratch: &mut OrientationScratch,
 ) -> Vec<f32> {
     let mut histogram = histogram(level, size, (x, y), sigma, scratch);
@@ -48,7 +49,7 @@ pub fn orientations(
         }
     }
     peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
-    peaks.truncate(most);
+    peaks.truncate(max);
     if peaks.is_empty() { vec![0.0] } else { peaks.into_iter().map(|(_, angle)| angle.rem_euclid(TAU)).collect() }
 }
 

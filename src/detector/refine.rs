@@ -1,10 +1,11 @@
-//! Refinement: where between the samples the extremum lies, in place and scale, then in slope; and the tests that need it.
+//! Refinement: where between the samples the extremum lies, in place and scale, then in slope; and the tests that need
+//! it.
 //!
-//! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to five moves of a pixel while the fitted offset exceeds 0.6 pixel
-//! in u or v (never in scale), accepted when every offset is below 1.5. Slope: no published implementation refines it. Around
-//! its peak D over slope is a mean of shifted blob responses, which is close to a Gaussian bump, so a parabola is fitted
-//! to log |D| over the neighbouring slopes (to |D| itself where a neighbour has the other sign): exact for a Gaussian bump, and the
-//! misfit of a plain parabola at coarse slope steps goes away.
+//! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to five moves of a pixel while the fitted
+//! offset exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. Slope: no published
+//! implementation refines it. Around its peak D over slope is a mean of shifted blob responses, which is close to a
+//! Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes (to |D| itself where a neighbour has
+//! the other sign): exact for a Gaussian bump, and the misfit of a plain parabola at coarse slope steps goes away.
 
 use super::feature::Test;
 use crate::detector::scale_space::octave::DogTile;
@@ -107,7 +108,8 @@ impl Fit {
         0.5 * (sum + (sum * sum - 4.0).sqrt())
     }
 
-    /// The tests that follow the fit, each by itself, in their order: whether it passes. `size` is the octave's, `levels` the number of DoG levels.
+    /// The tests that follow the fit, each by itself, in their order: whether it passes. `size` is the octave's,
+    /// `levels` the number of DoG levels.
     pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 4] {
         let (trace_squared, determinant) = self.trace_and_determinant();
         let edge = f64::from(limits.edge_threshold);
@@ -139,7 +141,8 @@ impl From<Fit> for Refined {
     }
 }
 
-/// Refines the extremum at (x, y, level index) in place and scale, and applies the tests that follow. `size` is the octave's.
+/// Refines the extremum at (x, y, level index) in place and scale, and applies the tests that follow. `size` is the
+/// octave's.
 ///
 /// # Errors
 /// The test that rejects it.
@@ -157,8 +160,8 @@ pub fn refine(
     }
 }
 
-/// The quadratic fit in place and scale around (x, y, level index), after up to [`MAX_MOVES`] − 1 moves of a pixel; `None` where D has no quadratic. `size` is the
-/// octave's.
+/// The quadratic fit in place and scale around (x, y, level index), after up to [`MAX_MOVES`] − 1 moves of a pixel;
+/// `None` where D has no quadratic. `size` is the octave's.
 pub fn fit(
     dog: &DogTile,
     (mut x, mut y): (usize, usize),
@@ -204,8 +207,8 @@ pub fn fit(
     Some(Fit { x, y, offset, level_refined: level_index as f64 + offset[2], value, curvature: [xx, xy, yy] })
 }
 
-/// Offset of the peak of a bump from its middle sample, in steps, from three equally spaced samples of which the middle one is the largest in
-/// magnitude; within ±1. 0 where the samples have no peak.
+/// Offset of the peak of a bump from its middle sample, in steps, from three equally spaced samples of which the middle
+/// one is the largest in magnitude; within ±1. 0 where the samples have no peak.
 pub fn peak_offset(before: f32, here: f32, after: f32) -> f32 {
     let sign = here.signum();
     let (a, b, c) = (f64::from(sign * before), f64::from(sign * here), f64::from(sign * after));
@@ -219,8 +222,8 @@ pub fn peak_offset(before: f32, here: f32, after: f32) -> f32 {
     (0.5 * (a - c) / curvature).clamp(-1.0, 1.0) as f32
 }
 
-/// Offset of the peak of a two-dimensional bump from the middle of 3×3 equally spaced samples `values[j][i]`, in steps along (i, j), each within ±1.
-/// A quadratic is fitted by least squares (to the logarithm where all samples allow it).
+/// Offset of the peak of a two-dimensional bump from the middle of 3×3 equally spaced samples `values[j][i]`, in steps
+/// along (i, j), each within ±1. A quadratic is fitted by least squares (to the logarithm where all samples allow it).
 pub fn peak_offset_2d(values: [[f32; 3]; 3]) -> (f32, f32) {
     let separate = || {
         (peak_offset(values[1][0], values[1][1], values[1][2]), peak_offset(values[0][1], values[1][1], values[2][1]))

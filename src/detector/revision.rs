@@ -1,11 +1,13 @@
 //! Which detector it was: a number that changes whenever the bits of features do.
 //!
-//! Features are kept in files beside a dataset and taken from there the next time. Those that an older detector found lie a little
-//! elsewhere, or have other descriptors, and match new ones less well; mixed, they would spoil a reconstruction without a word. So
-//! whatever keeps features writes this number beside them, and takes only those with the same number.
+//! Features are kept in files beside a dataset and taken from there the next time. Those that an older detector found
+//! lie a little elsewhere, or have other descriptors, and match new ones less well; mixed, they would spoil a
+//! reconstruction without a word. So whatever keeps features writes this number beside them, and takes only those with
+//! the same number.
 
-/// The detector's revision. It goes up by one with every change after which the same burst and parameters give other bits of any feature or
-/// descriptor; not with new parameters whose defaults change nothing (parameters are compared by themselves).
+/// The detector's revision. It goes up by one with every change after which the same burst and parameters give other
+/// bits of any feature or descriptor; not with new parameters whose defaults change nothing (parameters are compared by
+/// themselves).
 pub const REVISION: u32 = 4;
 
 #[cfg(test)]
@@ -15,8 +17,8 @@ mod tests {
     use crate::monitor::Monitor;
     use crate::synth::{ChartParams, Motion, synth_chart};
 
-    /// What this revision finds on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³; mean of the descriptors' values.
-    /// Sums, with a tolerance, because processors round the last bit differently.
+    /// What this revision finds on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³;
+    /// mean of the descriptors' values. Sums, with a tolerance, because processors round the last bit differently.
     const FOUND: (u32, usize, [f64; 6]) =
         (4, 144, [12458.099422, 13128.652863, 529.047963, 116.715769, 90.589541, 33.617405]);
 

@@ -1,4 +1,5 @@
-//! Pictures of what the search sees: the motion-stack image and the DoG response at any slope, octave and level, and the noise by place.
+//! Pictures of what the search sees: the motion-stack image and the DoG response at any slope, octave and level, and
+//! the noise by place.
 
 use super::error::DetectError;
 use super::noise_model::pyramid::sample_at;
@@ -16,7 +17,8 @@ use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use. Input-pixel size, [0, 1] unit.
+/// The motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use.
+/// Input-pixel size, [0, 1] unit.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -26,13 +28,15 @@ pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor:
     motion_stack(&frames, slope, params.interpolation, monitor)
 }
 
-/// The DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i, j) lies at
-/// (i·2^octave, j·2^octave) of the input image. Levels −1 … levels are held; features come from 0 … levels−1. Unit: fraction of full scale.
-/// Where `slope` is on the grid these are the very numbers that the search compares, unless it searched cleaned frames (the local noise model leaves frames out and takes
-/// stripes, hot pixels and flicker off): the picture is of the frames as they are.
+/// The DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel
+/// (i, j) lies at (i·2^octave, j·2^octave) of the input image. Levels −1 … levels are held; features come from 0 …
+/// levels−1. Unit: fraction of full scale. Where `slope` is on the grid these are the very numbers that the search
+/// compares, unless it searched cleaned frames (the local noise model leaves frames out and takes stripes, hot pixels
+/// and flicker off): the picture is of the frames as they are.
 ///
 /// # Errors
-/// [`DetectError::Param`] for an octave or level that the parameters do not have, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for an octave or level that the parameters do not have, [`DetectError::Cancelled`] once
+/// `monitor` was cancelled.
 pub fn dog_view(
     burst: &Burst,
     params: &DetectorParams,
@@ -77,11 +81,13 @@ pub fn dog_view(
     unreachable!("the octave was checked to be among those searched")
 }
 
-/// Where the noise is how strong: σ of the noise of one frame at each pixel of the image, fraction of full scale, as the search of `params` takes it at its finest
-/// octave (see [`super::noise_model`]). The same everywhere for white noise.
+/// Where the noise is how strong: σ of the noise of one frame at each pixel of the image, fraction of full scale, as
+/// the search of `params` takes it at its finest octave (see [`super::noise_model`]). The same everywhere for white
+/// noise.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
 pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Plane, DetectError> {
     params.validate_for(burst.len(), burst.size())?;
     let noise = known_noise(burst, params, &ScaleSpace::of(params), monitor)?.model;
@@ -91,14 +97,16 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
     Ok(Plane::from_fn(width, height, at))
 }
 
-/// Side of the squares between whose middles a map of the noise is interpolated, pixels: the finest squares whose brightness the gate looks up.
+/// Side of the squares between whose middles a map of the noise is interpolated, pixels: the finest squares whose
+/// brightness the gate looks up.
 const NOISE_CELL_PX: f32 = 8.0;
 
 /// Columns and rows that one thread makes at once.
 const TILE: (usize, usize) = (320, 128);
 
-/// The Gaussian level indices `levels` of an octave of `size`, in parallel: `write` is given the differences of each tile (and the last level where the next
-/// octave starts from it), with its place and the part of `out` that is its own. `out` is `size` divided by `step`.
+/// The Gaussian level indices `levels` of an octave of `size`, in parallel: `write` is given the differences of each
+/// tile (and the last level where the next octave starts from it), with its place and the part of `out` that is its
+/// own. `out` is `size` divided by `step`.
 fn each_tile(
     base: &Base<'_>,
     (space, levels): (&ScaleSpace, Range<usize>),

@@ -41,7 +41,8 @@ impl PictureCache {
         Some(picture.clone())
     }
 
-    /// Keeps `picture`, dropping others as needed. Frames are not kept: the burst holds them. Neither is a picture above the whole budget.
+    /// Keeps `picture`, dropping others as needed. Frames are not kept: the burst holds them. Neither is a picture
+    /// above the whole budget.
     pub fn insert(&mut self, picture: &Picture) {
         let size = picture.bytes();
         if picture.is_frame() || size > self.budget_bytes {

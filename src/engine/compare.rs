@@ -1,4 +1,5 @@
-//! The worker that compares methods: one piece of work at a time, each with all threads, so that their times can be compared too.
+//! The worker that compares methods: one piece of work at a time, each with all threads, so that their times can be
+//! compared too.
 //!
 //! Which piece comes next is for the asker to say, who sees what is missing whenever one is finished.
 

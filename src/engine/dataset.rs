@@ -1,7 +1,8 @@
-//! Work on a whole dataset: looking at it, finding the features of all its bursts, matching pairs of them; and small pictures of its bursts.
+//! Work on a whole dataset: looking at it, finding the features of all its bursts, matching pairs of them; and small
+//! pictures of its bursts.
 //!
-//! Such work is long, and a person wants to see each burst and each pair as it is finished. So beside the lane's one answer at the end there are events on
-//! the way. Events of a request that another has replaced are dropped.
+//! Such work is long, and a person wants to see each burst and each pair as it is finished. So beside the lane's one
+//! answer at the end there are events on the way. Events of a request that another has replaced are dropped.
 
 use super::fault::JobError;
 use super::lane::{Answer, Lane};
@@ -137,7 +138,8 @@ pub enum DatasetEvent {
     },
 }
 
-/// Something that was published about datasets since the last poll. Events come before the answer that ends their request.
+/// Something that was published about datasets since the last poll. Events come before the answer that ends their
+/// request.
 #[derive(Debug)]
 pub enum DatasetUpdate {
     /// On the way.
@@ -197,8 +199,8 @@ impl DatasetWorkers {
         self.work.submit((number, request));
     }
 
-    /// Asks for the small pictures of `bursts`, no side longer than `max_side_px`, in this order. What was asked for before and is not there yet is
-    /// not made.
+    /// Asks for the small pictures of `bursts`, no side longer than `max_side_px`, in this order. What was asked for
+    /// before and is not there yet is not made.
     pub fn request_thumbnails(&self, bursts: Vec<BurstSource>, max_side_px: usize) {
         self.thumbnails.submit((bursts, max_side_px));
     }

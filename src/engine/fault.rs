@@ -1,7 +1,8 @@
 //! Why a piece of work has no result, and how a panic becomes a message with its place.
 //!
-//! The panic's payload does not know where it happened; only the panic hook does. So a hook, installed once and in front of the one
-//! that was there, writes the place down under the thread's name. Lanes and their pools name their threads after themselves.
+//! The panic's payload does not know where it happened; only the panic hook does. So a hook, installed once and in
+//! front of the one that was there, writes the place down under the thread's name. Lanes and their pools name their
+//! threads after themselves.
 
 use std::any::Any;
 use std::collections::HashMap;

@@ -1,7 +1,8 @@
 //! One worker for many askers: each asks under a key of its own, and of one key the latest request wins.
 //!
-//! Requests wait in the order in which their keys first asked. A newer request of a key takes the place of the older one in the queue, so that a key that
-//! asks again and again (a slider that is dragged) neither overtakes the others nor is overtaken for ever. One piece of work runs at a time, with all threads.
+//! Requests wait in the order in which their keys first asked. A newer request of a key takes the place of the older
+//! one in the queue, so that a key that asks again and again (a slider that is dragged) neither overtakes the others
+//! nor is overtaken for ever. One piece of work runs at a time, with all threads.
 
 use super::OnUpdate;
 use super::fault::{self, JobError};
@@ -63,7 +64,8 @@ impl<K: Copy + Eq + Hash, Q, A> Queue<K, Q, A> {
     }
 }
 
-/// One worker thread for requests `Q` with answers `A`, asked for under keys `K`. Dropping it cancels what runs and lets the thread end by itself.
+/// One worker thread for requests `Q` with answers `A`, asked for under keys `K`. Dropping it cancels what runs and
+/// lets the thread end by itself.
 pub struct KeyedLane<K, Q, A> {
     shared: Arc<Shared<K, Q, A>>,
     grace: Duration,
@@ -71,8 +73,8 @@ pub struct KeyedLane<K, Q, A> {
 }
 
 impl<K: Copy + Eq + Hash + Send + 'static, Q: Send + 'static, A: Send + 'static> KeyedLane<K, Q, A> {
-    /// Starts the worker called `name`. A superseded request is cancelled once it has run for `grace`; if it ends before, its answer is published all the
-    /// same.
+    /// Starts the worker called `name`. A superseded request is cancelled once it has run for `grace`; if it ends
+    /// before, its answer is published all the same.
     pub fn new(
         name: &str,
         grace: Duration,

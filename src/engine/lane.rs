@@ -65,7 +65,8 @@ impl<Q, A> Shared<Q, A> {
     }
 }
 
-/// One worker thread for requests `Q` with answers `A`. Dropping it cancels what runs and lets the thread end by itself.
+/// One worker thread for requests `Q` with answers `A`. Dropping it cancels what runs and lets the thread end by
+/// itself.
 pub struct Lane<Q, A> {
     shared: Arc<Shared<Q, A>>,
     grace: Duration,
@@ -73,8 +74,9 @@ pub struct Lane<Q, A> {
 }
 
 impl<Q: Send + 'static, A: Send + 'static> Lane<Q, A> {
-    /// Starts the worker called `name`, with a thread pool of its own for its parallel loops. A superseded request is cancelled once it has run for `grace`; if it ends before, its answer is
-    /// published all the same. With zero `grace` it is cancelled at once and its answer is dropped.
+    /// Starts the worker called `name`, with a thread pool of its own for its parallel loops. A superseded request is
+    /// cancelled once it has run for `grace`; if it ends before, its answer is published all the same. With zero
+    /// `grace` it is cancelled at once and its answer is dropped.
     pub fn new(
         name: &str,
         grace: Duration,
@@ -264,8 +266,9 @@ pub(super) fn unique_key(name: &str) -> String {
     format!("{}-{name}", COUNTER.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Threads for the parallel loops of one lane's work, named so that their panics are found; or `None` where the system has none to give:
-/// then the shared pool serves. Work given to the shared pool would wait behind all that a detection has queued there.
+/// Threads for the parallel loops of one lane's work, named so that their panics are found; or `None` where the system
+/// has none to give: then the shared pool serves. Work given to the shared pool would wait behind all that a detection
+/// has queued there.
 pub(super) fn pool(key: &str) -> Option<rayon::ThreadPool> {
     let key = key.to_owned();
     rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{key}.{i}", fault::THREAD_PREFIX)).build().ok()

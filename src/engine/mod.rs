@@ -1,12 +1,12 @@
 //! Background workers: requests in, answers out, so that whoever asks never waits.
 //!
-//! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the patch of the selected
-//! feature, a detection; and, beside them, those of a second burst and of the matches between the two, and those of a [dataset](DatasetWorkers). The
-//! pictures of all panes share one [`KeyedLane`], in which each pane's latest request wins. A lane is
-//! a named thread with a single-slot mailbox: a new request replaces one that still waits, and
-//! the one that runs is cancelled. So the latest request wins, and scrubbing stays live while a detection runs. Each
-//! request is an immutable snapshot with an id. An answer is published first; only then is `on_update` called, so that
-//! whoever wakes up finds it. A panic in the work becomes an error with its place, and the lane lives on.
+//! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the patch of the selected feature, a
+//! detection; and, beside them, those of a second burst and of the matches between the two, and those of a
+//! [dataset](DatasetWorkers). The pictures of all panes share one [`KeyedLane`], in which each pane's latest request
+//! wins. A lane is a named thread with a single-slot mailbox: a new request replaces one that still waits, and the one
+//! that runs is cancelled. So the latest request wins, and scrubbing stays live while a detection runs. Each request is
+//! an immutable snapshot with an id. An answer is published first; only then is `on_update` called, so that whoever
+//! wakes up finds it. A panic in the work becomes an error with its place, and the lane lives on.
 //!
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
@@ -51,8 +51,8 @@ pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
 /// Pictures are kept up to this many bytes unless told otherwise.
 pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
 
-/// A picture that the next one supersedes may still finish and be shown within this time, so that the picture follows the
-/// slider; one that takes longer is cancelled, so that what is wanted now does not wait for it.
+/// A picture that the next one supersedes may still finish and be shown within this time, so that the picture follows
+/// the slider; one that takes longer is cancelled, so that what is wanted now does not wait for it.
 const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 /// What to detect: a burst and the parameters, both as they were when it was asked.

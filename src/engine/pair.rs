@@ -1,6 +1,7 @@
 //! The workers of a second burst, B, and of the matches between the two.
 //!
-//! They are lanes as those of the first burst are, and work beside them: B is opened and searched while A's pictures follow the sliders.
+//! They are lanes as those of the first burst are, and work beside them: B is opened and searched while A's pictures
+//! follow the sliders.
 
 use super::fault::JobError;
 use super::lane::{Answer, JobId, Lane};
@@ -41,7 +42,8 @@ pub struct Matched {
     pub result: Arc<MatchResult>,
 }
 
-/// The two motion-stack images from which a match's patches are cut, or any other two pictures that are wanted together.
+/// The two motion-stack images from which a match's patches are cut, or any other two pictures that are wanted
+/// together.
 #[derive(Debug, Clone)]
 pub struct PatchesRequest {
     /// The picture of A.

@@ -1,4 +1,5 @@
-//! What can be shown of a burst: a frame, a motion-stack image, a DoG response, the merged frames, or the difference of two of these.
+//! What can be shown of a burst: a frame, a motion-stack image, a DoG response, the merged frames, or the difference of
+//! two of these.
 
 use super::fault::JobError;
 use super::source::{BurstId, OpenBurst};
@@ -85,7 +86,8 @@ impl PictureRequest {
         Self { burst, kind, params, minus: None }
     }
 
-    /// The difference: this picture minus `other`, on this picture's pixels. Differences of differences are not made: of each request its first picture counts.
+    /// The difference: this picture minus `other`, on this picture's pixels. Differences of differences are not made:
+    /// of each request its first picture counts.
     #[must_use]
     pub fn less(self, other: &Self) -> Self {
         Self { minus: Some(Box::new(other.alone())), ..self }
@@ -197,7 +199,8 @@ impl Picture {
         std::mem::size_of_val(self.plane.data())
     }
 
-    /// This picture minus `other`, on this picture's pixels: between its pixels `other` is taken linearly; beside it the difference is NaN.
+    /// This picture minus `other`, on this picture's pixels: between its pixels `other` is taken linearly; beside it
+    /// the difference is NaN.
     pub(super) fn minus(&self, other: &Self) -> Self {
         let (step, step_other) = (self.request.kind.input_px_per_pixel(), other.request.kind.input_px_per_pixel());
         Self {

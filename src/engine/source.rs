@@ -50,8 +50,8 @@ impl BurstSource {
     /// Opens it, on the calling thread.
     ///
     /// # Errors
-    /// [`JobError::Several`] for a folder of bursts, [`JobError::Failed`] with a message that names the file, [`JobError::Cancelled`] once
-    /// `monitor` was cancelled.
+    /// [`JobError::Several`] for a folder of bursts, [`JobError::Failed`] with a message that names the file,
+    /// [`JobError::Cancelled`] once `monitor` was cancelled.
     pub fn open(&self, monitor: &Monitor) -> Result<OpenBurst, JobError> {
         let burst = match self {
             Self::Demo => crate::synth::demo::demo_burst(),

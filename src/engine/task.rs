@@ -1,4 +1,5 @@
-//! Small pieces of work that must not hold up the window, such as writing a file. Each has a thread of its own; all of them end.
+//! Small pieces of work that must not hold up the window, such as writing a file. Each has a thread of its own; all of
+//! them end.
 
 use super::OnUpdate;
 use super::fault::{self, JobError};

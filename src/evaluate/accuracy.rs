@@ -1,19 +1,22 @@
 //! In enough light: how far places, scales and motions of found discs are from the truth.
 //!
-//! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by the rule of
-//! [`super::score`]) the strongest finding is compared with the truth at mid-burst. Discs may move faster than the grid reaches. What
-//! the detector marks as lying at the limit of the grid is counted, and left out of the errors: there it says itself that the motion may be wrong.
+//! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by
+//! the rule of [`super::score`]) the strongest finding is compared with the truth at mid-burst. Discs may move faster
+//! than the grid reaches. What the detector marks as lying at the limit of the grid is counted, and left out of the
+//! errors: there it says itself that the motion may be wrong.
 //!
 //! # Two kinds of charts
-//! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings that a detector looks at, which
-//! draws the extremum of D aside, in place and above all to smaller scales: errors that no noise makes and no localisation undoes. On a chart of fewer discs that
-//! [stand apart](stands_apart) in all frames what remains is the detector's own. A study of each is made and told as what it is.
+//! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings
+//! that a detector looks at, which draws the extremum of D aside, in place and above all to smaller scales: errors that
+//! no noise makes and no localisation undoes. On a chart of fewer discs that [stand apart](stands_apart) in all frames
+//! what remains is the detector's own. A study of each is made and told as what it is.
 //!
 //! # The scale that is expected
-//! The Laplacian of a Gaussian answers a disc of radius r most strongly at σ = r/√2. A difference of Gaussians D = G(kσ) − G(σ) does so at
-//! another σ, and in VLFeat's convention the smaller of the two is reported. At the disc's centre G(σ) is 1 − exp(−r²/2σ²), so
-//! D is extremal where, with x = r²/2σ², exp(−x·(1 − 1/k²)) = 1/k²: at σ = r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that
-//! is 0.633·r, 10.5 % below r/√2. Scale errors are relative to that σ; no other correction is applied.
+//! The Laplacian of a Gaussian answers a disc of radius r most strongly at σ = r/√2. A difference of Gaussians D =
+//! G(kσ) − G(σ) does so at another σ, and in VLFeat's convention the smaller of the two is reported. At the disc's
+//! centre G(σ) is 1 − exp(−r²/2σ²), so D is extremal where, with x = r²/2σ², exp(−x·(1 − 1/k²)) = 1/k²: at σ =
+//! r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that is 0.633·r, 10.5 % below r/√2. Scale errors are
+//! relative to that σ; no other correction is applied.
 
 use super::chart::ChartSummary;
 use super::jobs::run_jobs;
@@ -26,7 +29,8 @@ use crate::monitor::Monitor;
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use serde::Serialize;
 
-/// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's text.
+/// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's
+/// text.
 pub fn expected_sigma(radius: f64, levels: u32) -> f64 {
     let k2 = 2f64.powf(2.0 / f64::from(levels));
     radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
@@ -63,8 +67,8 @@ impl AccuracyStudy {
         }
     }
 
-    /// The same study on charts of `discs` discs that all stand apart. The gap between rims at mid-burst makes room for the surroundings of the largest disc and
-    /// for any two motions against each other.
+    /// The same study on charts of `discs` discs that all stand apart. The gap between rims at mid-burst makes room for
+    /// the surroundings of the largest disc and for any two motions against each other.
     pub fn standing_apart(&self, discs: usize) -> Self {
         let chart = &self.chart;
         let axes: f64 = match chart.motion {
@@ -77,7 +81,8 @@ impl AccuracyStudy {
     }
 }
 
-/// How many discs a chart on which they stand apart has where nobody asks for another number: 20 on 800×600 pixels, in proportion to the area, at least 1.
+/// How many discs a chart on which they stand apart has where nobody asks for another number: 20 on 800×600 pixels, in
+/// proportion to the area, at least 1.
 pub fn discs_apart(chart: &ChartParams) -> usize {
     (chart.width * chart.height / 24_000).max(1)
 }
@@ -126,7 +131,8 @@ pub struct AccuracyRow {
     pub slope_distance: [f64; 2],
 }
 
-/// How many discs there are, how many are found, and how many of those are marked as lying at the limit of the slopes searched.
+/// How many discs there are, how many are found, and how many of those are marked as lying at the limit of the slopes
+/// searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct RangeCount {
     /// Discs.
@@ -234,11 +240,13 @@ fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
     inside(along, grid.u.min, grid.u.max, grid.u.count) && inside(across, grid.v.min, grid.v.max, grid.v.count)
 }
 
-/// Around a disc a detector looks this far, in radii from its centre: three σ of the wider Gaussian that answers it, rounded up.
+/// Around a disc a detector looks this far, in radii from its centre: three σ of the wider Gaussian that answers it,
+/// rounded up.
 pub const SURROUNDINGS_IN_RADII: f64 = 2.4;
 
-/// Whether no other disc of the chart comes into the surroundings of `disc` in any frame ([`SURROUNDINGS_IN_RADII`]). Where one does, it draws the
-/// extremum of D towards itself or away, and in a moving chart also smears over it: errors that no noise makes.
+/// Whether no other disc of the chart comes into the surroundings of `disc` in any frame ([`SURROUNDINGS_IN_RADII`]).
+/// Where one does, it draws the extremum of D towards itself or away, and in a moving chart also smears over it: errors
+/// that no noise makes.
 pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     let others = || truth.features.iter().filter(|other| other.id != disc.id);
     (0..truth.frames).all(|t| {

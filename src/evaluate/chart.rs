@@ -1,8 +1,9 @@
 //! In the dark: how many of a chart's discs each method finds, over signal-to-noise ratios and seeds.
 //!
-//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. The number that a table shows is the count
-//! of discs found at the threshold where a tenth of the detections are false, the mean over the seeds. It is the best that a threshold can do, and so
-//! compares methods whatever their defaults; what they do *at* their defaults stands beside it.
+//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. The number that a
+//! table shows is the count of discs found at the threshold where a tenth of the detections are false, the mean over
+//! the seeds. It is the best that a threshold can do, and so compares methods whatever their defaults; what they
+//! do *at* their defaults stands beside it.
 
 use super::jobs::run_jobs;
 use super::methods::{BurstMethod, Searches};
@@ -33,7 +34,8 @@ pub struct ChartStudy {
     pub slopes_1d: SlopeGrid,
     /// The slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
-    /// The direction in which a method that finds slopes looks for them, degrees from +u towards +v; `None`: anywhere in the plane.
+    /// The direction in which a method that finds slopes looks for them, degrees from +u towards +v; `None`: anywhere
+    /// in the plane.
     pub direction_deg: Option<f32>,
     /// By what features are ranked.
     pub ranking: Ranking,
@@ -148,7 +150,8 @@ pub struct MethodReport {
     pub default_true_positives: Mean,
     /// False features among all that the detector returned.
     pub default_false_features: Mean,
-    /// The detector's estimate of a frame's noise over the true one at the background; absent for mean and merged images and for charts without noise.
+    /// The detector's estimate of a frame's noise over the true one at the background; absent for mean and merged
+    /// images and for charts without noise.
     pub noise_estimate_ratio: Option<Mean>,
     /// Mean count of discs found with at most 0, 1, 2 … false features.
     pub roc: Vec<f64>,

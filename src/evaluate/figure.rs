@@ -1,8 +1,9 @@
 //! The ROC curves of a chart study as a figure: SVG, readable alone, on light and dark pages and without colour.
 //!
-//! One panel for each signal-to-noise ratio; false features to the right, discs found upwards. Methods differ in colour (M. Okabe and K. Ito's
-//! palette, which colour-blind readers can tell apart) *and* in dashes. A grey line marks where the asked-for share of the detections
-//! is false: the numbers of the table are read near it. The dot at the end of a curve is what the method finds at its default threshold.
+//! One panel for each signal-to-noise ratio; false features to the right, discs found upwards. Methods differ in colour
+//! (M. Okabe and K. Ito's palette, which colour-blind readers can tell apart) *and* in dashes. A grey line marks where
+//! the asked-for share of the detections is false: the numbers of the table are read near it. The dot at the end of a
+//! curve is what the method finds at its default threshold.
 
 use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::methods::BurstMethod;
@@ -188,11 +189,11 @@ fn write_curve(
 }
 
 /// Round numbers from 0 to `most`, about five of them.
-fn ticks(most: f64) -> Vec<f64> {
-    let rough = most / 5.0;
+fn ticks(max: f64) -> Vec<f64> {
+    let rough = max / 5.0;
     let magnitude = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * magnitude).into_iter().find(|s| *s >= rough).unwrap_or(rough).max(1.0);
-    (0..).map(|i| f64::from(i) * step).take_while(|tick| *tick <= most).collect()
+    (0..).map(|i| f64::from(i) * step).take_while(|tick| *tick <= max).collect()
 }
 
 #[cfg(test)]
@@ -204,9 +205,9 @@ mod tests {
         assert_eq!(ticks(90.0), [0.0, 20.0, 40.0, 60.0, 80.0]);
         assert_eq!(ticks(45.0), [0.0, 10.0, 20.0, 30.0, 40.0]);
         assert_eq!(ticks(1.0), [0.0, 1.0]);
-        for most in 1..2000 {
-            let ticks = ticks(f64::from(most));
-            assert!((2..=6).contains(&ticks.len()), "{most}: {ticks:?}");
+        for max in 1..2000 {
+            let ticks = ticks(f64::from(max));
+            assert!((2..=6).contains(&ticks.len()), "{max}: {ticks:?}");
         }
     }
 

@@ -20,8 +20,9 @@ impl Steps<'_> {
     }
 }
 
-/// `f` of every job, in the order of the jobs. As many jobs run at a time as there are threads: what a job holds in memory is held that often.
-/// (A flat parallel loop would not keep to that: a thread that waits inside one job, for its own parallel parts, would begin another one.)
+/// `f` of every job, in the order of the jobs. As many jobs run at a time as there are threads: what a job holds in
+/// memory is held that often. (A flat parallel loop would not keep to that: a thread that waits inside one job, for its
+/// own parallel parts, would begin another one.)
 ///
 /// # Errors
 /// The first failure in the order of the jobs, or that the work was cancelled.

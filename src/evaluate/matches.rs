@@ -1,12 +1,14 @@
 //! How well the bursts of a dataset match: the columns of the paper's Table 1 that need no reconstruction.
 //!
-//! Every method finds the features of every burst, with the same parameters and a noise gate that promises the same rate of false features; the features of chosen pairs of bursts are
-//! matched and verified geometrically. As in the paper, an image's matches with all others are added up, so that ratios to its keypoints may pass 1.
+//! Every method finds the features of every burst, with the same parameters and a noise gate that promises the same
+//! rate of false features; the features of chosen pairs of bursts are matched and verified geometrically. As in the
+//! paper, an image's matches with all others are added up, so that ratios to its keypoints may pass 1.
 //!
 //! # The gold standard
-//! Where sharp images of the same views are given, SIFT on them is a row of its own, and there is a further column for all rows: how many putative matches lie on the
-//! geometry that the *sharp* images' matches agree on. Inliers are counted against a geometry that the same matches were used to find, which flatters a method with
-//! few matches: some always agree on something. This column does not.
+//! Where sharp images of the same views are given, SIFT on them is a row of its own, and there is a further column for
+//! all rows: how many putative matches lie on the geometry that the *sharp* images' matches agree on. Inliers are
+//! counted against a geometry that the same matches were used to find, which flatters a method with few matches: some
+//! always agree on something. This column does not.
 
 use super::EvaluateError;
 use super::methods::{BurstMethod, Searches};
@@ -95,7 +97,8 @@ pub struct MatchStudy {
     pub slopes_1d: SlopeGrid,
     /// The slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
-    /// The direction in which a method that finds slopes looks for them, degrees from +u towards +v; `None`: anywhere in the plane.
+    /// The direction in which a method that finds slopes looks for them, degrees from +u towards +v; `None`: anywhere
+    /// in the plane.
     pub direction_deg: Option<f32>,
     /// How features are matched and verified.
     pub matching: MatchParams,
@@ -126,7 +129,8 @@ pub struct MatchReport {
     pub methods: Vec<MatchRow>,
 }
 
-/// One method. What is said of an image is the mean over the images; an image's matches are those with all others it was paired with.
+/// One method. What is said of an image is the mean over the images; an image's matches are those with all others it
+/// was paired with.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MatchRow {
     /// The method.
@@ -203,8 +207,8 @@ impl MatchStudy {
         Ok(())
     }
 
-    /// Finds the features of every burst by every method, matches the pairs, and counts. `open` opens the pictures of burst k; sharp ones are asked for only if there are any.
-    /// One burst is held in memory at a time.
+    /// Finds the features of every burst by every method, matches the pairs, and counts. `open` opens the pictures of
+    /// burst k; sharp ones are asked for only if there are any. One burst is held in memory at a time.
     ///
     /// # Errors
     /// A parameter that makes no sense, what `open` answers, or [`EvaluateError::Cancelled`].
@@ -216,7 +220,8 @@ impl MatchStudy {
     ) -> Result<MatchReport, E> {
         self.check(names.len())?;
         let pairs = self.pairs.pairs(names.len());
-        // The sharp images are searched whether or not their row is asked for, because their geometry is the judge of all.
+        // The sharp images are searched whether or not their row is asked for, because their geometry is the judge of
+        // all.
         let mut methods = self.methods.clone();
         if self.has_gold && !methods.contains(&MatchMethod::Gold) {
             methods.push(MatchMethod::Gold);
@@ -306,8 +311,8 @@ impl MatchStudy {
 
     /// How many of the putative matches lie on `judge`.
     fn agreeing(&self, result: &MatchResult, sides: [&Features; 2], judge: &TwoViewModel) -> usize {
-        let most = f64::from(self.matching.max_error_px);
-        let agrees = |m: &&crate::matching::Match| judge.error_px(sides[0].places[m.a], sides[1].places[m.b]) <= most;
+        let max = f64::from(self.matching.max_error_px);
+        let agrees = |m: &&crate::matching::Match| judge.error_px(sides[0].places[m.a], sides[1].places[m.b]) <= max;
         result.matches.iter().filter(agrees).count()
     }
 }

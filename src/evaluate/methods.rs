@@ -1,5 +1,5 @@
-//! The ways from a burst to features that are compared: one frame, two merges, and the burst search over a line of slopes, over a plane of them, and over those that it
-//! finds for each burst.
+//! The ways from a burst to features that are compared: one frame, two merges, and the burst search over a line of
+//! slopes, over a plane of them, and over those that it finds for each burst.
 
 use super::EvaluateError;
 use crate::baseline::{Searched, detect, plain_mean, search};
@@ -157,7 +157,8 @@ mod tests {
             f64::from(found.detection.frame_noise)
         };
         let one = noise(BurstMethod::SiftFrame, None);
-        // Ten frames have a √10 lower noise, four of them half of it. The merge keeps a little more of the middle frame's.
+        // Ten frames have a √10 lower noise, four of them half of it. The merge keeps a little more of the middle
+        // frame's.
         for (method, tolerance) in [(BurstMethod::SiftMean, 0.05), (BurstMethod::SiftMerge, 0.1)] {
             assert!((noise(method, None) * 10f64.sqrt() / one - 1.0).abs() < tolerance, "{method:?}");
             assert!((noise(method, Some("3..7")) * 2.0 / one - 1.0).abs() < tolerance, "{method:?}");

@@ -1,19 +1,23 @@
-//! How good the detector is, measured on input whose truth is known exactly, and how good the camera poses are that were found with its features.
+//! How good the detector is, measured on input whose truth is known exactly, and how good the camera poses are that
+//! were found with its features.
 //!
 //! Three studies of the detector, each one command (`burstscope evaluate chart|accuracy|noise`):
 //!
-//! - [`chart`]: in the dark. How many of a chart's discs does each method find before its findings are a tenth false, and how do true and false
-//!   findings trade against each other over the threshold (the ROC curve)?
+//! - [`chart`]: in the dark. How many of a chart's discs does each method find before its findings are a tenth false,
+//!   and how do true and false findings trade against each other over the threshold (the ROC curve)?
 //! - [`accuracy`]: in enough light. How far are places, scales and motions from the truth?
 //! - [`pure_noise`]: on noise alone. How many features are found where there is nothing to find?
 //!
-//! One of what the features are for, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): how many of them match between bursts, and how many matches are right?
+//! One of what the features are for, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): how
+//! many of them match between bursts, and how many matches are right?
 //!
-//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far is a reconstruction's trajectory from the true one?
+//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far is a reconstruction's trajectory from the
+//! true one?
 //!
-//! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel over them and answers with a report that
-//! can be written as JSON. [`score`] decides what counts as found, [`figure`] draws the curves. The same study gives the same report for any
-//! number of threads, and memory holds at most one burst a thread.
+//! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
+//! over them and answers with a report that can be written as JSON. [`score`] decides what counts as found, [`figure`]
+//! draws the curves. The same study gives the same report for any number of threads, and memory holds at most one burst
+//! a thread.
 
 pub mod accuracy;
 pub mod chart;

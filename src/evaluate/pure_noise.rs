@@ -1,8 +1,9 @@
 //! On noise alone: how many features are found where there is nothing to find.
 //!
-//! Bursts of Gaussian noise around half of full scale are searched with the parameters given: white, as it is and rounded to the levels of a converter, and
-//! noise as cameras and files make it ([`NoiseCase`]). Every feature is false. The noise gate promises at most one of them in a million pixels of the image,
-//! whatever the noise and however many slopes are searched.
+//! Bursts of Gaussian noise around half of full scale are searched with the parameters given: white, as it is and
+//! rounded to the levels of a converter, and noise as cameras and files make it ([`NoiseCase`]). Every feature is
+//! false. The noise gate promises at most one of them in a million pixels of the image, whatever the noise and however
+//! many slopes are searched.
 
 use super::EvaluateError;
 use super::jobs::run_jobs;

@@ -1,9 +1,9 @@
 //! What counts as found: features of a chart against its truth, and the curve over the threshold.
 //!
-//! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre and its scale σ is within a
-//! factor of 2 of r/√2. A disc is found once; what finds it again is false, and so is everything that finds no disc. The orientations of one keypoint
-//! count as one feature. Features are
-//! taken in order of a [`Ranking`]; a threshold on it keeps the strongest, and each threshold gives one point (false, true) of the curve.
+//! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre
+//! and its scale σ is within a factor of 2 of r/√2. A disc is found once; what finds it again is false, and so is
+//! everything that finds no disc. The orientations of one keypoint count as one feature. Features are taken in order of
+//! a [`Ranking`]; a threshold on it keeps the strongest, and each threshold gives one point (false, true) of the curve.
 
 use crate::detector::Feature;
 use crate::synth::{FeatureTruth, Truth};
@@ -112,7 +112,8 @@ pub fn judge(features: &[Feature], truth: &Truth, ranking: Ranking) -> Vec<Judge
 /// What is kept at one threshold.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// The threshold: features of at least this worth are kept. Infinite (null in JSON) for the first point, which keeps none.
+    /// The threshold: features of at least this worth are kept. Infinite (null in JSON) for the first point, which
+    /// keeps none.
     pub threshold: f32,
     /// False features.
     pub false_features: usize,
@@ -146,8 +147,8 @@ impl Curve {
         Self { points }
     }
 
-    /// The point with the most discs found among those where at most `fraction` (0 … 1) of the detections are false; of several,
-    /// the one with the fewest false. The first point, with no detection, always qualifies.
+    /// The point with the most discs found among those where at most `fraction` (0 … 1) of the detections are false; of
+    /// several, the one with the fewest false. The first point, with no detection, always qualifies.
     pub fn at_false_fraction(&self, fraction: f64) -> CurvePoint {
         let within = |p: &&CurvePoint| {
             // A margin for rounding: 10 of 100 are a tenth.
@@ -173,8 +174,8 @@ impl Curve {
     }
 }
 
-/// The mean over `curves` of the discs found with at most 0, 1, … `most_false` false features. A curve that ends earlier (its detector finds no
-/// more) stays at its end. NaN where there is no curve.
+/// The mean over `curves` of the discs found with at most 0, 1, … `most_false` false features. A curve that ends
+/// earlier (its detector finds no more) stays at its end. NaN where there is no curve.
 pub fn mean_curve(curves: &[&Curve], most_false: usize) -> Vec<f64> {
     (0..=most_false)
         .map(|count| curves.iter().map(|c| c.true_positives_at(count) as f64).sum::<f64>() / curves.len() as f64)

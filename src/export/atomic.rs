@@ -9,12 +9,14 @@ use tempfile::NamedTempFile;
 /// What a format writes to: buffered, and able to seek.
 pub type FileWriter<'a> = BufWriter<&'a mut File>;
 
-/// Writes the file `path` by `write`. The bytes go to a temporary file beside it, which takes the place of `path` only when all of them are on disk: should
-/// anything fail, a file that was there is untouched and no other one is left behind. Missing parent folders are made. A link is followed; the new file
-/// has the permissions of the one that it replaces.
+/// Writes the file `path` by `write`. The bytes go to a temporary file beside it, which takes the place of `path` only
+/// when all of them are on disk: should anything fail, a file that was there is untouched and no other one is left
+/// behind. Missing parent folders are made. A link is followed; the new file has the permissions of the one that it
+/// replaces.
 ///
 /// # Errors
-/// [`ExportError::Write`] when the system or `write` fails, [`ExportError::NotAFile`] when `path` is a folder or a device.
+/// [`ExportError::Write`] when the system or `write` fails, [`ExportError::NotAFile`] when `path` is a folder or a
+/// device.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>) -> Result<(), ExportError> {
     replace_whole(path, |temporary| {
         let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());

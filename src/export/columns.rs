@@ -2,8 +2,9 @@
 
 use crate::detector::Feature;
 
-/// The columns' names, in order. Positions, scale in input pixels; orientation in radians; slopes in pixels per frame; `response` is the interpolated DoG value
-/// with its sign, fraction of full scale; `snr` is |response|/σ_D; `at_slope_limit` is 1 or 0.
+/// The columns' names, in order. Positions, scale in input pixels; orientation in radians; slopes in pixels per frame;
+/// `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is |response|/σ_D;
+/// `at_slope_limit` is 1 or 0.
 pub const COLUMNS: [&str; 11] =
     ["u", "v", "sigma", "orientation", "slope_u", "slope_v", "response", "snr", "octave", "level", "at_slope_limit"];
 

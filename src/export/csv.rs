@@ -1,7 +1,7 @@
 //! The feature table as CSV: a header line, then one line a feature, in the detection's order.
 //!
-//! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0, so that every cell is a number. An infinite `snr`
-//! (a noiseless burst) is written `inf`, which numpy, pandas and R read.
+//! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0, so that every cell is a
+//! number. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
 
 use super::atomic::write_whole;
 use super::columns::{COLUMNS, FeatureRow};

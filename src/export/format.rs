@@ -1,4 +1,5 @@
-//! The formats in which features are exported, and the names of their files: what the window's dialog and `--format` share.
+//! The formats in which features are exported, and the names of their files: what the window's dialog and `--format`
+//! share.
 
 use super::colmap::write_colmap;
 use super::csv::write_csv;
@@ -80,8 +81,9 @@ impl FromStr for ExportFormat {
     }
 }
 
-/// Writes the detection of the burst `burst_name` into the folder `folder` (made if missing) in each of `formats`: `NAME.csv`, `NAME.txt` for COLMAP, `NAME.npz`. NAME
-/// is the burst's name made safe by [`safe_file_name`]. Answers the files' paths, one for each format, in the order of `formats`.
+/// Writes the detection of the burst `burst_name` into the folder `folder` (made if missing) in each of `formats`:
+/// `NAME.csv`, `NAME.txt` for COLMAP, `NAME.npz`. NAME is the burst's name made safe by [`safe_file_name`]. Answers the
+/// files' paths, one for each format, in the order of `formats`.
 ///
 /// # Errors
 /// [`ExportError`] of the first file that cannot be written; those before it are complete.
@@ -100,7 +102,8 @@ pub fn write_detection(
     written.collect()
 }
 
-/// The name with everything replaced by `_` that some system does not allow in a file's name. Never empty, never a path.
+/// The name with everything replaced by `_` that some system does not allow in a file's name. Never empty, never a
+/// path.
 pub fn safe_file_name(name: &str) -> String {
     let forbidden = |c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c);
     let name: String = name.chars().map(|c| if forbidden(c) { '_' } else { c }).collect();

@@ -1,7 +1,8 @@
 //! Two pictures side by side with their matches as lines between them, as PNG.
 //!
-//! Inliers are solid and yellow, other matches dashed and vermilion (of M. Okabe and K. Ito's palette, which colour-blind readers can tell apart), under
-//! the inliers. Each end is a small ring. A match's ends are at (u + ½, v + ½) of the drawing, because there the first pixel's centre is at (0.5, 0.5).
+//! Inliers are solid and yellow, other matches dashed and vermilion (of M. Okabe and K. Ito's palette, which
+//! colour-blind readers can tell apart), under the inliers. Each end is a small ring. A match's ends are at (u + ½, v +
+//! ½) of the drawing, because there the first pixel's centre is at (0.5, 0.5).
 
 use super::error::ExportError;
 use super::png::{Picture, write_png};
@@ -32,7 +33,8 @@ const RING_PX: f64 = 2.5;
 const DASH_PX: (f64, f64) = (7.0, 5.0);
 const BACKGROUND: [u8; 3] = [32, 32, 32];
 
-/// Writes the picture: A on the left, B on the right. Lines that lie nowhere (a number that is not finite, or beyond 10⁶) are left out.
+/// Writes the picture: A on the left, B on the right. Lines that lie nowhere (a number that is not finite, or beyond
+/// 10⁶) are left out.
 ///
 /// # Errors
 /// [`ExportError`] when a picture has no pixels or the file cannot be written; an older one is then untouched.
@@ -81,7 +83,8 @@ impl Canvas {
         }
     }
 
-    /// Mixes `color` into the pixels of the rectangle around `from` and `to`, by the coverage that `at` gives for a pixel's centre.
+    /// Mixes `color` into the pixels of the rectangle around `from` and `to`, by the coverage that `at` gives for a
+    /// pixel's centre.
     fn mix(&mut self, from: (f64, f64), to: (f64, f64), color: [u8; 3], at: impl Fn(f64, f64) -> f64) {
         let range = |a: f64, b: f64, size: usize| {
             (a.min(b).floor().max(0.0) as usize).min(size)..(a.max(b).ceil().max(0.0) as usize).min(size)

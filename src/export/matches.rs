@@ -1,7 +1,8 @@
 //! Matches of two images as CSV: a header line, then one line a match.
 //!
-//! `a` and `b` count the features of each image from 0, in the order of its feature file. `error_px` is the distance from the geometry that the matches agree on, `inf` where they
-//! agree on none; `inlier` is 1 or 0. Where no geometry was asked for both are `nan`, so that every cell is a number.
+//! `a` and `b` count the features of each image from 0, in the order of its feature file. `error_px` is the distance
+//! from the geometry that the matches agree on, `inf` where they agree on none; `inlier` is 1 or 0. Where no geometry
+//! was asked for both are `nan`, so that every cell is a number.
 
 use super::atomic::write_whole;
 use super::error::ExportError;

@@ -1,7 +1,8 @@
 //! What leaves the program: one file of code for each file format.
 //!
-//! Features go out as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as `.npz`; pictures as 32-bit float TIFF (exact values) or PNG (as shown);
-//! figures as SVG with a vector overlay; matches as CSV and as a picture of both images. Every file is written whole or not at all, see [`write_whole`].
+//! Features go out as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as `.npz`;
+//! pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay; matches as CSV
+//! and as a picture of both images. Every file is written whole or not at all, see [`write_whole`].
 
 mod atomic;
 mod base64;

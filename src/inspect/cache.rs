@@ -1,4 +1,5 @@
-//! What questions about one burst are answered from: its detection with all it left behind. It is made once and then asked as often as one likes.
+//! What questions about one burst are answered from: its detection with all it left behind. It is made once and then
+//! asked as often as one likes.
 
 use crate::baseline::prepare;
 use crate::burst::Burst;
@@ -25,10 +26,12 @@ pub struct ProbeCache {
 const SLOPES_SHARE: f32 = 0.2;
 
 impl ProbeCache {
-    /// Detects the features of `burst`, finding its slopes first where they are to be found, and keeps what questions need.
+    /// Detects the features of `burst`, finding its slopes first where they are to be found, and keeps what questions
+    /// need.
     ///
     /// # Errors
-    /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+    /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once
+    /// `monitor` was cancelled.
     pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
         let (resolved, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
         let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };

@@ -1,7 +1,9 @@
-//! Where the candidates went: every candidate of a whole picture with the first test that it fails and by how much, and pictures of what decides between slopes.
+//! Where the candidates went: every candidate of a whole picture with the first test that it fails and by how much, and
+//! pictures of what decides between slopes.
 //!
-//! A candidate is a sample that is an extremum in place and scale at its own slope. Most of them are noise. The detection's tally counts samples; here those are
-//! counted that were candidates, so that a person sees what a test took of what might have been a feature.
+//! A candidate is a sample that is an extremum in place and scale at its own slope. Most of them are noise. The
+//! detection's tally counts samples; here those are counted that were candidates, so that a person sees what a test
+//! took of what might have been a feature.
 
 use super::telling::margin_of;
 use crate::detector::scale_space::levels::octave_pixel;
@@ -34,7 +36,8 @@ pub struct CandidateMark {
     pub snr: f32,
     /// The first test that it fails; `None` for what was kept.
     pub first_failed: Option<Test>,
-    /// By how much it fails that test, as a part of the limit: below 0. `None` where it was kept and where there is no limit to speak of.
+    /// By how much it fails that test, as a part of the limit: below 0. `None` where it was kept and where there is no
+    /// limit to speak of.
     pub margin: Option<f32>,
 }
 
@@ -74,21 +77,22 @@ pub struct Survey {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurveyOptions {
     /// Only those of at least this |D| over its noise. Noise alone has millions of weak ones.
-    pub least_snr: f32,
+    pub min_snr: f32,
     /// Only those that fail this test first; `None` lists those of all tests, and those that were kept.
     pub test: Option<Test>,
 }
 
 impl Default for SurveyOptions {
     fn default() -> Self {
-        Self { least_snr: 3.0, test: None }
+        Self { min_snr: 3.0, test: None }
     }
 }
 
 /// Side of the parts in which a picture is surveyed, octave pixels.
 const PART_PX: usize = 160;
 
-/// Counts all candidates of the picture by the first test that they fail, and lists those that `options` ask for. It searches the picture again.
+/// Counts all candidates of the picture by the first test that they fail, and lists those that `options` ask for. It
+/// searches the picture again.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -110,7 +114,7 @@ pub fn survey(trail: &Trail, options: &SurveyOptions, monitor: &Monitor) -> Resu
                     None => survey.kept += 1,
                 }
                 let asked = options.test.is_none_or(|test| mark.first_failed == Some(test));
-                if asked && mark.snr >= options.least_snr {
+                if asked && mark.snr >= options.min_snr {
                     survey.marks.push(mark);
                 }
             }
@@ -153,12 +157,12 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
             let judgement = judgement?;
             let keypoint =
                 judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
-            let most = trail.params().max_features;
+            let max = trail.params().max_features;
             let first_failed = judgement.rejected_by.or_else(|| {
                 let keypoint = keypoint?;
                 match trail.covered_by(keypoint) {
                     Some(_) => Some(Test::Duplicate),
-                    None if most > 0 && trail.ranks_of(keypoint).all(|rank| rank >= most) => Some(Test::MaxFeatures),
+                    None if max > 0 && trail.ranks_of(keypoint).all(|rank| rank >= max) => Some(Test::MaxFeatures),
                     None => None,
                 }
             });
@@ -215,7 +219,7 @@ pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor)
     let (columns, rows) = (cuts(width, PART_PX), cuts(height, PART_PX));
     let parts = columns.len() * rows.len();
     let index = (level + 1) as usize;
-    let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_least((octave, level), slope)).collect();
+    let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_min((octave, level), slope)).collect();
     for (part, (columns, rows)) in
         rows.iter().flat_map(|r| columns.iter().map(move |c| (c.clone(), r.clone()))).enumerate()
     {
@@ -232,11 +236,11 @@ pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor)
                     let (ii, jj) = grid.coordinates(*other);
                     i.abs_diff(ii) > 1 || j.abs_diff(jj) > 1
                 };
-                let most = strength(best);
+                let max = strength(best);
                 let second = (0..grid.len()).filter(apart).map(strength).fold(0.0, f32::max);
                 out.slope_index.row_mut(y)[x] = best as f32;
-                out.snr.row_mut(y)[x] = most;
-                out.confidence.row_mut(y)[x] = if most > 0.0 && most >= gate { 1.0 - second / most } else { 0.0 };
+                out.snr.row_mut(y)[x] = max;
+                out.confidence.row_mut(y)[x] = if max > 0.0 && max >= gate { 1.0 - second / max } else { 0.0 };
             }
         }
         monitor.report(Stage::Search { octave }, (part + 1) as f32 / parts as f32);

@@ -1,8 +1,10 @@
-//! What a change did: two lists of features of one burst compared. Those of the other may be somebody else's ([`super::foreign`]).
+//! What a change did: two lists of features of one burst compared. Those of the other may be somebody else's
+//! ([`super::foreign`]).
 //!
-//! Two features are the same when the one finds the other by the rule of [`crate::evaluate::score`], taking it for a disc of radius √2·σ, and both are bright or both
-//! dark as far as that is known. Each is the same as one other at most; the strongest of the later list choose first, each the nearest that is free. The orientations of
-//! one keypoint count as one.
+//! Two features are the same when the one finds the other by the rule of [`crate::evaluate::score`], taking it for a
+//! disc of radius √2·σ, and both are bright or both dark as far as that is known. Each is the same as one other at
+//! most; the strongest of the later list choose first, each the nearest that is free. The orientations of one keypoint
+//! count as one.
 
 use super::foreign::ForeignFeature;
 use crate::detector::{Feature, Slope};

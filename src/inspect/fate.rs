@@ -1,7 +1,9 @@
-//! The fate of one candidate: every test of the search with its value, its limit and what beat it, in the order of the search.
+//! The fate of one candidate: every test of the search with its value, its limit and what beat it, in the order of the
+//! search.
 //!
-//! A candidate is a sample that is an extremum in place and scale at its own slope, whatever its size. The first test that it fails is the search's own verdict.
-//! The tests after that one are asked all the same, because what people change next depends on them.
+//! A candidate is a sample that is an extremum in place and scale at its own slope, whatever its size. The first test
+//! that it fails is the search's own verdict. The tests after that one are asked all the same, because what people
+//! change next depends on them.
 
 use super::remedy::Remedy;
 use crate::detector::params::doc;
@@ -67,8 +69,8 @@ pub struct TestReport {
 }
 
 impl TestReport {
-    /// By how much the value lies on the passing side of the limit, as a part of the limit: below 0 where it fails. `None` where there is no limit to
-    /// speak of.
+    /// By how much the value lies on the passing side of the limit, as a part of the limit: below 0 where it fails.
+    /// `None` where there is no limit to speak of.
     pub fn margin(&self) -> Option<f64> {
         let (value, limit) = (self.value?, self.limit?);
         if limit == 0.0 {
@@ -116,7 +118,8 @@ pub struct Fate {
     pub keypoint: Option<usize>,
     /// What happened, as one sentence.
     pub verdict: String,
-    /// What would keep it; `None` for what was kept, where no setting would, and for duplicates in a list (see [`super::remedy::duplicate_remedy`]).
+    /// What would keep it; `None` for what was kept, where no setting would, and for duplicates in a list (see
+    /// [`super::remedy::duplicate_remedy`]).
     pub remedy: Option<Remedy>,
 }
 

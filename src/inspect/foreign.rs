@@ -25,8 +25,9 @@ pub struct ForeignFeature {
 /// Reads features from a file: CSV if it begins as our table does, otherwise COLMAP's text.
 ///
 /// # Errors
-/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] naming the line that is not as it should be; a file that is neither kind says what
-/// both look like. Features with a place or a scale that is no number, or without a size, are refused too.
+/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] naming the line that is not as it should
+/// be; a file that is neither kind says what both look like. Features with a place or a scale that is no number, or
+/// without a size, are refused too.
 pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, ExportError> {
     let features: Vec<ForeignFeature> = match kind(path)? {
         Kind::Csv => read_features_csv(path)?

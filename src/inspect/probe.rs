@@ -184,8 +184,8 @@ pub fn probe(
     Ok(Probe { pos_image: place, fates, samples, subject, response, shares, suspicions, slices, summary })
 }
 
-/// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` σ of theirs: what was kept first, then by how far they came and how strong they
-/// are.
+/// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` σ of theirs: what was kept
+/// first, then by how far they came and how strong they are.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

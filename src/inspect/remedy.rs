@@ -1,7 +1,8 @@
 //! What happened to a candidate as a sentence, and the one setting that would keep it.
 //!
-//! A remedy changes the limit of the first failed test just so far that the candidate passes it. Where it would then fail a later test, that is said. Some verdicts
-//! have none: an extremum that a neighbour beats is no extremum with any setting.
+//! A remedy changes the limit of the first failed test just so far that the candidate passes it. Where it would then
+//! fail a later test, that is said. Some verdicts have none: an extremum that a neighbour beats is no extremum with any
+//! setting.
 
 use super::fate::Fate;
 use super::telling::apart_sigmas;
@@ -197,8 +198,9 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
     }
 }
 
-/// The smallest change that lets a keypoint stand beside the stronger one on its blob; `None` for a candidate that is no duplicate. It takes a while, because the keypoints
-/// around are held against one another anew, so [`Fate::remedy`] of a duplicate is left out where many candidates are listed.
+/// The smallest change that lets a keypoint stand beside the stronger one on its blob; `None` for a candidate that is
+/// no duplicate. It takes a while, because the keypoints around are held against one another anew, so [`Fate::remedy`]
+/// of a duplicate is left out where many candidates are listed.
 pub fn duplicate_remedy(trail: &Trail, fate: &Fate) -> Option<Remedy> {
     let index = fate.keypoint.filter(|_| fate.first_failed == Some(Test::Duplicate))?;
     let (sentence, change) = distinct_change(trail, index)?;

@@ -181,14 +181,14 @@ fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
         shares.meaning
     )?;
     let sign = if shares.mean < 0.0 { -1.0 } else { 1.0 };
-    let most =
+    let max =
         shares.frames.iter().filter(|f| f.covers).map(|f| (sign * f.value).abs()).fold(f32::MIN_POSITIVE, f32::max);
     for frame in &shares.frames {
         if !frame.covers {
             writeln!(out, "    frame {:>3}  does not show the place", frame.frame)?;
             continue;
         }
-        let length = (BAR_WIDTH * (sign * frame.value).max(0.0) / most).round() as usize;
+        let length = (BAR_WIDTH * (sign * frame.value).max(0.0) / max).round() as usize;
         writeln!(
             out,
             "    frame {:>3} {:>+10.2e} ± {:.1e}  {}",
@@ -224,7 +224,7 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
         cost.search_secs
     )?;
     writeln!(out, "  the frames show  {}", spectrum.finding.summary())?;
-    let most = spectrum.bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1);
+    let max = spectrum.bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1);
     let mut shown: Vec<&SlopeBar> =
         spectrum.bars.iter().filter(|bar| bar.features > 0 || bar.evidence >= 0.005).collect();
     let hidden = shown.len().saturating_sub(SLOPES_LISTED);
@@ -247,7 +247,7 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
             if bar.is_searched { bar.features.to_string() } else { "–".to_owned() },
             if bar.evidence > 0.0 { format!("{:.1} %", 100.0 * bar.evidence) } else { "–".to_owned() },
             100.0 * bar.coverage,
-            "#".repeat((bar.features * BAR_WIDTH as usize).div_ceil(most)),
+            "#".repeat((bar.features * BAR_WIDTH as usize).div_ceil(max)),
         )?;
     }
     if hidden > 0 {

@@ -1,7 +1,8 @@
-//! The response at one place over slope and scale, finer than the grid: where a blob peaks, and whether it would peak beyond the slopes that are searched.
+//! The response at one place over slope and scale, finer than the grid: where a blob peaks, and whether it would peak
+//! beyond the slopes that are searched.
 //!
-//! Values are D in units of its noise, with its sign. They come from the frames themselves, shifted by each slope ([`Trail::point_response`]), so they are those
-//! of the search up to interpolation; no verdict comes from them.
+//! Values are D in units of its noise, with its sign. They come from the frames themselves, shifted by each slope
+//! ([`Trail::point_response`]), so they are those of the search up to interpolation; no verdict comes from them.
 
 use crate::detector::{Slope, SlopeAxis, Trail};
 use crate::monitor::{Cancelled, Monitor};
@@ -103,10 +104,12 @@ impl ResponseMap {
 const FINER: usize = 4;
 /// The same for a plane, where every one counts twice.
 const FINER_IN_PLANE: usize = 3;
-/// Columns and rows that a map has at most: the window shows no more, and a probe should not take long on a grid of thousands of slopes.
+/// Columns and rows that a map has at most: the window shows no more, and a probe should not take long on a grid of
+/// thousands of slopes.
 const MOST: usize = 121;
 
-/// The response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two axes, at `scale` over both.
+/// The response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two axes, at
+/// `scale` over both.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -221,8 +224,8 @@ pub(super) fn covering(trail: &Trail, place: [f32; 2], slope: Slope) -> Vec<usiz
     if covering.is_empty() { (0..offsets.len()).collect() } else { covering }
 }
 
-/// Whether the response at `scale` rises from a slope on the grid's rim to the slopes a step beyond it, and by what factor: the largest of them over the
-/// one on the rim. `None` for a slope that is not on the rim.
+/// Whether the response at `scale` rises from a slope on the grid's rim to the slopes a step beyond it, and by what
+/// factor: the largest of them over the one on the rim. `None` for a slope that is not on the rim.
 pub fn beyond_the_rim(trail: &Trail, place: [f32; 2], (octave, level): (i32, i32), slope_index: usize) -> Option<f32> {
     let grid = trail.params().used_slopes();
     let (i, j) = grid.coordinates(slope_index);
@@ -245,6 +248,6 @@ pub fn beyond_the_rim(trail: &Trail, place: [f32; 2], (octave, level): (i32, i32
     let sign = here.signum();
     let (along_u, along_v) = (steps(i as usize, grid.u.count), steps(j as usize, grid.v.count));
     let beyond = along_u.iter().flat_map(|&di| along_v.iter().map(move |&dj| (di, dj)));
-    let most = beyond.filter(|step| *step != (0.0, 0.0)).map(|(di, dj)| sign * at(di, dj)).fold(0.0, f32::max);
-    (here != 0.0).then(|| most / here.abs())
+    let max = beyond.filter(|step| *step != (0.0, 0.0)).map(|(di, dj)| sign * at(di, dj)).fold(0.0, f32::max);
+    (here != 0.0).then(|| max / here.abs())
 }

@@ -1,8 +1,9 @@
 //! Each frame's share: what every single frame answers along the way of a feature, beside its noise.
 //!
-//! A true feature is there in every frame: the answers are level. A ghost — a blob of another motion that shows in the stack of a wrong slope — answers only in the
-//! frames in which the true blob crosses the way, so its answers are a bump. Whether two keypoints at one place are two things is judged by the search
-//! itself from the frames in which their ways are apart (`two_motions`); the number here is for people.
+//! A true feature is there in every frame: the answers are level. A ghost — a blob of another motion that shows in the
+//! stack of a wrong slope — answers only in the frames in which the true blob crosses the way, so its answers are a
+//! bump. Whether two keypoints at one place are two things is judged by the search itself from the frames in which
+//! their ways are apart (`two_motions`); the number here is for people.
 
 use crate::detector::{Slope, Trail};
 use crate::monitor::{Cancelled, Monitor};
@@ -59,8 +60,9 @@ pub struct Shares {
     pub frames: Vec<FrameShare>,
     /// Their mean: D of the stack.
     pub mean: f32,
-    /// The coherence, 0 … 1: the square of the mean over the mean square, both less what the noise adds. 1 when all frames answer alike; a part m of
-    /// the frames that answers alone gives m. `None` where single frames are too noisy to tell.
+    /// The coherence, 0 … 1: the square of the mean over the mean square, both less what the noise adds. 1 when all
+    /// frames answer alike; a part m of the frames that answers alone gives m. `None` where single frames are too noisy
+    /// to tell.
     pub coherence: Option<f32>,
     /// By how many standard deviations the answers differ more from their mean than noise would make them.
     pub unevenness: f32,
@@ -83,7 +85,8 @@ const BUMP_COHERENCE: f32 = 0.6;
 /// A frame counts as answering from this part of the largest smoothed answer on.
 const ANSWERS: f32 = 0.5;
 
-/// The shares of all frames at `octave` and `level`, along the way through `place` (input pixels, at mid-burst) at `slope`.
+/// The shares of all frames at `octave` and `level`, along the way through `place` (input pixels, at mid-burst) at
+/// `slope`.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -194,10 +197,10 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
 /// Whether the frames that answer lie next to each other and are not all.
 fn is_one_bump(answers: &[(f32, f32)]) -> bool {
     let smooth: Vec<f32> = answering(answers);
-    let most = smooth.iter().copied().fold(0.0, f32::max);
-    let on: Vec<bool> = smooth.iter().map(|&x| x >= ANSWERS * most).collect();
+    let max = smooth.iter().copied().fold(0.0, f32::max);
+    let on: Vec<bool> = smooth.iter().map(|&x| x >= ANSWERS * max).collect();
     let starts = (0..on.len()).filter(|&i| on[i] && (i == 0 || !on[i - 1])).count();
-    most > 0.0 && starts == 1 && on.iter().any(|&x| !x)
+    max > 0.0 && starts == 1 && on.iter().any(|&x| !x)
 }
 
 /// The answers with the sign of their mean, each averaged with its neighbours.
@@ -216,9 +219,9 @@ fn meaning(frames: &[FrameShare], shape: Shape, coherence: Option<f32>) -> Strin
         Shape::Bump => {
             let answers: Vec<(f32, f32)> = covering.iter().map(|f| (f.value, f.sigma_d)).collect();
             let smooth = answering(&answers);
-            let most = smooth.iter().copied().fold(0.0, f32::max);
+            let max = smooth.iter().copied().fold(0.0, f32::max);
             let on: Vec<usize> =
-                (0..smooth.len()).filter(|&i| smooth[i] >= ANSWERS * most).map(|i| covering[i].frame).collect();
+                (0..smooth.len()).filter(|&i| smooth[i] >= ANSWERS * max).map(|i| covering[i].frame).collect();
             let (first, last) = (on.first().copied().unwrap_or(0), on.last().copied().unwrap_or(0));
             let which = if first == last {
                 format!("frame {first} answers")

@@ -1,4 +1,5 @@
-//! Slices through a burst along a line of pixels: one row a frame (the epipolar-plane image, ImageJ's *Reslice*). What moves along the line is slanted in it.
+//! Slices through a burst along a line of pixels: one row a frame (the epipolar-plane image, ImageJ's *Reslice*). What
+//! moves along the line is slanted in it.
 
 use crate::detector::{Slope, Trail};
 use crate::plane::Plane;
@@ -22,14 +23,16 @@ pub struct Slice {
 }
 
 impl Slice {
-    /// The column in which what moves at `slope` through the place at mid-burst is found in row `row`, as far as it moves along this line.
+    /// The column in which what moves at `slope` through the place at mid-burst is found in row `row`, as far as it
+    /// moves along this line.
     pub fn column_at(&self, slope: Slope, row: usize) -> f32 {
         let along = slope.u * self.direction[0] + slope.v * self.direction[1];
         self.centre_column as f32 + along * self.times[row]
     }
 }
 
-/// The slice through `place` (input pixels) along `direction` (u, v; of any length but 0), `half_px` pixels to each side.
+/// The slice through `place` (input pixels) along `direction` (u, v; of any length but 0), `half_px` pixels to each
+/// side.
 pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize) -> Slice {
     let length = direction[0].hypot(direction[1]);
     let direction = if length > 0.0 { direction.map(|x| x / length) } else { [1.0, 0.0] };

@@ -1,5 +1,6 @@
-//! Kept features that look wrong: a second one on a blob, a ghost of another motion, one whose slope lies beyond the range, an alias of periodic texture.
-//! Each suspicion comes with its evidence in numbers; whether it is right is for people to say.
+//! Kept features that look wrong: a second one on a blob, a ghost of another motion, one whose slope lies beyond the
+//! range, an alias of periodic texture. Each suspicion comes with its evidence in numbers; whether it is right is for
+//! people to say.
 
 use super::remedy::{nearest_slope, widened_towards};
 use super::response::{beyond_the_rim, covering, snr_at};
@@ -35,7 +36,8 @@ pub struct Suspicion {
     pub kind: Kind,
     /// What speaks for it, as a sentence.
     pub evidence: String,
-    /// The number on which it rests: σ apart, coherence, rise beyond the rim, response at the other slope over this one's.
+    /// The number on which it rests: σ apart, coherence, rise beyond the rim, response at the other slope over this
+    /// one's.
     pub number: f32,
     /// The other feature, where there is one.
     pub other: Option<usize>,
@@ -57,7 +59,8 @@ const RISES: f32 = 1.02;
 const PERIOD_PART: f32 = 0.2;
 /// The part of a feature's response that another slope must have, to speak of an alias.
 const ALIAS_RESPONSE: f32 = 0.7;
-/// Pixels to each side in which a period is looked for: in σ, at least, and at most. Longer periods are farther apart than any slopes searched.
+/// Pixels to each side in which a period is looked for: in σ, at least, and at most. Longer periods are farther apart
+/// than any slopes searched.
 const TEXTURE_SIGMAS: f32 = 8.0;
 const TEXTURE_LEAST_PX: usize = 24;
 const TEXTURE_MOST_PX: usize = 64;
@@ -201,7 +204,7 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
         let slope = Slope::new(slope.u + by * direction[0], slope.v + by * direction[1]);
         let there = snr_at(trail, (feature.octave, feature.level..feature.level + 1), [feature.u, feature.v], slope)[0];
         let ratio = there / here;
-        if best.is_none_or(|(_, most)| ratio > most) {
+        if best.is_none_or(|(_, max)| ratio > max) {
             best = Some((slope, ratio));
         }
     }
@@ -228,7 +231,8 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
     }))
 }
 
-/// The period of the texture around a feature, in the stack at its own slope, along the direction of the grid in which it is clearest.
+/// The period of the texture around a feature, in the stack at its own slope, along the direction of the grid in which
+/// it is clearest.
 fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<(Period, [f32; 2])>, Cancelled> {
     let grid = trail.params().used_slopes();
     let half_px = ((TEXTURE_SIGMAS * feature.sigma) as usize).clamp(TEXTURE_LEAST_PX, TEXTURE_MOST_PX);
@@ -242,7 +246,8 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
     Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
 }
 
-/// The motion stack at `slope` in a square around a place, and where the place is in it. The square is smaller at the border of the image.
+/// The motion stack at `slope` in a square around a place, and where the place is in it. The square is smaller at the
+/// border of the image.
 pub(super) fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],

@@ -1,6 +1,7 @@
 //! How the fate of a candidate is told: each test of the search asked for one sample, with what it compares.
 //!
-//! The verdict is the search's own ([`crate::detector::Judgement`]). What is computed here beside it is what people want to know of a verdict: the value, the limit, and who beat it.
+//! The verdict is the search's own ([`crate::detector::Judgement`]). What is computed here beside it is what people
+//! want to know of a verdict: the value, the limit, and who beat it.
 
 use super::fate::{Fate, Outcome, Rival, Side, TestReport};
 use crate::detector::keypoint::Keypoint;
@@ -128,7 +129,7 @@ impl Telling<'_> {
     fn gate(&self) -> TestReport {
         let factor = self.trail.detection().noise_gate_factor;
         let value = self.judgement.value.abs();
-        let passes = value >= factor * self.judgement.sigma_d.max(self.judgement.sigma_d_least);
+        let passes = value >= factor * self.judgement.sigma_d.max(self.judgement.sigma_d_min);
         TestReport {
             test: Test::NoiseGate,
             // A sample of exactly 0 is no extremum, whatever the gate.
@@ -177,7 +178,8 @@ impl Telling<'_> {
         }
     }
 
-    /// The strongest around it at the other slopes: those that the joint rule compares with, or all where each slope stands for itself.
+    /// The strongest around it at the other slopes: those that the joint rule compares with, or all where each slope
+    /// stands for itself.
     fn slopes(&self) -> TestReport {
         let Sample { x, y, slope_index, .. } = *self.sample;
         let (params, index) = (self.trail.params(), self.sample.level_index());
@@ -287,17 +289,17 @@ impl Telling<'_> {
     }
 
     fn cut_off(&self, keypoint: Option<usize>) -> TestReport {
-        let most = self.trail.params().max_features;
+        let max = self.trail.params().max_features;
         let rank = keypoint.and_then(|keypoint| self.trail.ranks_of(keypoint).next());
         TestReport {
             test: Test::MaxFeatures,
             outcome: match rank {
-                _ if most == 0 => Outcome::NotAsked,
-                Some(rank) => outcome(rank < most),
+                _ if max == 0 => Outcome::NotAsked,
+                Some(rank) => outcome(rank < max),
                 None => Outcome::Unknown,
             },
             value: rank.map(|rank| (rank + 1) as f64),
-            limit: (most > 0).then_some(most as f64),
+            limit: (max > 0).then_some(max as f64),
             side: Side::AtMost,
             unit: "features",
             rival: None,

@@ -1,7 +1,7 @@
 //! Periodic texture: whether what is around a place repeats itself along a direction, and after how many pixels.
 //!
-//! Slopes that differ by a period p in p px/frame show such a texture alike: from frame to frame it moves on by a whole period, which nothing can see. Between them lie
-//! the side lobes of the mean over N frames.
+//! Slopes that differ by a period p in p px/frame show such a texture alike: from frame to frame it moves on by a whole
+//! period, which nothing can see. Between them lie the side lobes of the mean over N frames.
 
 use crate::plane::Plane;
 use crate::plane::sample::bilinear;
@@ -25,15 +25,15 @@ const TROUGH: f32 = 0.3;
 /// Lines beside the one through the place, to each side, a pixel apart.
 const LINES: i32 = 6;
 
-/// The period of `plane` around `centre` (u, v) along `direction` (of length 1), within `half_px` pixels to each side; `None` where nothing repeats itself at
-/// least twice there.
+/// The period of `plane` around `centre` (u, v) along `direction` (of length 1), within `half_px` pixels to each side;
+/// `None` where nothing repeats itself at least twice there.
 pub fn period_along(plane: &Plane, centre: [f32; 2], direction: [f32; 2], half_px: usize) -> Option<Period> {
     let [du, dv] = direction;
     let lines: Vec<Vec<f32>> =
         (-LINES..=LINES).filter_map(|line| profile(plane, centre, [du, dv], line as f32, half_px)).collect();
     let n = 2 * half_px + 1;
-    let most = n * 2 / 5;
-    if lines.is_empty() || most <= FINEST_PX {
+    let max = n * 2 / 5;
+    if lines.is_empty() || max <= FINEST_PX {
         return None;
     }
     // Unbiased: each lag over the products that it has, and over the energy of the parts that take part.
@@ -48,10 +48,10 @@ pub fn period_along(plane: &Plane, centre: [f32; 2], direction: [f32; 2], half_p
         }
         if energy > 0.0 { (product / energy) as f32 } else { 0.0 }
     };
-    let r: Vec<f32> = (0..=most).map(correlation).collect();
+    let r: Vec<f32> = (0..=max).map(correlation).collect();
     // The first peak beyond the first trough.
-    let trough = (1..most).find(|&lag| r[lag] < r[lag + 1] && r[lag] < TROUGH * r[1].max(LEAST_CORRELATION))?;
-    let peak = (trough.max(FINEST_PX)..most)
+    let trough = (1..max).find(|&lag| r[lag] < r[lag + 1] && r[lag] < TROUGH * r[1].max(LEAST_CORRELATION))?;
+    let peak = (trough.max(FINEST_PX)..max)
         .filter(|&lag| r[lag] >= r[lag - 1] && r[lag] > r[lag + 1])
         .find(|&lag| r[lag] > LEAST_CORRELATION)?;
     let (a, b, c) = (r[peak - 1], r[peak], r[peak + 1]);
@@ -77,7 +77,8 @@ fn profile(plane: &Plane, centre: [f32; 2], [du, dv]: [f32; 2], beside: f32, hal
     Some(line)
 }
 
-/// The mean of `frames` frames of a wave of period `period_px` px, when each is `slope_error` px/frame off: the Dirichlet kernel
+/// The mean of `frames` frames of a wave of period `period_px` px, when each is `slope_error` px/frame off: the
+/// Dirichlet kernel
 /// |sin(N·ω·δ/2) / (N·sin(ω·δ/2))|, ω = 2π/p. 1 where nothing is lost, and at every whole multiple of p.
 pub fn dirichlet(frames: usize, period_px: f64, slope_error: f64) -> f64 {
     let n = frames as f64;

@@ -1,4 +1,5 @@
-//! Found, missed, repeated and false: the features of a burst against what is really there, and why each miss was missed.
+//! Found, missed, repeated and false: the features of a burst against what is really there, and why each miss was
+//! missed.
 //!
 //! What counts as found is the rule of [`crate::evaluate::score`].
 
@@ -52,7 +53,8 @@ pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     serde_json::from_str(&text).map_err(|e| TruthError::Json { path: path.into(), reason: e.to_string() })
 }
 
-/// The truth of a burst: the `truth.json` in its folder, or what is known of the built-in demo. `None` where there is none.
+/// The truth of a burst: the `truth.json` in its folder, or what is known of the built-in demo. `None` where there is
+/// none.
 ///
 /// # Errors
 /// A `truth.json` that cannot be read, is none, or is of pictures of another size.

@@ -1,8 +1,8 @@
 //! Why a feature is not matched, or why it is matched as it is.
 //!
-//! A feature of A goes the way of all: its nearest descriptor in B must be clearly nearer than the second (ratio test), B's feature must choose it too (mutual check), and the
-//! pair must fit the geometry. What is told here is where on that way it was lost, and, where a geometry is known, whether B has a keypoint at all where the
-//! feature must be.
+//! A feature of A goes the way of all: its nearest descriptor in B must be clearly nearer than the second (ratio test),
+//! B's feature must choose it too (mutual check), and the pair must fit the geometry. What is told here is where on
+//! that way it was lost, and, where a geometry is known, whether B has a keypoint at all where the feature must be.
 
 use crate::detector::{Descriptor, Detection, Slope};
 use crate::matching::nearest::{Nearest, nearest_two};
@@ -57,7 +57,8 @@ pub struct Unmatched {
     pub candidates: Vec<Rivalry>,
     /// The feature of A that B's nearest would choose instead, where the mutual check failed.
     pub preferred: Option<usize>,
-    /// Where the geometry says that it must be in B: one place, or a line through these; empty where none is known, and where that lies outside the picture.
+    /// Where the geometry says that it must be in B: one place, or a line through these; empty where none is known, and
+    /// where that lies outside the picture.
     pub expected: Vec<[f64; 2]>,
     /// The features of B there, nearest descriptor first, with their rank among all of B.
     pub there: Vec<(usize, usize)>,

@@ -14,7 +14,8 @@ pub fn number(x: f32, digits: usize) -> String {
     if short == "-0" { "0".to_owned() } else { short.replace('-', "−") }
 }
 
-/// The largest number with `significant` digits that is not above `x`, for a limit that `x` must pass; 0 for what is not above 0.
+/// The largest number with `significant` digits that is not above `x`, for a limit that `x` must pass; 0 for what is
+/// not above 0.
 pub fn rounded_down(x: f64, significant: i32) -> f64 {
     rounded(x, significant, f64::floor)
 }

@@ -1,7 +1,7 @@
 //! From the pixels around a feature to the Gaussian level on which it is described.
 //!
-//! One blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the rows around them, then convolved, so that what
-//! lies between the two passes stays in the nearest cache.
+//! One blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the rows
+//! around them, then convolved, so that what lies between the two passes stays in the nearest cache.
 
 use crate::kernel::patch::{LANES, Patch};
 use crate::kernel::vectors::{load, store};
@@ -18,7 +18,8 @@ const TOGETHER: usize = 4;
 pub struct BlurScratch(Aligned);
 
 impl Patch {
-    /// Columns `columns` and rows `rows` (at least four) blurred by `kernel`, into `out`. The patch must reach farther by the kernel's radius.
+    /// Columns `columns` and rows `rows` (at least four) blurred by `kernel`, into `out`. The patch must reach farther
+    /// by the kernel's radius.
     ///
     /// # Panics
     /// When it doesn't, or there are fewer rows.
@@ -59,7 +60,8 @@ impl Patch {
 
 /// Rows blurred by the kernel whose centre and right half are `half`.
 struct BlurRows<'a> {
-    /// Begins a radius above the first pixel, and a radius and `skipped` columns to the left of it; rows `from_stride` apart.
+    /// Begins a radius above the first pixel, and a radius and `skipped` columns to the left of it; rows `from_stride`
+    /// apart.
     from: &'a [f32],
     from_stride: usize,
     half: &'a [f32],
@@ -102,7 +104,8 @@ impl WithSimd for BlurRows<'_> {
     }
 }
 
-/// One vector of [`TOGETHER`] rows of Σ taps·values over a symmetric kernel. `from` begins at the first row that the first one reads.
+/// One vector of [`TOGETHER`] rows of Σ taps·values over a symmetric kernel. `from` begins at the first row that the
+/// first one reads.
 #[inline(always)]
 fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mut [f32], out_stride: usize) {
     let radius = half.len() - 1;

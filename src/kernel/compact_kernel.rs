@@ -1,15 +1,17 @@
 //! Compactly supported kernels: small round filters that say exactly where a blob lies.
 //!
-//! The DoG's Gaussians never end; what lies three radii away from a blob still pulls at its extremum. A compact kernel ends. Over q = ρ²/R² it is
-//! h(q) = (1 − q)³·p(q) for q < 1 and 0 beyond, with a polynomial p that makes its mean 0, so that neither a grey level nor a ramp moves a blob; it reaches
-//! its end with two continuous derivatives. Gradient and second derivatives are known in closed form, so Newton's steps find the extremum. There are two:
+//! The DoG's Gaussians never end; what lies three radii away from a blob still pulls at its extremum. A compact kernel
+//! ends. Over q = ρ²/R² it is h(q) = (1 − q)³·p(q) for q < 1 and 0 beyond, with a polynomial p that makes its mean 0,
+//! so that neither a grey level nor a ramp moves a blob; it reaches its end with two continuous derivatives. Gradient
+//! and second derivatives are known in closed form, so Newton's steps find the extremum. There are two:
 //!
-//! - [`RIM`], p = 1 + 3q − 24q²: level in the middle and steepest where it is zero. With that on a blob's rim the place is known best, and
-//!   nothing beyond 1.9 radii matters.
+//! - [`RIM`], p = 1 + 3q − 24q²: level in the middle and steepest where it is zero. With that on a blob's rim the place
+//!   is known best, and nothing beyond 1.9 radii matters.
 //! - [`SOFT`], p = 1 − 10q + 24q² − 21q³: much like the DoG, for structure that has no such rim; it reaches 2.65 radii.
 //!
-//! The noise of a place is that of the gradient over the curvature. For a disc it is √(∫h'²ρ dρ)/(r·h'(r)), in units of the pixels' noise over contrast: 0.79 for [`RIM`],
-//! 1.11 for [`SOFT`], 1.19 for the DoG at the disc's own scale and 0.94 for a DoG of the best scale.
+//! The noise of a place is that of the gradient over the curvature. For a disc it is √(∫h'²ρ dρ)/(r·h'(r)), in units of
+//! the pixels' noise over contrast: 0.79 for [`RIM`], 1.11 for [`SOFT`], 1.19 for the DoG at the disc's own scale and
+//! 0.94 for a DoG of the best scale.
 
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -25,7 +27,8 @@ pub struct CompactKernel {
     second: [f32; 4],
     /// Where the kernel is zero, in units of its radius R.
     pub zero_at: f64,
-    /// Standard deviation of a component of the gradient on pixels of white noise of standard deviation 1: √(2π∫q·h'² dq), whatever the radius.
+    /// Standard deviation of a component of the gradient on pixels of white noise of standard deviation 1: √(2π∫q·h'²
+    /// dq), whatever the radius.
     pub gradient_noise: f64,
 }
 
@@ -114,8 +117,9 @@ fn cubic(c: &[f32; 4], q: f32) -> f32 {
     q.mul_add(q.mul_add(q.mul_add(c[3], c[2]), c[1]), c[0])
 }
 
-/// The sums that make an [`KernelResponse`], over the pixels from (`first.0`, `first.1`) on. `x` and `y` are the distances of their columns and rows from
-/// the place in radii; those of columns that only fill up a vector are beyond 1.
+/// The sums that make an [`KernelResponse`], over the pixels from (`first.0`, `first.1`) on. `x` and `y` are the
+/// distances of their columns and rows from the place in radii; those of columns that only fill up a vector are
+/// beyond 1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sums(
     kernel: &CompactKernel,
@@ -157,7 +161,8 @@ fn sums(
 impl PixelView<'_> {
     /// The grey level around the place (x, y) of the image: the mean of pixels on a circle of nine tenths of `radius`.
     ///
-    /// The samples of a kernel do not sum to exactly 0. Where it ends they are least even, so a kernel is laid on the difference from what is there.
+    /// The samples of a kernel do not sum to exactly 0. Where it ends they are least even, so a kernel is laid on the
+    /// difference from what is there.
     pub fn local_mean(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
         let near = |at: f64, n: usize| (at.round().max(0.0) as usize).min(n - 1);
         let at = |du: f64, dv: f64| {
@@ -171,7 +176,8 @@ impl PixelView<'_> {
         sum / 16.0
     }
 
-    /// The answer of `kernel` of `radius` pixels at the place (x, y) of the image, on the pixels less `local_mean`, which [`PixelView::local mean`] gives.
+    /// The answer of `kernel` of `radius` pixels at the place (x, y) of the image, on the pixels less `local_mean`,
+    /// which [`PixelView::local mean`] gives.
     ///
     /// # Panics
     /// When the radius is not between 1 and [`MAX_RADIUS`], or there are no pixels.

@@ -1,7 +1,7 @@
 //! Gradients around a feature, a vector at a time, and the Gaussian windows that weight them.
 //!
-//! Orientation and descriptor make the gradients that they need where they need them; nothing is stored. Everything here is branch-free arithmetic, so that
-//! it runs in vector lanes of whatever function it is inlined into.
+//! Orientation and descriptor make the gradients that they need where they need them; nothing is stored. Everything
+//! here is branch-free arithmetic, so that it runs in vector lanes of whatever function it is inlined into.
 
 use crate::kernel::patch::{LANES, Patch, inside};
 use std::f32::consts::{LN_2, LOG2_E};
@@ -15,13 +15,13 @@ pub(crate) type Lane = [f32; LANES];
 
 /// The smaller of two numbers, neither of which is NaN: unlike [`f32::min`] a single instruction.
 #[inline(always)]
-pub(crate) fn least(a: f32, b: f32) -> f32 {
+pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// The larger of two numbers, neither of which is NaN.
 #[inline(always)]
-pub(crate) fn most(a: f32, b: f32) -> f32 {
+pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
@@ -35,13 +35,13 @@ fn polynomial<const N: usize>(coefficients: [f32; N], x: f32) -> f32 {
     sum
 }
 
-/// The length of (gu, gv), to 2·10⁻⁶ of it, and its direction in eighths of a turn, in [0, 8), to 3·10⁻⁶: minimax polynomials for √(1 + s) and the
-/// arctangent on [0, 1], which cost less than a square root.
+/// The length of (gu, gv), to 2·10⁻⁶ of it, and its direction in eighths of a turn, in [0, 8), to 3·10⁻⁶: minimax
+/// polynomials for √(1 + s) and the arctangent on [0, 1], which cost less than a square root.
 #[inline(always)]
 fn polar(gu: f32, gv: f32) -> (f32, f32) {
     let (x, y) = (gu.abs(), gv.abs());
-    let (small, large) = (least(x, y), most(x, y));
-    let a = small / most(large, f32::MIN_POSITIVE);
+    let (small, large) = (min(x, y), max(x, y));
+    let a = small / max(large, f32::MIN_POSITIVE);
     let s = a * a;
     const ROOT: [f32; 6] = [0.005_171_558, -0.023_276_972, 0.056_170_046, -0.123_759_41, 0.499_908_78, 1.000_001_1];
     const ARCTANGENT: [f32; 6] = [-0.011_721_2, 0.052_653_32, -0.116_432_87, 0.193_543_46, -0.332_623_47, 0.999_977_26];
@@ -55,9 +55,9 @@ fn polar(gu: f32, gv: f32) -> (f32, f32) {
 /// exp(x) for x ≤ 0, to 2·10⁻⁷ of its value; 0 below −87.
 #[inline(always)]
 fn exp_of_negative(x: f32) -> f32 {
-    let doublings = most((x * LOG2_E + 0.5).floor(), -127.0);
+    let doublings = max((x * LOG2_E + 0.5).floor(), -127.0);
     // What is left is within ±ln 2 / 2.
-    let rest = most(x - doublings * LN_2, -LN_2);
+    let rest = max(x - doublings * LN_2, -LN_2);
     let series = polynomial([1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0], rest);
     series * f32::from_bits(whole(doublings + 127.0) << 23)
 }
@@ -83,7 +83,8 @@ pub(crate) fn vector_of(values: &[f32], at: usize) -> &Lane {
     values[at..at + LANES].try_into().expect("a vector")
 }
 
-/// A part of a row of a Gaussian level, of which the gradients are wanted: its neighbours on four sides, each beginning at the first pixel's neighbour.
+/// A part of a row of a Gaussian level, of which the gradients are wanted: its neighbours on four sides, each beginning
+/// at the first pixel's neighbour.
 pub(crate) struct GradientRow<'a> {
     before: &'a [f32],
     after: &'a [f32],
@@ -99,7 +100,8 @@ impl<'a> GradientRow<'a> {
         Self { before: row, after: &row[2..], above: level.values(u, v - 1), below: level.values(u, v + 1) }
     }
 
-    /// Magnitudes and directions (eighths of a turn in [0, 8), from +u towards +v) of a vector of gradients, from the row's pixel `at` on.
+    /// Magnitudes and directions (eighths of a turn in [0, 8), from +u towards +v) of a vector of gradients, from the
+    /// row's pixel `at` on.
     #[inline(always)]
     pub(crate) fn vector(&self, at: usize) -> (Lane, Lane) {
         let (before, after) = (vector_of(self.before, at), vector_of(self.after, at));

@@ -13,7 +13,8 @@ pub struct FrameOffset {
     pub part_u: f32,
     /// The rest of a row.
     pub part_v: f32,
-    /// How many columns before the first one still count as it, 0 or 1: see [`crate::detector::Interpolation::Truncated`].
+    /// How many columns before the first one still count as it, 0 or 1: see
+    /// [`crate::detector::Interpolation::Truncated`].
     pub before_u: i64,
     /// The same for rows.
     pub before_v: i64,
@@ -30,7 +31,8 @@ impl FrameOffset {
         Self::covered(self.whole_u, self.part_u, self.before_u, width)
     }
 
-    /// Columns of an image `width` wide at which the frame has pixels of its own, and one more to the right, whether that is needed or not.
+    /// Columns of an image `width` wide at which the frame has pixels of its own, and one more to the right, whether
+    /// that is needed or not.
     pub(crate) fn reads_next_columns(&self, width: usize) -> Range<usize> {
         Self::covered(self.whole_u, 1.0, 0, width)
     }
@@ -45,8 +47,8 @@ impl FrameOffset {
         self.covers_rows(height).contains(&v)
     }
 
-    /// Positions `0 … n−1` that this offset keeps inside, as a half-open range: whole offset `whole`, fraction `part`; the position
-    /// `before` 0 counts too.
+    /// Positions `0 … n−1` that this offset keeps inside, as a half-open range: whole offset `whole`, fraction `part`;
+    /// the position `before` 0 counts too.
     fn covered(whole: i64, part: f32, before: i64, n: usize) -> Range<usize> {
         let reach = i64::from(part > 0.0);
         let start = (-whole - before).clamp(0, n as i64);

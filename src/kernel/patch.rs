@@ -1,15 +1,17 @@
 //! Patches: the pixels around one feature at one slope.
 //!
-//! The search leaves nothing behind but keypoints; localisation and description make the little that they need of a feature's own motion-stack image
-//! again, from the frames or from the octave's stored first level. A patch always holds the whole rectangle asked for: beyond the octave's border the
-//! nearest pixel is repeated, as everywhere, so that nothing that reads a patch needs to know about borders.
+//! The search leaves nothing behind but keypoints; localisation and description make the little that they need of a
+//! feature's own motion-stack image again, from the frames or from the octave's stored first level. A patch always
+//! holds the whole rectangle asked for: beyond the octave's border the nearest pixel is repeated, as everywhere, so
+//! that nothing that reads a patch needs to know about borders.
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::weighted_rows::WeightedRows;
 use crate::plane::aligned::Aligned;
 use std::ops::Range;
 
-/// Values that one vector instruction takes. Loops over a patch's rows take whole vectors; what lies beyond the row's end is computed and dropped.
+/// Values that one vector instruction takes. Loops over a patch's rows take whole vectors; what lies beyond the row's
+/// end is computed and dropped.
 pub(crate) const LANES: usize = 16;
 
 /// A rectangle of pixels of an octave, at its place. The buffer keeps its capacity when it is reset.
@@ -66,7 +68,8 @@ impl Patch {
         self.stride
     }
 
-    /// All values from pixel (u, v) on: the rest of its row, what fills it up to whole vectors, and the rows below; at least a vector from any held pixel.
+    /// All values from pixel (u, v) on: the rest of its row, what fills it up to whole vectors, and the rows below; at
+    /// least a vector from any held pixel.
     ///
     /// # Panics
     /// When the pixel is not held.

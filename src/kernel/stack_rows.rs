@@ -1,10 +1,11 @@
 //! Rows of motion-stack images, for several slopes at once.
 //!
-//! The slopes of a group read the same rows of the same frames, a few columns apart; made together, each row comes from memory once. Slopes
-//! that also agree in their vertical part share the mixing of two rows into one.
+//! The slopes of a group read the same rows of the same frames, a few columns apart; made together, each row comes from
+//! memory once. Slopes that also agree in their vertical part share the mixing of two rows into one.
 //!
-//! Inside, where every frame of a row covers the column and the next one, rows are [weighted sums](crate::kernel::weighted_rows) of the frames' rows; which pixels
-//! belong together and with which weights is the same for all rows that the same frames cover, so it is worked out once. At the sides, where fewer and fewer frames
+//! Inside, where every frame of a row covers the column and the next one, rows are [weighted
+//! sums](crate::kernel::weighted_rows) of the frames' rows; which pixels belong together and with which weights is the
+//! same for all rows that the same frames cover, so it is worked out once. At the sides, where fewer and fewer frames
 //! cover the columns, frames are added one after the other and divided by their number.
 
 use super::offset::FrameOffset;
@@ -93,7 +94,8 @@ impl<'a> Run<'a> {
 }
 
 impl<'a> RowStacker<'a> {
-    /// For `frames` of one size in time order and, for each slope, their [`crate::detector::stack::offsets::frame_offsets`].
+    /// For `frames` of one size in time order and, for each slope, their
+    /// [`crate::detector::stack::offsets::frame_offsets`].
     pub fn new(frames: &'a [&'a Plane], slopes: Vec<&'a [FrameOffset]>) -> Self {
         let vertical = |slope: &[FrameOffset]| -> Vec<(i64, f32, i64)> {
             slope.iter().map(|o| (o.whole_v, o.part_v, o.before_v)).collect()
@@ -155,7 +157,8 @@ impl<'a> RowStacker<'a> {
     }
 }
 
-/// What the frames that cover row `v` of `run` have for it, at the vertical parts of `offsets`; two rows that are read together are mixed into one in `mixed`.
+/// What the frames that cover row `v` of `run` have for it, at the vertical parts of `offsets`; two rows that are read
+/// together are mixed into one in `mixed`.
 fn sources<'s>(
     frames: &[&'s Plane],
     offsets: &[FrameOffset],

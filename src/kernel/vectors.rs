@@ -2,8 +2,9 @@
 
 use pulp::Simd;
 
-/// Vectors whose sums are held at once: enough to hide each other's latency, and two sums of each still fit into sixteen registers.
-pub(crate) const MOST_VECTORS: usize = 6;
+/// Vectors whose sums are held at once: enough to hide each other's latency, and two sums of each still fit into
+/// sixteen registers.
+pub(crate) const MAX_VECTORS: usize = 6;
 
 /// The vector that begins at `row[at]`.
 #[inline(always)]
@@ -17,14 +18,15 @@ pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
     S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;
 }
 
-/// Where `V` vectors of `lanes` begin, the first one at vector `first` of a row of `n` values: one after the other, but the row's last one ends where the row does, unless
-/// the row is shorter than a vector.
+/// Where `V` vectors of `lanes` begin, the first one at vector `first` of a row of `n` values: one after the other, but
+/// the row's last one ends where the row does, unless the row is shorter than a vector.
 #[inline(always)]
 pub(crate) fn places<const V: usize>(first: usize, lanes: usize, n: usize) -> [usize; V] {
     std::array::from_fn(|i| ((first + i) * lanes).min(n.saturating_sub(lanes)))
 }
 
-/// Does `$body` for groups of `$count` vectors (a constant, at most [`MOST_VECTORS`]) of the kind `$simd` that begin at `$places` and together cover `0 … $n`.
+/// Does `$body` for groups of `$count` vectors (a constant, at most [`MAX_VECTORS`]) of the kind `$simd` that begin at
+/// `$places` and together cover `0 … $n`.
 macro_rules! in_vectors {
     ($simd:ident, $n:expr, |$count:ident, $places:ident| $body:block) => {
         let (n, lanes) = ($n, $simd::F32_LANES);
@@ -37,9 +39,9 @@ macro_rules! in_vectors {
             }};
         }
         let mut first = 0;
-        while vectors - first >= MOST_VECTORS {
+        while vectors - first >= MAX_VECTORS {
             group!(first, 6);
-            first += MOST_VECTORS;
+            first += MAX_VECTORS;
         }
         match vectors - first {
             1 => group!(first, 1),

@@ -1,10 +1,11 @@
 //! Rows of weighted sums of frames that are read between their columns.
 //!
-//! Each frame pixel adds to two pixels of the sum, the one at its place and the one before, in proportion to the frame's fraction of a column. So two
-//! sums are made of the frames, both from the same loads and in registers, and at last they are added, the second one shifted by a pixel. Where no frame has a
-//! fraction there is one sum. The search and the patches around its features are both made this way, so a pixel has the same bits wherever it is made.
+//! Each frame pixel adds to two pixels of the sum, the one at its place and the one before, in proportion to the
+//! frame's fraction of a column. So two sums are made of the frames, both from the same loads and in registers, and at
+//! last they are added, the second one shifted by a pixel. Where no frame has a fraction there is one sum. The search
+//! and the patches around its features are both made this way, so a pixel has the same bits wherever it is made.
 
-use crate::kernel::vectors::{MOST_VECTORS, in_vectors, load, store};
+use crate::kernel::vectors::{MAX_VECTORS, in_vectors, load, store};
 use crate::plane::aligned::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -41,8 +42,9 @@ impl Default for WeightedRows {
 }
 
 impl WeightedRows {
-    /// Rows `rows` of the sum of `taps`, `columns` values each, into `out`, where rows lie `stride` apart. Row 0 is the one with which the pixels of the taps
-    /// begin; rows of theirs lie `width` apart, and each holds a pixel more than `columns`.
+    /// Rows `rows` of the sum of `taps`, `columns` values each, into `out`, where rows lie `stride` apart. Row 0 is the
+    /// one with which the pixels of the taps begin; rows of theirs lie `width` apart, and each holds a pixel more than
+    /// `columns`.
     pub fn make(
         &mut self,
         taps: &[Tap<'_>],

@@ -1,8 +1,9 @@
 //! A camera's intrinsics: how a direction in space becomes a pixel, and back.
 //!
-//! Models, names and the order of the parameters are COLMAP's, and so is the place of the principal point: **the centre of the first pixel is (0.5, 0.5)**
-//! there, so that parameters can be taken from COLMAP's files as they are. [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels
-//! in Burstscope's convention, where it is (0, 0), and add the half pixel themselves.
+//! Models, names and the order of the parameters are COLMAP's, and so is the place of the principal point: **the centre
+//! of the first pixel is (0.5, 0.5)** there, so that parameters can be taken from COLMAP's files as they are.
+//! [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's convention, where it is (0,
+//! 0), and add the half pixel themselves.
 
 use crate::detector::ParamError;
 use nalgebra::Matrix3;
@@ -63,7 +64,8 @@ pub struct Camera {
     pub width: usize,
     /// Rows of its images.
     pub height: usize,
-    /// The model's parameters in COLMAP's order, see [`CameraModel::param_names`]; focal lengths and principal point in pixels.
+    /// The model's parameters in COLMAP's order, see [`CameraModel::param_names`]; focal lengths and principal point in
+    /// pixels.
     pub params: Vec<f64>,
 }
 
@@ -109,8 +111,8 @@ impl Distortion {
         ]
     }
 
-    /// The (x, y) that [`Self::apply`] takes to `distorted`, by Newton's method. Where strong distortion has no inverse it is the closest that
-    /// was reached.
+    /// The (x, y) that [`Self::apply`] takes to `distorted`, by Newton's method. Where strong distortion has no inverse
+    /// it is the closest that was reached.
     fn remove(&self, distorted: [f64; 2]) -> [f64; 2] {
         if *self == Self::default() {
             return distorted;
@@ -236,7 +238,8 @@ impl fmt::Display for Camera {
 impl FromStr for Camera {
     type Err = String;
 
-    /// Reads a model, its width and height and its parameters, separated by spaces or commas, as in a line of COLMAP's `cameras.txt` without the number in front.
+    /// Reads a model, its width and height and its parameters, separated by spaces or commas, as in a line of COLMAP's
+    /// `cameras.txt` without the number in front.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut words = text.split([' ', ',', '\t']).filter(|word| !word.is_empty());
         let names = || CameraModel::ALL.map(CameraModel::name).join(", ");

@@ -1,9 +1,10 @@
 //! How well two images match, in the numbers of the paper's Table 1.
 //!
-//! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier match, and precision the share of the putative
-//! matches that are inliers (after Schönberger, Hardmeier, Sattler and Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features",
-//! CVPR 2017). The first two are taken for each image with its own keypoints and averaged over the images, here A and B. Against many other images, as
-//! in the table, an image's matches with all of them are added up, so that these shares may pass 1.
+//! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
+//! match, and precision the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
+//! Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017). The first two are taken
+//! for each image with its own keypoints and averaged over the images, here A and B. Against many other images, as in
+//! the table, an image's matches with all of them are added up, so that these shares may pass 1.
 
 use serde::Serialize;
 
@@ -48,8 +49,8 @@ impl MatchCounts {
     }
 }
 
-/// The numbers of many images that were matched with one another, as in the paper's table: of each image, with all others that it was paired with, and
-/// then the mean over the images.
+/// The numbers of many images that were matched with one another, as in the paper's table: of each image, with all
+/// others that it was paired with, and then the mean over the images.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ImageCounts {
     /// Features of an image.
@@ -69,8 +70,8 @@ pub struct ImageCounts {
 }
 
 impl ImageCounts {
-    /// Of images with so many `keypoints` each, and of pairs of them (by their places) that were matched. Pairs that were not verified count as
-    /// pairs without inliers. `None` without images.
+    /// Of images with so many `keypoints` each, and of pairs of them (by their places) that were matched. Pairs that
+    /// were not verified count as pairs without inliers. `None` without images.
     ///
     /// # Panics
     /// When a pair has a place that `keypoints` has not: a mistake of the caller.

@@ -1,13 +1,15 @@
 //! From two sets of features to matches, and from matches to inliers.
 //!
-//! A *putative match* pairs a feature of image A with the feature of image B whose descriptor is nearest to its own, if that is clearly nearer than the
-//! second nearest (the ratio test of Lowe, "Distinctive Image Features from Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest.
+//! A *putative match* pairs a feature of image A with the feature of image B whose descriptor is nearest to its own, if
+//! that is clearly nearer than the second nearest (the ratio test of Lowe, "Distinctive Image Features from
+//! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest.
 //!
 //! An *inlier* is a putative match that agrees with a geometry of the two views on which most others agree too.
 //!
-//! The way of the data: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check) → [`geometry`] (robust estimation,
-//! inliers) → [`counts`] (the numbers of the paper). [`match_detections`] is the composition, [`params`] holds everything that decides its result,
-//! [`camera`] the intrinsics where they are known, [`pairs`] says which images are matched with which.
+//! The way of the data: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check)
+//! → [`geometry`] (robust estimation, inliers) → [`counts`] (the numbers of the paper). [`match_detections`] is the
+//! composition, [`params`] holds everything that decides its result, [`camera`] the intrinsics where they are known,
+//! [`pairs`] says which images are matched with which.
 
 pub mod camera;
 pub mod counts;
@@ -41,7 +43,8 @@ pub enum MatchError {
 /// The matches of two images, A and B.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatchResult {
-    /// The putative matches, in the order of A's features. No feature of A is in two of them, and with the mutual check none of B either.
+    /// The putative matches, in the order of A's features. No feature of A is in two of them, and with the mutual check
+    /// none of B either.
     pub matches: Vec<Match>,
     /// What they agree on; `None` where no geometry was asked for.
     pub verification: Option<Verification>,

@@ -1,12 +1,13 @@
 //! The two nearest neighbours of each descriptor, exactly.
 //!
-//! Numerics. The squared distance of two descriptors is |a|² + |b|² − 2·a·b. All of these are whole numbers of at most 128·255² = 8 323 200, and twice that
-//! is below 2²⁴, so `f32` holds every sum and every partial sum exactly: the result is that of integer arithmetic, whatever the order of the
-//! additions, at the speed of floating-point lanes.
+//! Numerics. The squared distance of two descriptors is |a|² + |b|² − 2·a·b. All of these are whole numbers of at most
+//! 128·255² = 8 323 200, and twice that is below 2²⁴, so `f32` holds every sum and every partial sum exactly: the
+//! result is that of integer arithmetic, whatever the order of the additions, at the speed of floating-point lanes.
 //!
-//! Layout. The descriptors that are searched are turned into blocks of `LANES`, element by element, so that one lane is one descriptor and no sum has to
-//! be taken across lanes. Queries go in groups that stay in the nearest cache together with one block, and `TILE` of them share each
-//! load of the block. Groups run in parallel; each query is searched by one thread alone, and ties go to the lowest index, so threads cannot change the result.
+//! Layout. The descriptors that are searched are turned into blocks of `LANES`, element by element, so that one lane is
+//! one descriptor and no sum has to be taken across lanes. Queries go in groups that stay in the nearest cache together
+//! with one block, and `TILE` of them share each load of the block. Groups run in parallel; each query is searched by
+//! one thread alone, and ties go to the lowest index, so threads cannot change the result.
 
 use crate::detector::Descriptor;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -30,12 +31,14 @@ pub struct Nearest {
     pub index: usize,
     /// Its squared Euclidean distance, a whole number of at most 128·255².
     pub distance_squared: u32,
-    /// Squared distance of the second nearest, which may be as near as the nearest; `None` where only one descriptor was searched.
+    /// Squared distance of the second nearest, which may be as near as the nearest; `None` where only one descriptor
+    /// was searched.
     pub second_distance_squared: Option<u32>,
 }
 
 impl Nearest {
-    /// Distance of the nearest over that of the second nearest, 0 … 1. It is 1 where both are 0 (nothing tells them apart), and 0 where there is no second.
+    /// Distance of the nearest over that of the second nearest, 0 … 1. It is 1 where both are 0 (nothing tells them
+    /// apart), and 0 where there is no second.
     pub fn ratio(&self) -> f32 {
         match self.second_distance_squared {
             None => 0.0,
@@ -45,7 +48,8 @@ impl Nearest {
     }
 }
 
-/// For each of `queries`, in order, the nearest and second nearest of `searched` by Euclidean distance. Empty when nothing is searched.
+/// For each of `queries`, in order, the nearest and second nearest of `searched` by Euclidean distance. Empty when
+/// nothing is searched.
 ///
 /// Progress is reported as [`Stage::Match`].
 ///

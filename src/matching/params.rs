@@ -1,6 +1,7 @@
 //! The parameters of matching: defined, described and checked here and nowhere else.
 //!
-//! As with the detector's, the command line, the window and files use these names, and their help texts come from [`doc`].
+//! As with the detector's, the command line, the window and files use these names, and their help texts come from
+//! [`doc`].
 
 use super::camera::Camera;
 use crate::detector::{ParamDoc, ParamError};
@@ -36,7 +37,8 @@ impl Geometry {
     }
 }
 
-/// Everything that decides which features match, and which matches are inliers. The same features and the same parameters give the same bits.
+/// Everything that decides which features match, and which matches are inliers. The same features and the same
+/// parameters give the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MatchParams {

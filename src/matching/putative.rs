@@ -14,19 +14,21 @@ pub struct Match {
     pub a: usize,
     /// Index of the feature in image B.
     pub b: usize,
-    /// Euclidean distance of their descriptors, in the descriptors' own unit: 0 … 2885, and up to about 724 for those of the detector, which have a
-    /// length of about 512.
+    /// Euclidean distance of their descriptors, in the descriptors' own unit: 0 … 2885, and up to about 724 for those
+    /// of the detector, which have a length of about 512.
     pub distance: f32,
-    /// That distance over the one to the second nearest descriptor, 0 … 1; with the mutual check the larger of the two images' ratios. It is 0 where there is no
-    /// second descriptor, and 1 where both distances are 0.
+    /// That distance over the one to the second nearest descriptor, 0 … 1; with the mutual check the larger of the two
+    /// images' ratios. It is 0 where there is no second descriptor, and 1 where both distances are 0.
     pub ratio: f32,
 }
 
 /// The putative matches of the descriptors of images A and B, in the order of A's.
 ///
-/// Each match is a descriptor of A with its nearest one in B, if the ratio of the distances to the nearest and the second nearest is at most
-/// [`MatchParams::ratio`]. With [`MatchParams::mutual`] the descriptor of A must also be the nearest to that of B, and pass the same test among those of A; the
-/// matches of (B, A) are then those of (A, B) with the sides exchanged, as long as no two distances are equal. Of equally near descriptors the first counts as the nearest.
+/// Each match is a descriptor of A with its nearest one in B, if the ratio of the distances to the nearest and the
+/// second nearest is at most [`MatchParams::ratio`]. With [`MatchParams::mutual`] the descriptor of A must also be the
+/// nearest to that of B, and pass the same test among those of A; the matches of (B, A) are then those of (A, B) with
+/// the sides exchanged, as long as no two distances are equal. Of equally near descriptors the first counts as the
+/// nearest.
 ///
 /// # Errors
 /// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.

@@ -1,6 +1,7 @@
 //! Numbers that begin where a cache line does.
 //!
-//! A vector of the widest kind is as long as a cache line. Where rows begin at cache lines no vector of theirs touches two of them, which would take twice as long.
+//! A vector of the widest kind is as long as a cache line. Where rows begin at cache lines no vector of theirs touches
+//! two of them, which would take twice as long.
 
 use std::ops::{Deref, DerefMut};
 

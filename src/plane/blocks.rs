@@ -1,7 +1,8 @@
 //! How the inner loops cut a row into blocks.
 //!
-//! A block's sums stay in vector registers. A row is made in large blocks; what is left over is covered by one more block that overlaps the last, so that
-//! rows of any length run in vector lanes. Each value is computed by itself, so making some twice changes nothing.
+//! A block's sums stay in vector registers. A row is made in large blocks; what is left over is covered by one more
+//! block that overlaps the last, so that rows of any length run in vector lanes. Each value is computed by itself, so
+//! making some twice changes nothing.
 
 /// Pixels of a large block: enough independent sums to hide the latency of an addition.
 pub const LARGE: usize = 64;

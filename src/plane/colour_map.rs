@@ -1,8 +1,9 @@
 //! Colour maps: from a position in [0, 1] to a colour.
 //!
 //! This is the one place of colour maps. The window, the exported pictures and the legends all read the same tables.
-//! Perceptual maps run from dark to light in even steps, so that equal differences in value look equally large. Diverging maps have
-//! an exactly neutral grey at the centre and are meant for values with a sign, such as the DoG response.
+//! Perceptual maps run from dark to light in even steps, so that equal differences in value look equally large.
+//! Diverging maps have an exactly neutral grey at the centre and are meant for values with a sign, such as the DoG
+//! response.
 
 use serde::{Deserialize, Serialize};
 
@@ -80,8 +81,8 @@ impl ColourMap {
         matches!(self, Self::BlueWhiteRed | Self::BlueBlackOrange | Self::PurpleWhiteGreen)
     }
 
-    /// The table. Entry 0 is the colour of the smallest value, entry 255 of the largest. A diverging map's entries 127 and 128 are the
-    /// same neutral grey, so that the exact centre is neutral.
+    /// The table. Entry 0 is the colour of the smallest value, entry 255 of the largest. A diverging map's entries 127
+    /// and 128 are the same neutral grey, so that the exact centre is neutral.
     pub fn lut(self) -> [Rgb; 256] {
         std::array::from_fn(|i| {
             let t = if self.is_diverging() {
@@ -136,11 +137,12 @@ fn neutral_centre(map: impl Fn(f64) -> Rgb, t: f64) -> Rgb {
     })
 }
 
-/// A cyclic colour for a direction: the hue tells `angle_rad` (from +u towards +v), the saturation tells `magnitude_fraction` in [0, 1].
+/// A cyclic colour for a direction: the hue tells `angle_rad` (from +u towards +v), the saturation tells
+/// `magnitude_fraction` in [0, 1].
 ///
-/// Lightness is about the same all around, so no direction looks much stronger than another; magnitude 0 is a neutral grey. Saturation grows
-/// faster at first (power 0.6), so that small motions can be told from none. The hues are those of the OKLCH colour space (Ottosson 2020,
-/// "A perceptual color space for image processing").
+/// Lightness is about the same all around, so no direction looks much stronger than another; magnitude 0 is a neutral
+/// grey. Saturation grows faster at first (power 0.6), so that small motions can be told from none. The hues are those
+/// of the OKLCH colour space (Ottosson 2020, "A perceptual color space for image processing").
 pub fn direction_colour(angle_rad: f32, magnitude_fraction: f32) -> Rgb {
     const LIGHTNESS: f32 = 0.75;
     // A little beyond what sRGB holds for every hue: cyan is clamped, the others gain.

@@ -1,7 +1,7 @@
 //! How values become colours: range, gamma and colour map.
 //!
-//! [`Display::colour`] is the reference. The card's shader does the same arithmetic, and a test holds the two against each other;
-//! exported pictures and thumbnails use this one.
+//! [`Display::colour`] is the reference. The card's shader does the same arithmetic, and a test holds the two against
+//! each other; exported pictures and thumbnails use this one.
 
 use super::Plane;
 use super::colour_map::{ColourMap, Rgb};
@@ -18,12 +18,13 @@ pub const GAMMA_RANGE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Display {
-    /// The value shown with the map's first colour, in the picture's unit (fraction of full scale). Smaller values look the same.
+    /// The value shown with the map's first colour, in the picture's unit (fraction of full scale). Smaller values look
+    /// the same.
     pub min: f32,
     /// The value shown with the map's last colour. Larger values look the same.
     pub max: f32,
-    /// Raising it above 1 brightens the dark half: the position in the range is raised to the power 1/gamma. With a diverging map the
-    /// same happens to the distance from the centre, so that both signs are treated alike.
+    /// Raising it above 1 brightens the dark half: the position in the range is raised to the power 1/gamma. With a
+    /// diverging map the same happens to the distance from the centre, so that both signs are treated alike.
     pub gamma: f32,
     /// The colours.
     pub map: ColourMap,
@@ -44,8 +45,8 @@ impl Display {
         Self { min: -limit, max: limit, gamma: 1.0, map: ColourMap::BlueWhiteRed, symmetric: true }
     }
 
-    /// The same display over another range. A symmetric one takes ± the larger of the two magnitudes. A range that is empty or not
-    /// finite is made a small one around `min` (or 0), so that a display is always usable.
+    /// The same display over another range. A symmetric one takes ± the larger of the two magnitudes. A range that is
+    /// empty or not finite is made a small one around `min` (or 0), so that a display is always usable.
     #[must_use]
     pub fn with_range(self, min: f32, max: f32) -> Self {
         let min = if min.is_finite() { min } else { 0.0 };

@@ -1,11 +1,12 @@
 //! Values between the pixels.
 //!
-//! Positions are in pixels of the plane; the centre of the first pixel is (0, 0). A plane covers what its pixels cover: from −0.5 to
-//! width − 0.5. Between the outermost centres and that edge the value is the nearest pixel's.
+//! Positions are in pixels of the plane; the centre of the first pixel is (0, 0). A plane covers what its pixels cover:
+//! from −0.5 to width − 0.5. Between the outermost centres and that edge the value is the nearest pixel's.
 
 use super::Plane;
 
-/// The value at (`u`, `v`), linear between the four pixels around it; `None` where the plane has no pixel (or the position is not finite).
+/// The value at (`u`, `v`), linear between the four pixels around it; `None` where the plane has no pixel (or the
+/// position is not finite).
 pub fn bilinear(plane: &Plane, u: f32, v: f32) -> Option<f32> {
     let (width, height) = plane.size();
     let inside = |x: f32, size: usize| x >= -0.5 && x <= size as f32 - 0.5;
@@ -22,8 +23,8 @@ pub fn bilinear(plane: &Plane, u: f32, v: f32) -> Option<f32> {
     Some(mix(mix(top[u0], top[u1], fu), mix(bottom[u0], bottom[u1], fu), fv))
 }
 
-/// `a` minus `b`, on the pixels of `a`. Pixel (i, j) of `a` lies at (i, j)·`b_px_per_a_px` of `b`, whose values are taken linearly between its pixels; where `b`
-/// has none the difference is NaN, which is shown in its own colour.
+/// `a` minus `b`, on the pixels of `a`. Pixel (i, j) of `a` lies at (i, j)·`b_px_per_a_px` of `b`, whose values are
+/// taken linearly between its pixels; where `b` has none the difference is NaN, which is shown in its own colour.
 pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
     if a.size() == b.size() && b_px_per_a_px == 1.0 {
         return Plane::from_fn(a.width(), a.height(), |u, v| a.at(u, v) - b.at(u, v));
@@ -34,16 +35,17 @@ pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
     })
 }
 
-/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side, upright.
+/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side,
+/// upright.
 ///
-/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`: the samples are the centres of `size²`
-/// equal squares. Samples outside the plane are NaN, which is shown in its own colour.
+/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`: the samples are the
+/// centres of `size²` equal squares. Samples outside the plane are NaN, which is shown in its own colour.
 pub fn sample_patch(plane: &Plane, centre: (f32, f32), half_width_px: f32, size: usize) -> Plane {
     sample_patch_turned(plane, centre, half_width_px, 0.0, size)
 }
 
-/// Like [`sample_patch`], but the patch's own horizontal axis points along `angle_rad` (from +u towards +v): what a descriptor with that
-/// orientation sees.
+/// Like [`sample_patch`], but the patch's own horizontal axis points along `angle_rad` (from +u towards +v): what a
+/// descriptor with that orientation sees.
 pub fn sample_patch_turned(
     plane: &Plane,
     centre: (f32, f32),

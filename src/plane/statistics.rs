@@ -1,7 +1,7 @@
 //! What values a plane holds, in whole or in a rectangle of it: range, mean, percentiles, histogram.
 //!
-//! Values that are not finite are counted but take no part. Everything works in parallel over rows and answers within a few
-//! milliseconds for a camera picture, so that a window can ask while the hand still moves.
+//! Values that are not finite are counted but take no part. Everything works in parallel over rows and answers within a
+//! few milliseconds for a camera picture, so that a window can ask while the hand still moves.
 
 use super::Plane;
 use rayon::prelude::*;
@@ -94,10 +94,12 @@ pub fn summary(plane: &Plane, region: &Region) -> Summary {
     all
 }
 
-/// The exact percentiles of the finite values of `region`, one for each of `percents` (0 … 100); `None` when there is no finite value.
+/// The exact percentiles of the finite values of `region`, one for each of `percents` (0 … 100); `None` when there is
+/// no finite value.
 ///
-/// The p-th percentile is the value of rank round(p/100·(n − 1)) among the n sorted values. Found by counting the upper and then the
-/// lower half of an order-preserving integer key: two passes over the data for each percentile, however the values are spread.
+/// The p-th percentile is the value of rank round(p/100·(n − 1)) among the n sorted values. Found by counting the upper
+/// and then the lower half of an order-preserving integer key: two passes over the data for each percentile, however
+/// the values are spread.
 pub fn percentiles(plane: &Plane, region: &Region, percents: &[f32]) -> Option<Vec<f32>> {
     let upper = count_keys(plane, region, |key| Some(key >> 16));
     let count: u64 = upper.iter().sum();

@@ -1,7 +1,7 @@
 //! A rectangular part of an image, at its place.
 //!
-//! The search works tile by tile so that its memory stays bounded and its data stays in the cache. A [`Tile`] knows which columns and rows of the image it holds;
-//! its buffer is reused from slope to slope.
+//! The search works tile by tile so that its memory stays bounded and its data stays in the cache. A [`Tile`] knows
+//! which columns and rows of the image it holds; its buffer is reused from slope to slope.
 
 use super::Plane;
 use super::aligned::Aligned;
@@ -24,7 +24,8 @@ impl Region {
     }
 }
 
-/// The values of a [`Region`]. Rows lie `stride` apart, so that they can begin and end with whole vectors. The buffer keeps its capacity when it is reset.
+/// The values of a [`Region`]. Rows lie `stride` apart, so that they can begin and end with whole vectors. The buffer
+/// keeps its capacity when it is reset.
 #[derive(Debug, Default, Clone)]
 pub struct Tile {
     region: Region,
@@ -33,7 +34,8 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Makes this the values of `region`, `stride` (at least the region's width) apart from row to row. The contents are unspecified until written.
+    /// Makes this the values of `region`, `stride` (at least the region's width) apart from row to row. The contents
+    /// are unspecified until written.
     pub fn reset(&mut self, region: &Region, stride: usize) {
         debug_assert!(stride >= region.columns.len(), "rows do not overlap");
         self.region = region.clone();
@@ -88,15 +90,15 @@ impl Tile {
 }
 
 /// `n` pixels cut into as few nearly equal parts of at most `most` as possible; all but the last end at even places.
-pub fn cuts(n: usize, most: usize) -> Vec<Range<usize>> {
-    let count = n.div_ceil(most.max(2)).max(1);
+pub fn cuts(n: usize, max: usize) -> Vec<Range<usize>> {
+    let count = n.div_ceil(max.max(2)).max(1);
     // Rounded up, so that no part grows by more than the one before it shrinks.
     let cut = |i: usize| if i == count { n } else { (n * i / count).next_multiple_of(2).min(n) };
     (0..count).map(|i| cut(i)..cut(i + 1)).collect()
 }
 
-/// The rows of `plane` cut at `columns` and `rows`, which follow one another from 0 on and cover at most the plane: for each part, in the order of rows of parts,
-/// its pieces of rows. What lies beyond the last part is left out.
+/// The rows of `plane` cut at `columns` and `rows`, which follow one another from 0 on and cover at most the plane: for
+/// each part, in the order of rows of parts, its pieces of rows. What lies beyond the last part is left out.
 pub fn split_mut<'p>(plane: &'p mut Plane, columns: &[Range<usize>], rows: &[Range<usize>]) -> Vec<Vec<&'p mut [f32]>> {
     let width = plane.width();
     let mut parts: Vec<Vec<&mut [f32]>> = Vec::with_capacity(columns.len() * rows.len());
@@ -136,10 +138,10 @@ mod tests {
     #[test]
     fn cuts_cover_everything_once_and_split_planes() {
         for n in [1, 2, 7, 16, 99, 148, 149, 1600] {
-            for most in [2, 8, 148] {
-                let parts = cuts(n, most);
+            for max in [2, 8, 148] {
+                let parts = cuts(n, max);
                 assert_eq!(parts.iter().cloned().flatten().collect::<Vec<_>>(), (0..n).collect::<Vec<_>>());
-                assert!(parts.iter().all(|p| p.start % 2 == 0 && p.len() <= most + 1), "{n} {most}");
+                assert!(parts.iter().all(|p| p.start % 2 == 0 && p.len() <= max + 1), "{n} {max}");
             }
         }
         let mut plane = Plane::zeros(21, 13);

@@ -8,8 +8,8 @@ use crate::plane::Plane;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Draws and captures `frames` frames. Frame t takes its noise from stream t + 1 of the seed (stream 0 lays out the scene),
-/// so the result does not depend on the threads.
+/// Draws and captures `frames` frames. Frame t takes its noise from stream t + 1 of the seed (stream 0 lays out the
+/// scene), so the result does not depend on the threads.
 pub(super) fn capture_burst(
     name: &str,
     frames: usize,

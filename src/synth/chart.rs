@@ -1,8 +1,8 @@
 //! Charts: discs on an even background, each with its own motion.
 //!
-//! A chart is the test target on which detectors are compared: the place, size and motion of every disc is known exactly, and
-//! anything found elsewhere is false. Discs do not touch at mid-burst and stay inside the image in all frames. In other
-//! frames they may cross; then the faster one is in front, as the nearer one would be.
+//! A chart is the test target on which detectors are compared: the place, size and motion of every disc is known
+//! exactly, and anything found elsewhere is false. Discs do not touch at mid-burst and stay inside the image in all
+//! frames. In other frames they may cross; then the faster one is in front, as the nearer one would be.
 
 use super::capture::capture_burst;
 use super::noise::Camera;
@@ -36,7 +36,8 @@ pub struct ChartParams {
     pub frames: usize,
     /// Directions in which discs move.
     pub motion: Motion,
-    /// Slopes are drawn from the continuum between −`max_slope` and `max_slope`, pixels per frame, on each axis that moves.
+    /// Slopes are drawn from the continuum between −`max_slope` and `max_slope`, pixels per frame, on each axis that
+    /// moves.
     pub max_slope: f64,
     /// Per-pixel signal-to-noise ratio, as [`super::noise`] defines it; infinite for no noise.
     pub snr: f64,
@@ -49,7 +50,8 @@ pub struct ChartParams {
 }
 
 impl Default for ChartParams {
-    /// The published chart: 90 discs of contrast 1.2, 10 frames, slopes up to ±3 px/frame, at half the size of the paper's frames.
+    /// The published chart: 90 discs of contrast 1.2, 10 frames, slopes up to ±3 px/frame, at half the size of the
+    /// paper's frames.
     fn default() -> Self {
         Self {
             width: 800,
@@ -85,9 +87,9 @@ pub struct Exposure {
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
 impl ChartParams {
-    /// The levels and the camera. The background's signal is a tenth of full scale, as a gain that suits the light makes it, and
-    /// less where the noise would not fit between black and white otherwise. The black level is a 64th of full scale, and more
-    /// where the noise would be cut off at zero.
+    /// The levels and the camera. The background's signal is a tenth of full scale, as a gain that suits the light
+    /// makes it, and less where the noise would not fit between black and white otherwise. The black level is a 64th of
+    /// full scale, and more where the noise would be cut off at zero.
     ///
     /// # Errors
     /// When contrast or SNR make no sense.

@@ -1,7 +1,8 @@
 //! The demo: a street at night, built into the program and drawn when it is asked for.
 //!
 //! Four planes move past the camera, each with its own slope, and the light is so poor that one frame shows little.
-//! Averaging the frames as they are smears everything that moves; averaging at a plane's own slope brings that plane out:
+//! Averaging the frames as they are smears everything that moves; averaging at a plane's own slope brings that plane
+//! out:
 //!
 //! | layer | slope (px/frame) | what there is to see |
 //! | --- | --- | --- |
@@ -30,8 +31,8 @@ const SEED: u64 = 20_220_919;
 pub const LATER_FRAMES: f64 = 12.0;
 /// Frames from mid-burst to the first and last one.
 const HALF_SPAN: f64 = 0.5 * (DEMO_FRAMES as f64 - 1.0);
-/// How much of the light that the layers are painted with reaches the camera: the dial between a picture that one frame shows
-/// and one that needs the burst.
+/// How much of the light that the layers are painted with reaches the camera: the dial between a picture that one frame
+/// shows and one that needs the burst.
 const LIGHT: f32 = 0.38;
 /// The night sky, as painted.
 const SKY: f32 = 0.006;
@@ -46,8 +47,9 @@ pub fn demo_burst() -> Burst {
     demo_burst_at("demo", 0.0, SEED)
 }
 
-/// The same street [`LATER_FRAMES`] frames later, with noise of its own: what the first burst can be matched with. Its layers have moved on by as many slopes:
-/// three of them horizontally, as for a camera that moves sideways past a still street, while the lanterns rise and fit no such camera.
+/// The same street [`LATER_FRAMES`] frames later, with noise of its own: what the first burst can be matched with. Its
+/// layers have moved on by as many slopes: three of them horizontally, as for a camera that moves sideways past a still
+/// street, while the lanterns rise and fit no such camera.
 pub fn later_demo_burst() -> Burst {
     demo_burst_at("demo-later", LATER_FRAMES, SEED + 1)
 }

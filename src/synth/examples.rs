@@ -1,4 +1,5 @@
-//! Two failures to look at: aliasing and low contrast, the cases in which the paper's method finds what is not there, or does not find what is.
+//! Two failures to look at: aliasing and low contrast, the cases in which the paper's method finds what is not there,
+//! or does not find what is.
 //!
 //! | example | what there is to see | where to probe |
 //! | --- | --- | --- |

@@ -1,4 +1,5 @@
-//! A folder that is written whole or not at all: everything goes into a hidden folder beside the target, which then takes the target's place.
+//! A folder that is written whole or not at all: everything goes into a hidden folder beside the target, which then
+//! takes the target's place.
 
 use super::write::WriteBurstError;
 use std::path::{Path, PathBuf};
@@ -9,8 +10,8 @@ pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> WriteBurstError + us
     move |source| WriteBurstError::Io { path: path.clone(), source }
 }
 
-/// Makes the folder `dir` by `fill`, which writes into the empty folder that it is given. What is in `dir` is replaced as a whole if `replaceable` says so (an empty
-/// folder always is), and otherwise left alone.
+/// Makes the folder `dir` by `fill`, which writes into the empty folder that it is given. What is in `dir` is replaced
+/// as a whole if `replaceable` says so (an empty folder always is), and otherwise left alone.
 ///
 /// # Errors
 /// See [`WriteBurstError`]; the folder is then as it was before.

@@ -1,9 +1,9 @@
 //! Layers: painted sheets that move, one in front of the other.
 //!
-//! A layer's point at `x` at mid-burst is at `x + dt·λ` in the frame `dt` frames later. To draw a frame, each layer's samples are
-//! interpolated (Catmull–Rom, which keeps the centre of gravity of everything exactly where it belongs) at the moved
-//! places and averaged over each pixel; then the layers are put over one another, far to near. Interpolating and averaging is one short
-//! filter per axis, the same for all pixels of a frame.
+//! A layer's point at `x` at mid-burst is at `x + dt·λ` in the frame `dt` frames later. To draw a frame, each layer's
+//! samples are interpolated (Catmull–Rom, which keeps the centre of gravity of everything exactly where it belongs) at
+//! the moved places and averaged over each pixel; then the layers are put over one another, far to near. Interpolating
+//! and averaging is one short filter per axis, the same for all pixels of a frame.
 
 use super::paint::{OVERSAMPLING, Sheet};
 use super::truth::{FeatureTruth, LayerTruth, disc_sigma};
@@ -61,7 +61,8 @@ fn axis_filter(first_sample: f64) -> (i64, [f32; TAPS]) {
 }
 
 impl Layer {
-    /// An empty layer for an image of `width × height` pixels that is seen at most `half_span` frames away from mid-burst.
+    /// An empty layer for an image of `width × height` pixels that is seen at most `half_span` frames away from
+    /// mid-burst.
     pub fn new(name: &str, size: (usize, usize), slope: (f64, f64), half_span: f64) -> Self {
         let margin = |slope: f64| (half_span * slope.abs()).ceil() as usize + 3;
         Self {
@@ -91,7 +92,8 @@ impl Layer {
         let s = OVERSAMPLING as i64;
         let taps = TAPS as i64;
         let (sheet_width, sheet_height) = (self.sheet.size().0 as i64, self.sheet.size().1 as i64);
-        // Pixels whose filter touches used samples; the margins keep filters inside the sheet, clamping is for rounding.
+        // Pixels whose filter touches used samples; the margins keep filters inside the sheet, clamping is for
+        // rounding.
         let pixels = |first: i64, used: (usize, usize), end: usize| {
             let start = (used.0 as i64 - taps + 1 - first).div_euclid(s).clamp(0, end as i64);
             let stop = ((used.1 as i64 - 1 - first).div_euclid(s) + 1).clamp(0, end as i64);
@@ -166,7 +168,8 @@ pub fn draw_layers(layers: &[Layer], size: (usize, usize), dt: f64, monitor: &Mo
     Ok(picture)
 }
 
-/// The landmarks that can be seen whole in every frame within `half_span` of mid-burst: inside the image, with no nearer layer over them.
+/// The landmarks that can be seen whole in every frame within `half_span` of mid-burst: inside the image, with no
+/// nearer layer over them.
 pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), half_span: f64) -> Vec<FeatureTruth> {
     let mut features = Vec::new();
     let steps = (2.0 * half_span).round() as usize;

@@ -1,8 +1,9 @@
 //! Dead leaves: a texture with structure at every scale.
 //!
-//! Shapes of random size, grey value and turn fall on a sheet, later ones over earlier ones. Sizes follow the law 1/r³, by which every octave of
-//! sizes covers the same area. Pictures made so have the statistics of natural ones (A. B. Lee, D. Mumford and J. Huang, "Occlusion models for
-//! natural images", International Journal of Computer Vision 41 (2001), 35–59), so that a detector finds features at all its scales.
+//! Shapes of random size, grey value and turn fall on a sheet, later ones over earlier ones. Sizes follow the law 1/r³,
+//! by which every octave of sizes covers the same area. Pictures made so have the statistics of natural ones (A. B.
+//! Lee, D. Mumford and J. Huang, "Occlusion models for natural images", International Journal of Computer Vision 41
+//! (2001), 35–59), so that a detector finds features at all its scales.
 
 use super::paint::{Area, Sheet};
 use super::random::Stream;
@@ -50,7 +51,8 @@ fn mean_area(radii: &RangeInclusive<f64>) -> f64 {
     mean_square * 0.5 * (std::f64::consts::PI + 4.0 * 0.7)
 }
 
-/// A direction in the plane, all equally likely, by rejection: sine and cosine need not round alike everywhere, roots do.
+/// A direction in the plane, all equally likely, by rejection: sine and cosine need not round alike everywhere, roots
+/// do.
 fn direction(stream: &mut Stream) -> (f64, f64) {
     loop {
         let (x, y) = (stream.within(-1.0, 1.0), stream.within(-1.0, 1.0));
@@ -89,7 +91,8 @@ mod tests {
             areas[((radius / 1.5).log2() as usize).min(3)] += radius * radius;
             total += radius * radius;
         }
-        // Few leaves are in the coarsest octave, each with much area: one in 340, so its share is known within some 6 %.
+        // Few leaves are in the coarsest octave, each with much area: one in 340, so its share is known within some 6
+        // %.
         assert!(areas.iter().all(|area| (area / total - 0.25).abs() < 0.02), "{areas:?}");
         let predicted = mean_area(&radii) / (0.5 * (std::f64::consts::PI + 2.8));
         assert!((total / COUNT as f64 / predicted - 1.0).abs() < 0.03, "{predicted}");

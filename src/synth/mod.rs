@@ -1,10 +1,12 @@
 //! Bursts with exactly known truth: charts of discs, layered scenes, and the camera's noise.
 //!
 //! A synthetic burst is made in two steps. First the *signal* of each frame is drawn without noise: discs or textured
-//! layers, each moved by its own slope. Then a [`Camera`] captures it: electrons are counted (shot noise), read out (read
-//! noise) and rounded to the levels of the converter. What was drawn, where and how fast it moves is kept as [`Truth`].
+//! layers, each moved by its own slope. Then a [`Camera`] captures it: electrons are counted (shot noise), read out
+//! (read noise) and rounded to the levels of the converter. What was drawn, where and how fast it moves is kept as
+//! [`Truth`].
 //!
-//! A [`trajectory`] is a whole dataset: bursts that a camera takes on its way past a scene of textured planes, drawn in perspective, with its poses.
+//! A [`trajectory`] is a whole dataset: bursts that a camera takes on its way past a scene of textured planes, drawn in
+//! perspective, with its poses.
 //!
 //! Real frames can be captured once more by such a camera: [`noisy`] makes dark copies of them.
 //!

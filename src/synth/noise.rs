@@ -1,9 +1,10 @@
 //! The camera's noise: what a sensor makes of a noiseless signal.
 //!
-//! A signal `x` is a fraction of full scale *above the black level*. The sensor collects `Poisson(x·F)` electrons, where `F`
-//! is the number of electrons at full scale (a small `F` is a high gain, as cameras use in the dark). Reading it out adds
-//! Gaussian noise of `r` electrons. The result, divided by `F`, is lifted by the black level, a pedestal that keeps the
-//! noise around a dark signal from being cut off at zero, and rounded to the levels of a converter of `bits` bits.
+//! A signal `x` is a fraction of full scale *above the black level*. The sensor collects `Poisson(x·F)` electrons,
+//! where `F` is the number of electrons at full scale (a small `F` is a high gain, as cameras use in the dark). Reading
+//! it out adds Gaussian noise of `r` electrons. The result, divided by `F`, is lifted by the black level, a pedestal
+//! that keeps the noise around a dark signal from being cut off at zero, and rounded to the levels of a converter of
+//! `bits` bits.
 //!
 //! # Signal-to-noise ratio
 //! The per-pixel SNR of two levels, a background and an object on it, is
@@ -16,8 +17,8 @@
 //! `σ² = (x·F + r²)/F² + q²/12` with `x = (x_object + x_background)/2` and `q` the quantisation step.
 //!
 //! # Values in files
-//! A level `d` of a converter with `bits` bits is the value `d·2^(16−bits)/65535`: the bits sit at the top of a 16-bit word,
-//! as many cameras deliver them. A 16-bit file therefore holds each value exactly.
+//! A level `d` of a converter with `bits` bits is the value `d·2^(16−bits)/65535`: the bits sit at the top of a 16-bit
+//! word, as many cameras deliver them. A 16-bit file therefore holds each value exactly.
 
 use super::SynthError;
 use super::random::Stream;
@@ -91,7 +92,8 @@ impl Camera {
         self.bits.map_or(0.0, quantisation_step)
     }
 
-    /// Standard deviation of the noise of one pixel of one frame where the signal is `signal`; both are fractions of full scale.
+    /// Standard deviation of the noise of one pixel of one frame where the signal is `signal`; both are fractions of
+    /// full scale.
     pub fn sigma(&self, signal: f64) -> f64 {
         let rounding = self.quantisation_step().powi(2) / 12.0;
         if self.is_noiseless() {

@@ -1,7 +1,9 @@
-//! Noise as cameras and files make it: bursts of a scene without structure, each with one thing that is not white noise.
+//! Noise as cameras and files make it: bursts of a scene without structure, each with one thing that is not white
+//! noise.
 //!
-//! Every frame is a grey level with white Gaussian noise, except for what the [`NoiseCase`] changes. Nothing is there to be found, so that every feature
-//! of such a burst is false. Values are floats without rounding unless the case is about files.
+//! Every frame is a grey level with white Gaussian noise, except for what the [`NoiseCase`] changes. Nothing is there
+//! to be found, so that every feature of such a burst is false. Values are floats without rounding unless the case is
+//! about files.
 
 use super::noise::{quantisation_step, quantised_word};
 use super::random::Stream;
@@ -21,7 +23,8 @@ pub enum NoiseCase {
     Doubled,
     /// Frames that a JPEG file of this quality (1 … 100) has held, 8 bits.
     Jpeg(u8),
-    /// Each pixel shares its noise with the pixels next to it, with weights 1, 2, 1 along both axes; as strong as white noise.
+    /// Each pixel shares its noise with the pixels next to it, with weights 1, 2, 1 along both axes; as strong as white
+    /// noise.
     Correlated,
     /// The middle frame is black.
     BlackFrame,
@@ -98,7 +101,8 @@ impl NoiseCase {
         word.to_owned()
     }
 
-    /// A burst of `frames` frames of `size` = (columns, rows), with noise of standard deviation `sigma` (fraction of full scale) where the case says nothing else.
+    /// A burst of `frames` frames of `size` = (columns, rows), with noise of standard deviation `sigma` (fraction of
+    /// full scale) where the case says nothing else.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.

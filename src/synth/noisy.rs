@@ -1,12 +1,14 @@
 //! Noisy copies of real frames: what our camera would have taken of the same view with less light.
 //!
-//! The frames are taken for the signal: their own noise, which is small in a picture taken in good light, counts as part of the scene. Each frame is captured anew
-//! by a [`Camera`], with shot noise, read noise and rounding, so that methods can be compared on real structure and real motion at any noise level, and the
-//! clean frames are the gold standard.
+//! The frames are taken for the signal: their own noise, which is small in a picture taken in good light, counts as
+//! part of the scene. Each frame is captured anew by a [`Camera`], with shot noise, read noise and rounding, so that
+//! methods can be compared on real structure and real motion at any noise level, and the clean frames are the gold
+//! standard.
 //!
 //! # Signal-to-noise ratio
-//! As in [`super::noise`], with two levels that stand for the contrast of the frames: half a standard deviation of all their pixels below and above the mean.
-//! So the ratio is that of the pixels' standard deviation to the noise's at their mean.
+//! As in [`super::noise`], with two levels that stand for the contrast of the frames: half a standard deviation of all
+//! their pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at
+//! their mean.
 
 use super::folder::{io, write_folder};
 use super::noise::Camera;
@@ -52,7 +54,8 @@ pub struct FrameLevels {
 }
 
 impl FrameLevels {
-    /// Takes account of all frames of `burst`. The result does not depend on the order of the bursts by more than rounding.
+    /// Takes account of all frames of `burst`. The result does not depend on the order of the bursts by more than
+    /// rounding.
     pub fn add(&mut self, burst: &Burst) {
         for frame in &burst.frames {
             for &value in frame.data() {
@@ -84,7 +87,8 @@ impl FrameLevels {
 /// The camera of the copies and what it makes of the frames' values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoisyExposure {
-    /// The signal is this times the frame's value, at most 1: less where the noise around the brightest pixels would be cut off.
+    /// The signal is this times the frame's value, at most 1: less where the noise around the brightest pixels would be
+    /// cut off.
     pub gain: f64,
     /// The camera.
     pub camera: Camera,
@@ -111,7 +115,8 @@ impl NoisyParams {
             let level = |sign: f64| (gain * (mean + sign * 0.5 * contrast)).max(0.0);
             Camera::for_snr(self.snr, level(-1.0), level(1.0), self.read_noise, 0.0, self.bits)
         };
-        // Noise follows the gain, but for rounding, which is small beside it: so what the noise needs at gain 1 tells the gain at which it fits.
+        // Noise follows the gain, but for rounding, which is small beside it: so what the noise needs at gain 1 tells
+        // the gain at which it fits.
         let full = camera(1.0)?;
         let needed = levels.max + CLEARANCE_SIGMAS * (full.sigma(levels.max) + full.sigma(0.0));
         let gain = ((1.0 - 1.0 / 64.0) / needed).min(1.0);
@@ -122,8 +127,8 @@ impl NoisyParams {
 }
 
 impl NoisyExposure {
-    /// What the camera takes of the frames of `burst`. Frame t takes its noise from stream `first_stream + t` of the seed, so that the result depends neither on the
-    /// threads nor on what else is captured.
+    /// What the camera takes of the frames of `burst`. Frame t takes its noise from stream `first_stream + t` of the
+    /// seed, so that the result depends neither on the threads nor on what else is captured.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -164,9 +169,9 @@ pub struct NoisyTruth {
 /// The name of the file that says what a folder of noisy copies holds.
 const TRUTH_FILE: &str = "noise.json";
 
-/// Writes noisy copies of bursts into the folder `dir`: 16-bit PNG frames under the originals' names, of each burst in a subfolder of its name if `subfolders`
-/// says so, and `noise.json`. `open` opens burst k of `names`. Earlier noisy copies in `dir` are replaced as a whole; a folder that holds
-/// anything else is left alone.
+/// Writes noisy copies of bursts into the folder `dir`: 16-bit PNG frames under the originals' names, of each burst in
+/// a subfolder of its name if `subfolders` says so, and `noise.json`. `open` opens burst k of `names`. Earlier noisy
+/// copies in `dir` are replaced as a whole; a folder that holds anything else is left alone.
 ///
 /// # Errors
 /// What `open` answers, or [`WriteBurstError`]; the folder is then as it was before.
@@ -223,7 +228,8 @@ fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<Str
     Ok(names.into_iter().map(|name| part.map_or_else(|| name.clone(), |part| format!("{part}/{name}"))).collect())
 }
 
-/// The copies' file names: the originals' with a new ending, or numbers where these are not all different or not those of files.
+/// The copies' file names: the originals' with a new ending, or numbers where these are not all different or not those
+/// of files.
 fn frame_files(originals: &[String]) -> Vec<String> {
     let png = |name: &String| PathBuf::from(name).with_extension("png").to_string_lossy().into_owned();
     let names: Vec<String> = originals.iter().map(png).collect();

@@ -1,9 +1,9 @@
 //! Painting: shapes with smooth edges on a sheet that is larger and finer than the frames.
 //!
-//! A [`Sheet`] holds one layer of a scene at mid-burst: a value for each point, and how much of the point the layer covers
-//! (its alpha). Coordinates are image pixels at `t0`; the sheet reaches beyond the image by a margin, so that there is
-//! something to see when the layer moves, and has [`OVERSAMPLING`] samples per pixel on each axis, so that it can be
-//! moved by fractions of a pixel and averaged down without stair-steps.
+//! A [`Sheet`] holds one layer of a scene at mid-burst: a value for each point, and how much of the point the layer
+//! covers (its alpha). Coordinates are image pixels at `t0`; the sheet reaches beyond the image by a margin, so that
+//! there is something to see when the layer moves, and has [`OVERSAMPLING`] samples per pixel on each axis, so that it
+//! can be moved by fractions of a pixel and averaged down without stair-steps.
 
 use super::random::lattice;
 
@@ -81,7 +81,8 @@ impl Sheet {
         (&self.value[range.clone()], &self.alpha[range])
     }
 
-    /// Columns and rows that hold anything: `[first column, end column, first row, end row]`; `None` when nothing was painted.
+    /// Columns and rows that hold anything: `[first column, end column, first row, end row]`; `None` when nothing was
+    /// painted.
     pub fn used(&self) -> Option<[usize; 4]> {
         self.used
     }
@@ -120,7 +121,8 @@ impl Sheet {
         self.used = Some([old[0].min(c0), old[1].max(c1), old[2].min(r0), old[3].max(r1)]);
     }
 
-    /// A soft glow that adds light to what is painted already: `value` at its centre, nothing at `radius`. It covers nothing.
+    /// A soft glow that adds light to what is painted already: `value` at its centre, nothing at `radius`. It covers
+    /// nothing.
     pub fn glow(&mut self, u: f32, v: f32, radius: f32, value: f32) {
         self.each(Area::around(u, v, radius), |x, y, light, alpha| {
             let q = ((x - u) * (x - u) + (y - v) * (y - v)) / (radius * radius);
@@ -130,7 +132,8 @@ impl Sheet {
         });
     }
 
-    /// Calls `change(u, v, value, alpha)` for each sample within `bounds`; returns the samples visited, as [`Self::used`] counts them.
+    /// Calls `change(u, v, value, alpha)` for each sample within `bounds`; returns the samples visited, as
+    /// [`Self::used`] counts them.
     fn each(&mut self, bounds: Area, mut change: impl FnMut(f32, f32, &mut f32, &mut f32)) -> Option<[usize; 4]> {
         let s = OVERSAMPLING as f32;
         let clip = |x: f64, end: usize| x.clamp(0.0, end as f64) as usize;
@@ -166,7 +169,8 @@ impl Sheet {
         self.paint(self.area(), |u, v| (value(u, v), 1.0));
     }
 
-    /// Paints the inside of a shape that is given by its signed distance (pixels, negative inside), with edges one sample wide.
+    /// Paints the inside of a shape that is given by its signed distance (pixels, negative inside), with edges one
+    /// sample wide.
     pub fn shape(&mut self, bounds: Area, distance: impl Fn(f32, f32) -> f32, value: impl Fn(f32, f32) -> f32) {
         let s = OVERSAMPLING as f32;
         let bounds = Area::new(bounds.u0 - 1.0, bounds.v0 - 1.0, bounds.u1 + 1.0, bounds.v1 + 1.0);

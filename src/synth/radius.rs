@@ -12,7 +12,8 @@ pub enum RadiusLaw {
     /// Every radius is as likely as any other: most discs are large.
     #[default]
     Uniform,
-    /// Every octave of radii is as likely as any other: as many fine discs as coarse ones, which is how a scale space is sampled.
+    /// Every octave of radii is as likely as any other: as many fine discs as coarse ones, which is how a scale space
+    /// is sampled.
     Log,
 }
 
@@ -28,7 +29,8 @@ impl RadiusLaw {
         }
     }
 
-    /// A radius from `range` (pixels, above 0). Both laws take one number from `stream`, so charts of the same seed differ in nothing else.
+    /// A radius from `range` (pixels, above 0). Both laws take one number from `stream`, so charts of the same seed
+    /// differ in nothing else.
     pub(super) fn draw(self, range: &RangeInclusive<f64>, stream: &mut Stream) -> f64 {
         let (smallest, largest) = (*range.start(), *range.end());
         match self {

@@ -1,8 +1,8 @@
 //! Random numbers that are the same everywhere.
 //!
-//! The generator is ChaCha with 8 rounds, whose output for a seed and stream is fixed for ever. The distributions on top
-//! use only additions, multiplications, square roots and `libm`'s logarithm and exponential, so that a rounding of the
-//! system's own mathematics library can never change a pixel.
+//! The generator is ChaCha with 8 rounds, whose output for a seed and stream is fixed for ever. The distributions on
+//! top use only additions, multiplications, square roots and `libm`'s logarithm and exponential, so that a rounding of
+//! the system's own mathematics library can never change a pixel.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -37,8 +37,8 @@ impl Stream {
         ((self.uniform() * count as f64) as usize).min(count.saturating_sub(1))
     }
 
-    /// Gaussian with mean 0 and variance 1, by the ziggurat of G. Marsaglia and W. W. Tsang, "The ziggurat method for generating
-    /// random variables", Journal of Statistical Software 5(8) (2000).
+    /// Gaussian with mean 0 and variance 1, by the ziggurat of G. Marsaglia and W. W. Tsang, "The ziggurat method for
+    /// generating random variables", Journal of Statistical Software 5(8) (2000).
     pub fn normal(&mut self) -> f64 {
         let ziggurat = &*ZIGGURAT;
         loop {
@@ -93,7 +93,8 @@ impl Stream {
         let mut count = 0;
         let mut probability = libm::exp(-mean);
         let mut cumulative = probability;
-        // Rounding may leave the sum a little below 1; far out in the tail the probability vanishes and the loop must end.
+        // Rounding may leave the sum a little below 1; far out in the tail the probability vanishes and the loop must
+        // end.
         while u >= cumulative && count < 199 {
             count += 1;
             probability *= mean * RECIPROCALS[count];

@@ -1,7 +1,8 @@
 //! Layered scenes: textured planes at several depths, each with its own slope.
 //!
-//! The farthest layer fills the frame: relief, cracks and blobs. Each nearer layer carries boards with marks on them: rows of
-//! strokes like writing, patterns of dots, stripes. Dots are the landmarks of the truth. All of it follows from the seed.
+//! The farthest layer fills the frame: relief, cracks and blobs. Each nearer layer carries boards with marks on them:
+//! rows of strokes like writing, patterns of dots, stripes. Dots are the landmarks of the truth. All of it follows from
+//! the seed.
 
 use super::capture::capture_burst;
 use super::layer::{Layer, draw_layers, visible_landmarks};
@@ -26,9 +27,11 @@ pub struct SceneParams {
     pub frames: usize,
     /// Directions in which layers move.
     pub motion: Motion,
-    /// The largest slope of a layer, pixels per frame. Layers are spread over −`max_slope` … `max_slope`, with chance in between.
+    /// The largest slope of a layer, pixels per frame. Layers are spread over −`max_slope` … `max_slope`, with chance
+    /// in between.
     pub max_slope: f64,
-    /// Per-pixel signal-to-noise ratio, as [`super::noise`] defines it, between boards ([`BOARD`]) and marks ([`MARK`]); infinite for no noise.
+    /// Per-pixel signal-to-noise ratio, as [`super::noise`] defines it, between boards ([`BOARD`]) and marks
+    /// ([`MARK`]); infinite for no noise.
     pub snr: f64,
     /// Standard deviation of the read noise, electrons.
     pub read_noise: f64,
@@ -61,7 +64,8 @@ pub const BOARD: f64 = 0.04;
 /// Signal of the bright marks on a board, fraction of full scale above black.
 pub const MARK: f64 = 0.1;
 
-/// The scene's black level is this many standard deviations of the noise in the dark, so that little is cut off at zero.
+/// The scene's black level is this many standard deviations of the noise in the dark, so that little is cut off at
+/// zero.
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
 /// Makes a layered scene and its truth: the layers' slopes, and the landmarks that can be seen whole in every frame.
@@ -121,7 +125,8 @@ fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Resu
     Ok(layers)
 }
 
-/// Layer `index`'s slope: the range is cut into as many parts as there are layers, and each layer draws from the middle of its own part.
+/// Layer `index`'s slope: the range is cut into as many parts as there are layers, and each layer draws from the middle
+/// of its own part.
 fn layer_slope(params: &SceneParams, index: usize, stream: &mut Stream) -> (f64, f64) {
     let part = 2.0 * params.max_slope / params.layers as f64;
     let mut along = || -params.max_slope + part * (index as f64 + stream.within(0.2, 0.8));

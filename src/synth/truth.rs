@@ -15,7 +15,8 @@ pub enum TruthKind {
     Demo,
 }
 
-/// Everything that is known about a synthetic burst. Positions are image pixels at `t0`, the centre of the first pixel is (0, 0).
+/// Everything that is known about a synthetic burst. Positions are image pixels at `t0`, the centre of the first pixel
+/// is (0, 0).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Truth {

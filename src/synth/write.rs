@@ -1,7 +1,7 @@
 //! Writing a synthetic burst: 16-bit PNG frames and `truth.json`, a whole folder or nothing.
 //!
-//! Values of a converter with fewer than 16 bits sit at the top of the 16-bit word (see [`super::noise`]), so that the files hold
-//! them exactly; values that were never rounded are rounded to 16 bits.
+//! Values of a converter with fewer than 16 bits sit at the top of the 16-bit word (see [`super::noise`]), so that the
+//! files hold them exactly; values that were never rounded are rounded to 16 bits.
 
 use super::folder::{io, write_folder};
 use super::noise::quantised_word;
@@ -30,8 +30,8 @@ pub enum WriteBurstError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is made. An earlier synthetic burst
-/// in it is replaced as a whole; a folder that holds anything else is left alone.
+/// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is made. An earlier
+/// synthetic burst in it is replaced as a whole; a folder that holds anything else is left alone.
 ///
 /// # Errors
 /// See [`WriteBurstError`]; the folder is then as it was before.

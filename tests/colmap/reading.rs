@@ -85,7 +85,8 @@ fn python() -> Option<String> {
     has.then_some(named)
 }
 
-/// Everything that COLMAP finds in the database, as JSON: and for each pair the largest error of its inliers under its own geometry, in COLMAP's pixels.
+/// Everything that COLMAP finds in the database, as JSON: and for each pair the largest error of its inliers under its
+/// own geometry, in COLMAP's pixels.
 const READ_ALL: &str = r#"
 import json, sys
 import numpy as np
@@ -175,7 +176,8 @@ fn colmap_reads_what_was_written() {
                 (Some(pair.counts.putative as u64), pair.counts.inliers)
             );
             assert_eq!(read["config"], if known { 2 } else { 3 });
-            // In COLMAP's pixels the inliers agree with the geometry as they did in ours: half a pixel off would show where lines are not parallel.
+            // In COLMAP's pixels the inliers agree with the geometry as they did in ours: half a pixel off would show
+            // where lines are not parallel.
             assert!(read["worst"].as_f64().is_some_and(|worst| worst <= 4.01), "{read}");
             let length = |t: &serde_json::Value| {
                 t.as_array().map(|t| t.iter().filter_map(|x| x.as_f64()).map(|x| x * x).sum::<f64>())

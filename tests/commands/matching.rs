@@ -63,7 +63,8 @@ fn two_bursts_are_matched_verified_and_drawn() {
     let inliers = rows.iter().filter(|r| r[9] == 1.0).count();
     assert_eq!((count("putative"), count("inliers")), (rows.len(), inliers));
     assert!(inliers >= 30 && inliers * 10 >= rows.len() * 7, "{inliers} of {}", rows.len());
-    // The scene moves along u only, by 1.5 px/frame at most, and five frames lie between the bursts. The larger a feature, the less exact its place.
+    // The scene moves along u only, by 1.5 px/frame at most, and five frames lie between the bursts. The larger a
+    // feature, the less exact its place.
     let moves_so = |r: &&Vec<f64>| {
         let sigma = a[r[0] as usize][2];
         (r[5] - r[3]).abs() < 1.5 + 0.2 * sigma && (r[4] - r[2]).abs() < 5.0 * 1.5 + 1.0
@@ -138,7 +139,8 @@ fn the_merged_image_is_what_the_method_merge_searches() {
     assert!(image.len() > 50, "{}", image.len());
     assert_eq!(image.len(), burst.len());
     for (a, b) in image.iter().zip(&burst) {
-        // The file does not say how finely its values are rounded, so that its noise, and with it the snr, is nearly the same.
+        // The file does not say how finely its values are rounded, so that its noise, and with it the snr, is nearly
+        // the same.
         let near = |(column, (a, b)): (usize, (&f64, &f64))| (a - b).abs() < if column == 7 { 0.01 * b } else { 1e-4 };
         assert!(a.iter().zip(b).enumerate().all(near), "{a:?} {b:?}");
     }

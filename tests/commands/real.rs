@@ -2,7 +2,8 @@
 
 use super::support::{features, run_well, shared_data};
 
-/// The joint rule of the paper, whose features at a wrong slope are few: at each slope for itself, bright blobs also leave smears at slopes that are not theirs.
+/// The joint rule of the paper, whose features at a wrong slope are few: at each slope for itself, bright blobs also
+/// leave smears at slopes that are not theirs.
 const JOINT: [&str; 12] = [
     "--slope-extrema",
     "joint",

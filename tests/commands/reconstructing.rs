@@ -4,7 +4,8 @@ use super::support::{names, run, run_badly, run_well, stderr};
 use std::fs;
 use std::path::Path;
 
-/// A reconstruction of four of five images: twice as large as the truth and moved, one camera 0.1 (of the truth's unit) too high.
+/// A reconstruction of four of five images: twice as large as the truth and moved, one camera 0.1 (of the truth's unit)
+/// too high.
 fn model(folder: &Path) {
     fs::create_dir_all(folder).expect("made");
     let mut images = String::from("# images\n");

@@ -1,4 +1,5 @@
-//! What the window's tests share: a harness that draws as the program does, on a software adapter, and the options of compared pictures.
+//! What the window's tests share: a harness that draws as the program does, on a software adapter, and the options of
+//! compared pictures.
 #![allow(dead_code)] // Each test program uses a part of it.
 
 use burstscope::app::gpu::{self, AdapterChoice};
@@ -15,7 +16,8 @@ pub fn snapshot_options() -> SnapshotOptions {
     SnapshotOptions::new()
 }
 
-/// A harness for a window of `size` points, without a renderer; give it `.wgpu_setup(wgpu_setup())` and `build_eframe` for the whole app.
+/// A harness for a window of `size` points, without a renderer; give it `.wgpu_setup(wgpu_setup())` and `build_eframe`
+/// for the whole app.
 pub fn builder<State>(size: [f32; 2]) -> HarnessBuilder<State> {
     // The pointer is left out of pictures: where it stands matters less than what it shows.
     Harness::builder().with_size(size).with_max_steps(120).with_options(snapshot_options()).with_render_cursor(false)

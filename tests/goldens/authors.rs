@@ -1,4 +1,5 @@
-//! The authors' own BuFF code, in one and two dimensions: the stages bit by bit, the features with the cause of each that is not ours.
+//! The authors' own BuFF code, in one and two dimensions: the stages bit by bit, the features with the cause of each
+//! that is not ours.
 
 use crate::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
@@ -26,8 +27,8 @@ fn transposed_crop() -> Option<Burst> {
     Some(burst)
 }
 
-/// The authors' octave 2, level 1 and the next one, from a doubled motion-stack image: a chain of blurs whose kernels end at 2σ, then every second
-/// pixel from the second on.
+/// The authors' octave 2, level 1 and the next one, from a doubled motion-stack image: a chain of blurs whose kernels
+/// end at 2σ, then every second pixel from the second on.
 fn authors_levels(stack: &Plane, levels: usize) -> Vec<Plane> {
     let blur = |plane: &Plane, sigma: f64| gaussian_blur(plane, &GaussianKernel::with_cut(sigma, 2.0));
     let step = 2f64.powf(1.0 / 3.0);
@@ -147,8 +148,9 @@ impl Authors {
     }
 }
 
-/// How many of the authors' features have ours within 0.5 px, 10 % in scale and half a slope step, with their three levels: by default, and with kernels that
-/// end at 2σ and the quadratic fit, as theirs do. Prints each that has none by default, with its cause.
+/// How many of the authors' features have ours within 0.5 px, 10 % in scale and half a slope step, with their three
+/// levels: by default, and with kernels that end at 2σ and the quadratic fit, as theirs do. Prints each that has none
+/// by default, with its cause.
 fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_per_frame: f32) -> (usize, usize) {
     let with = |kernel_cut: f32, localisation: Localisation| {
         let params = DetectorParams { slopes, kernel_cut, localisation, levels: 3, ..as_published() };
@@ -178,9 +180,10 @@ fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_p
     (by_default, by_cut)
 }
 
-// The authors' kernels end at 2σ, which bends the DoG: on their own stack and sampling, 47 of the 231 features have no extremum within two samples and a
-// level once the kernels reach 4σ, and the scales of the others shift by 3 % in the median and up to 20 %. So no detector with whole kernels can have nine
-// tenths of them; with `kernel_cut = 2` most of the difference goes away.
+// The authors' kernels end at 2σ, which bends the DoG: on their own stack and sampling, 47 of the 231 features have no
+// extremum within two samples and a level once the kernels reach 4σ, and the scales of the others shift by 3 % in the
+// median and up to 20 %. So no detector with whole kernels can have nine tenths of them; with `kernel_cut = 2` most of
+// the difference goes away.
 #[test]
 fn authors_1d_features() {
     let (Some(burst), Some(golden)) = (transposed_crop(), shared("goldens/buff1d/features.csv")) else { return };

@@ -4,8 +4,9 @@ use crate::published::open;
 use crate::shared::shared;
 use burstscope::Monitor;
 
-// Where no pixel is black, and wherever a band of brightness is taken, second differences of this camera's frames and of their differences show a noise of
-// 2.3 to 3.1 grey values; the median over the image is 2.7. Half of each frame is black, which must not count.
+// Where no pixel is black, and wherever a band of brightness is taken, second differences of this camera's frames and
+// of their differences show a noise of 2.3 to 3.1 grey values; the median over the image is 2.7. Half of each frame is
+// black, which must not count.
 #[test]
 fn noise_of_a_real_dim_camera() {
     let Some(folder) = shared("data/slider-far") else { return };

@@ -21,7 +21,8 @@ pub fn numbers(line: &str, separator: impl Fn(char) -> bool) -> Vec<f32> {
     line.split(separator).filter(|s| !s.is_empty()).map(|s| s.parse().expect("a number")).collect()
 }
 
-/// What the published codes do wherever our defaults differ, each named: joint extrema, all keypoints kept, described at the grid's slope in one orientation.
+/// What the published codes do wherever our defaults differ, each named: joint extrema, all keypoints kept, described
+/// at the grid's slope in one orientation.
 pub fn as_published() -> DetectorParams {
     DetectorParams {
         levels: 4,

@@ -141,8 +141,8 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
     assert!(difference <= 3.0, "{name}: {difference}");
 }
 
-// What these three miss are second orientations whose histogram peak lies at 0.8 of the highest within a rounding error, and large blobs whose
-// orientation is ambiguous: the place and scale are found in every case looked at.
+// What these three miss are second orientations whose histogram peak lies at 0.8 of the highest within a rounding
+// error, and large blobs whose orientation is ambiguous: the place and scale are found in every case looked at.
 #[test]
 fn vlfeat_from_octave_0() {
     check_vlfeat("frame3_fo0_pt5.1", "data/buff-demo-1d/3.png", 0, 5.1, 1.0, 1.0);

@@ -99,7 +99,8 @@ fn assert_agrees(fate: &Fate, first_failed: Option<Test>) {
     assert_eq!(fate.first_failed, first_failed, "{fate:#?}");
     for report in &fate.tests {
         let before = first_failed.is_none_or(|failed| report.test < failed);
-        // Samples that are no extrema in the image are held only against the least noise of their level; the gate at the place is asked of extrema.
+        // Samples that are no extrema in the image are held only against the least noise of their level; the gate at
+        // the place is asked of extrema.
         let gate_of_place =
             report.test == Test::NoiseGate && matches!(first_failed, Some(Test::SpaceExtremum | Test::ScaleExtremum));
         if before && !gate_of_place {

@@ -22,7 +22,7 @@ fn candidates_account_for_everything_that_was_an_extremum() {
     let burst = scene(4, (200, 190), 5, 3.0);
     for rule in [SlopeExtrema::Each, SlopeExtrema::Joint] {
         let cache = cache(&burst, &params(rule));
-        let all = SurveyOptions { least_snr: 0.0, test: None };
+        let all = SurveyOptions { min_snr: 0.0, test: None };
         let survey = survey(&cache.trail, &all, &Monitor::default()).expect("not cancelled");
         assert_eq!(survey.marks.len() as u64, survey.candidates);
         assert_eq!(survey.candidates, survey.kept + survey.counts.iter().map(|c| c.candidates).sum::<u64>());
@@ -51,7 +51,7 @@ fn candidates_account_for_everything_that_was_an_extremum() {
             assert_eq!(margin, mark.margin);
             assert!(mark.margin.is_none_or(|m| m <= 0.0), "{mark:?}");
         }
-        let gated = SurveyOptions { least_snr: 2.5, test: Some(Test::NoiseGate) };
+        let gated = SurveyOptions { min_snr: 2.5, test: Some(Test::NoiseGate) };
         let gated = burstscope::inspect::candidates::survey(&cache.trail, &gated, &Monitor::default()).expect("done");
         assert!(!gated.marks.is_empty());
         assert!(gated.marks.iter().all(|m| m.first_failed == Some(Test::NoiseGate) && (2.5..=3.0).contains(&m.snr)));

@@ -1,4 +1,5 @@
-//! Files that are damaged at random: opening them gives a burst or an error, never a panic, and never takes much time or memory.
+//! Files that are damaged at random: opening them gives a burst or an error, never a panic, and never takes much time
+//! or memory.
 
 use crate::support::{folder, grey8, raw_tiff, save, tiff_pages};
 use burstscope::Monitor;

@@ -28,8 +28,8 @@ fn real_bursts_open() {
         let burst = Burst::open(data.join(name)).expect(name);
         assert_eq!((burst.name.as_str(), burst.len(), burst.size(), burst.full_scale), (name, frames, size, 255.0));
         let values = burst.frames.iter().flat_map(|f| f.data());
-        let (least, most) = values.fold((1.0f32, 0.0f32), |(a, b), &v| (a.min(v), b.max(v)));
-        assert!(least >= 0.0 && most <= 1.0 && most - least > 0.05, "{name}: {least} … {most}");
+        let (min, max) = values.fold((1.0f32, 0.0f32), |(a, b), &v| (a.min(v), b.max(v)));
+        assert!(min >= 0.0 && max <= 1.0 && max - min > 0.05, "{name}: {min} … {max}");
     }
     let burst = Burst::open(data.join("slider-far")).expect("opens");
     assert_eq!(

@@ -52,8 +52,9 @@ pub fn assert_close(found: &[f32], expected: &[f32]) {
     }
 }
 
-/// A TIFF of one page, written by hand in either byte order, for what the encoder cannot write. `bits` are those of each sample, `tags` are
-/// (tag, value) on top of the usual ones, and each element of `strips` is one strip as high as the page.
+/// A TIFF of one page, written by hand in either byte order, for what the encoder cannot write. `bits` are those of
+/// each sample, `tags` are (tag, value) on top of the usual ones, and each element of `strips` is one strip as high as
+/// the page.
 pub fn raw_tiff(big_endian: bool, size: (u16, u16), bits: &[u16], tags: &[(u16, u16)], strips: &[&[u8]]) -> Vec<u8> {
     let short = |v: u16| if big_endian { v.to_be_bytes() } else { v.to_le_bytes() }.to_vec();
     let long = |v: usize| if big_endian { (v as u32).to_be_bytes() } else { (v as u32).to_le_bytes() }.to_vec();

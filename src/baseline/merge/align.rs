@@ -7,12 +7,14 @@
 //! C(d) = Σ (r − f(d))² / (4σ²) · 2P/(2P + σ²)  +  min over predictions p of |d − p|² / (2τ²)
 //! ```
 //!
-//! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P (variance of its pixels) under independent noise
-//! of variance σ²: differences count, but the less the more of the tile is noise. P is what the tile's variance has above σ². The second part says that
-//! shifts are near what the coarser level found there or beside it. So the noise, which is known, decides how far a tile follows its own pixels: a blank tile stays with the
-//! prediction, a well-lit corner goes where it fits.
+//! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P
+//! (variance of its pixels) under independent noise of variance σ²: differences count, but the less the more of the
+//! tile is noise. P is what the tile's variance has above σ². The second part says that shifts are near what the
+//! coarser level found there or beside it. So the noise, which is known, decides how far a tile follows its own pixels:
+//! a blank tile stays with the prediction, a well-lit corner goes where it fits.
 //!
-//! Whole-pixel shifts around the predictions are compared, and a parabola through the costs beside the least one puts the shift between the pixels.
+//! Whole-pixel shifts around the predictions are compared, and a parabola through the costs beside the least one puts
+//! the shift between the pixels.
 
 use super::tiles::{TILE, TileGrid, first_pixel};
 use crate::monitor::{Cancelled, Monitor};
@@ -44,7 +46,8 @@ pub(super) struct ShiftField {
     pub shifts: Vec<Shift>,
 }
 
-/// The shifts of the tiles of the reference frame, at full resolution. Both frames come as pyramids of the same sizes; `variance` is that of one frame's noise.
+/// The shifts of the tiles of the reference frame, at full resolution. Both frames come as pyramids of the same sizes;
+/// `variance` is that of one frame's noise.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -86,7 +89,8 @@ fn align_level(pair: &Pair<'_>, coarser: Option<&ShiftField>, monitor: &Monitor)
     Ok(ShiftField { grid, shifts: rows.concat() })
 }
 
-/// What the coarser level says of tile (i, j): the shifts, doubled, of the tiles there that lie around it. No motion where there is no coarser level.
+/// What the coarser level says of tile (i, j): the shifts, doubled, of the tiles there that lie around it. No motion
+/// where there is no coarser level.
 fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut Vec<Shift>) {
     predictions.clear();
     let Some(ShiftField { grid, shifts }) = coarser else {

@@ -1,11 +1,14 @@
 //! Burst merge: the frames of a burst, aligned to its middle frame and averaged into one image of less noise.
 //!
-//! After Hasinoff et al., "Burst photography for high dynamic range and low-light imaging on mobile cameras" (2016), which Ravendran, Bryson and Dansereau, "Burst
-//! imaging for light-constrained structure-from-motion" (2022) use for reconstruction. Written from their description, with two differences that known noise allows: the
-//! search weighs a tile's pixels against the coarser level's answer by how much of the tile is signal, and the shrinkage works on real cosines.
+//! After Hasinoff et al., "Burst photography for high dynamic range and low-light imaging on mobile cameras" (2016),
+//! which Ravendran, Bryson and Dansereau, "Burst imaging for light-constrained structure-from-motion" (2022) use for
+//! reconstruction. Written from their description, with two differences that known noise allows: the search weighs a
+//! tile's pixels against the coarser level's answer by how much of the tile is signal, and the shrinkage works on real
+//! cosines.
 //!
-//! The way of the data: frames → [`pyramid`] → [`align`] (a shift for each tile of the middle frame, coarse to fine) → [`temporal`] (robust mean over time, tile by tile) →
-//! one image. [`tiles`] and [`dct`] are what these share. Each frame is aligned by itself: that the motion is the same from frame to frame is not used.
+//! The way of the data: frames → [`pyramid`] → [`align`] (a shift for each tile of the middle frame, coarse to fine) →
+//! [`temporal`] (robust mean over time, tile by tile) → one image. [`tiles`] and [`dct`] are what these share. Each
+//! frame is aligned by itself: that the motion is the same from frame to frame is not used.
 
 mod align;
 mod dct;
@@ -21,11 +24,12 @@ use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
 
-/// Frames are taken to have at least this noise, fraction of full scale: that of 16 bit, so that noiseless ones divide nothing by zero.
+/// Frames are taken to have at least this noise, fraction of full scale: that of 16 bit, so that noiseless ones divide
+/// nothing by zero.
 const LEAST_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
 
-/// A burst of one frame: the frames `used` of `burst`, merged where the middle one of them is (of N frames that with index N/2, the one SIFT on a single frame
-/// looks at).
+/// A burst of one frame: the frames `used` of `burst`, merged where the middle one of them is (of N frames that with
+/// index N/2, the one SIFT on a single frame looks at).
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

@@ -1,4 +1,5 @@
-//! An image at halving resolutions: each level is the mean of 2×2 pixels of the one before, so that white noise stays white and halves.
+//! An image at halving resolutions: each level is the mean of 2×2 pixels of the one before, so that white noise stays
+//! white and halves.
 
 use super::tiles::TILE;
 use crate::plane::Plane;

@@ -1,15 +1,18 @@
 //! The robust mean over time, tile by tile.
 //!
-//! With the coefficients T₀ of the reference's tile and T of the matching tiles of all N frames (the reference among them), the merged tile is
+//! With the coefficients T₀ of the reference's tile and T of the matching tiles of all N frames (the reference among
+//! them), the merged tile is
 //!
 //! ```text
 //! T₀ − 1/N · Σ (1 − A)·D,    D = T₀ − T,    A = E / (E + c·2σ²),    E = max(0, D² − b·2σ²)
 //! ```
 //!
-//! coefficient by coefficient. A difference as large as noise makes it (its variance is 2σ²) is averaged away; one that is far larger is a wrong alignment or something that moved
-//! by itself, and the reference stands. This is the pairwise Wiener-like shrinkage of Hasinoff et al., on cosines instead of complex waves, and with a dead zone: they
-//! have b = 0 and c = 8, which keeps so much of the reference's own noise that ten frames lower the noise 2.5 times instead of 3.16. With the values here it is 3.02 times, and a
-//! difference counts half at the same size. Tiles then fade into each other under a raised-cosine window.
+//! coefficient by coefficient. A difference as large as noise makes it (its variance is 2σ²) is averaged away; one that
+//! is far larger is a wrong alignment or something that moved by itself, and the reference stands. This is the pairwise
+//! Wiener-like shrinkage of Hasinoff et al., on cosines instead of complex waves, and with a dead zone: they have b = 0
+//! and c = 8, which keeps so much of the reference's own noise that ten frames lower the noise 2.5 times instead of
+//! 3.16. With the values here it is 3.02 times, and a difference counts half at the same size. Tiles then fade into
+//! each other under a raised-cosine window.
 //!
 //! Where a frame does not show a place, the mean of those that do stands in for it.
 
@@ -21,7 +24,8 @@ use crate::plane::Plane;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-/// b: a squared difference up to this many times the variance that noise gives it is taken for noise; 1.4 % of the differences of noise alone are larger.
+/// b: a squared difference up to this many times the variance that noise gives it is taken for noise; 1.4 % of the
+/// differences of noise alone are larger.
 const DEAD_ZONE: f32 = 6.0;
 /// c: what is beyond counts half where it is this many times that variance.
 const SOFTNESS: f32 = 2.0;
@@ -107,8 +111,9 @@ impl Merging<'_> {
         let reference = pixels(self.reference, at);
         let mut others: Vec<(Block, Option<Covered>)> = Vec::with_capacity(self.others.len());
         for Aligned { frame, shifts } in self.others {
-            // Whole pixels: interpolation would smooth the noise, more of it the finer the scale, and no estimate of it would be right for all scales. What is
-            // left of the shift smears by 1/12 px², half of what linear interpolation does.
+            // Whole pixels: interpolation would smooth the noise, more of it the finer the scale, and no estimate of it
+            // would be right for all scales. What is left of the shift smears by 1/12 px², half of what linear
+            // interpolation does.
             let shift = shifts.shifts[j * self.grid.columns + i].map(|x| x.round() as i64);
             others.push(shifted_pixels(frame, at, shift, self.reference.size()));
         }

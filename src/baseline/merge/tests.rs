@@ -38,7 +38,8 @@ fn merged(burst: &Burst) -> Plane {
     (*merged.frames[0]).clone()
 }
 
-/// Root mean square of the difference from the noiseless middle frame, over the pixels that all frames show (`border` px are left out), or over the others.
+/// Root mean square of the difference from the noiseless middle frame, over the pixels that all frames show (`border`
+/// px are left out), or over the others.
 fn error(image: &Plane, border: usize, within: bool) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for v in 0..SIZE.1 {

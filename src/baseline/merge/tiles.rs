@@ -1,7 +1,8 @@
 //! Half-overlapping square tiles over an image, and the window in which they fade into each other.
 //!
-//! Tile (i, j) has its centre at ([`STEP`]·i, [`STEP`]·j) and reaches half a tile to each side, also beyond the image; so each pixel lies in two tiles
-//! along each axis. The raised-cosine window weighs the pixels of a tile so that the weights of those that share a pixel add up to 1.
+//! Tile (i, j) has its centre at ([`STEP`]·i, [`STEP`]·j) and reaches half a tile to each side, also beyond the image;
+//! so each pixel lies in two tiles along each axis. The raised-cosine window weighs the pixels of a tile so that the
+//! weights of those that share a pixel add up to 1.
 
 use std::f64::consts::TAU;
 

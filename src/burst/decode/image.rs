@@ -72,7 +72,8 @@ fn decoder(
 ) -> Result<impl ImageDecoder + use<>, OpenError> {
     let mut reader = ImageReader::with_format(BufReader::with_capacity(1 << 16, file), format);
     let mut own = image::Limits::no_limits();
-    // Sizes are checked by `Limits` before pixels are read; this bounds what a decoder takes besides: at most four channels of four bytes.
+    // Sizes are checked by `Limits` before pixels are read; this bounds what a decoder takes besides: at most four
+    // channels of four bytes.
     own.max_alloc = Some(limits.max_pixels.saturating_mul(16).saturating_add(1 << 26));
     reader.limits(own);
     reader.into_decoder().map_err(|e| failure(path, format, e))

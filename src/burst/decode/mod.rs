@@ -18,7 +18,8 @@ use std::path::Path;
 pub(super) enum FileScale {
     /// Integers of 8 or 16 bit: the largest value that the type can hold. The plane is already divided by it.
     Range(f32),
-    /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units, and its largest magnitude is this.
+    /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units, and its largest
+    /// magnitude is this.
     Data {
         /// Whether the file holds integers.
         integer: bool,
@@ -174,7 +175,8 @@ impl Kind {
     }
 }
 
-/// Runs a decoder. Should it panic over a file that nobody thought of, that is an error about the file, and the program lives on.
+/// Runs a decoder. Should it panic over a file that nobody thought of, that is an error about the file, and the program
+/// lives on.
 fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, OpenError>) -> Result<T, OpenError> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).unwrap_or_else(|_| {
         Err(OpenError::Corrupt {
@@ -193,7 +195,8 @@ fn frame_from_data(
     values: Vec<f32>,
     integer: bool,
 ) -> Result<RawFrame, OpenError> {
-    // The bits of magnitudes are in the order of the magnitudes, infinity and NaN above all; integers are compared many at a time.
+    // The bits of magnitudes are in the order of the magnitudes, infinity and NaN above all; integers are compared many
+    // at a time.
     let largest = values.iter().fold(0, |largest, v| (v.to_bits() & 0x7fff_ffff).max(largest));
     let largest = f32::from_bits(largest);
     if !largest.is_finite() {

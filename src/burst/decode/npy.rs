@@ -1,5 +1,5 @@
-//! `.npy` arrays: a stack `[frames, rows, columns]` or one frame `[rows, columns]`, of any integer or float type in either byte order, in C or
-//! Fortran order. Booleans become 0 and 1.
+//! `.npy` arrays: a stack `[frames, rows, columns]` or one frame `[rows, columns]`, of any integer or float type in
+//! either byte order, in C or Fortran order. Booleans become 0 and 1.
 
 use super::npy_header::{self, Dtype, NpyHeader};
 use super::{Expected, FileScale, RawFrame, frame_from_data, read_failure};

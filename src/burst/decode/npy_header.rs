@@ -1,8 +1,9 @@
 //! The header of a `.npy` file: the type of its values, their order, and the shape.
 //!
-//! The header is a Python dictionary such as `{'descr': '<u2', 'fortran_order': False, 'shape': (10, 480, 640), }`.
-//! It is read here rather than by a library, because a stack is read frame by frame, and because a hostile header must neither take memory nor
-//! nest without end. Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+//! The header is a Python dictionary such as `{'descr': '<u2', 'fortran_order': False, 'shape': (10, 480, 640), }`. It
+//! is read here rather than by a library, because a stack is read frame by frame, and because a hostile header must
+//! neither take memory nor nest without end. Format:
+//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use crate::burst::error::OpenError;
 use crate::burst::limits::Limits;

@@ -1,5 +1,5 @@
-//! TIFF and BigTIFF with one page or many: grey or RGB (with or without alpha, interleaved or in planes) of 8, 16, 32 or 64-bit integers or floats.
-//! Pages that are marked as thumbnails are left out.
+//! TIFF and BigTIFF with one page or many: grey or RGB (with or without alpha, interleaved or in planes) of 8, 16, 32
+//! or 64-bit integers or floats. Pages that are marked as thumbnails are left out.
 
 use super::{Expected, FileScale, Header, RawFrame, frame_from_data, read_failure};
 use crate::burst::error::OpenError;
@@ -45,7 +45,8 @@ pub(super) fn frame(path: &Path, file: File, expected: Expected<'_>, limits: &Li
 
 pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
     let (_, pages) = pages(path, file, limits)?;
-    // A decoder finds a page by following the chain from the first, so each thread takes runs of pages rather than single ones.
+    // A decoder finds a page by following the chain from the first, so each thread takes runs of pages rather than
+    // single ones.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
     let runs: Vec<(usize, &[usize])> =
         pages.chunks(run).enumerate().map(|(i, run_pages)| (i * run, run_pages)).collect();

@@ -1,13 +1,14 @@
 //! Descriptors: 4×4 histograms of gradient directions around a feature, turned by its orientation.
 //!
-//! As in VLFeat: 4×4 cells of 3σ, each a histogram of 8 directions, filled with trilinear weights under a Gaussian of two cells. The 128
-//! numbers are normalised, cut at 0.2, normalised again, then L1-normalised, square-rooted ("RootSIFT"), multiplied by 512 and cut at 255.
+//! As in VLFeat: 4×4 cells of 3σ, each a histogram of 8 directions, filled with trilinear weights under a Gaussian of
+//! two cells. The 128 numbers are normalised, cut at 0.2, normalised again, then L1-normalised, square-rooted
+//! ("RootSIFT"), multiplied by 512 and cut at 255.
 //!
-//! Of each row only the pixels inside the turned square are visited. What is needed of them is made in vector lanes; then each pixel adds its
-//! eight directions, most of them zero, to four cells, a vector each.
+//! Of each row only the pixels inside the turned square are visited. What is needed of them is made in vector lanes;
+//! then each pixel adds its eight directions, most of them zero, to four cells, a vector each.
 
 use crate::detector::feature::Descriptor;
-use crate::kernel::gradient::{GradientRow, Lane, least, most, reach, vector_of, whole, window};
+use crate::kernel::gradient::{GradientRow, Lane, max, min, reach, vector_of, whole, window};
 use crate::kernel::patch::{LANES, Patch};
 use multiversion::multiversion;
 use std::f32::consts::TAU;
@@ -31,14 +32,15 @@ pub struct DescriptorScratch {
     samples: Samples,
 }
 
-/// How far around the pixel of a feature of scale `sigma` its descriptor looks, octave pixels: half the diagonal of the turned square. The level around it must reach one
-/// pixel farther.
+/// How far around the pixel of a feature of scale `sigma` its descriptor looks, octave pixels: half the diagonal of the
+/// turned square. The level around it must reach one pixel farther.
 pub fn descriptor_radius(sigma: f32) -> usize {
     (std::f32::consts::SQRT_2 * MAGNIFICATION * sigma * (CELLS as f32 + 1.0) / 2.0 + 0.5).floor() as usize
 }
 
 /// The descriptor of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians in [0, 2π).
-/// `level` is the Gaussian level around it, reaching a pixel farther than [`descriptor_radius`], of an octave of `size`.
+/// `level` is the Gaussian level around it, reaching a pixel farther than [`descriptor_radius`], of an octave of
+/// `size`.
 pub fn descriptor(
     level: &Patch,
     size: (usize, usize),
@@ -73,7 +75,8 @@ impl Square {
         Self { place, cos: slanted(cos / cell), sin: slanted(sin / cell), orientation }
     }
 
-    /// For a row, the columns that lie inside: `interval(dv)` gives those of the row `dv` below the middle, in distances from the middle.
+    /// For a row, the columns that lie inside: `interval(dv)` gives those of the row `dv` below the middle, in
+    /// distances from the middle.
     #[inline(always)]
     fn interval(&self) -> impl Fn(f32) -> (f32, f32) {
         // Where |cos·du + sin·dv| and |cos·dv − sin·du| are at most HALF.
@@ -82,7 +85,7 @@ impl Square {
         #[inline(always)]
         move |dv| {
             let (a, b) = (slope_a * dv, slope_b * dv);
-            (most(a - half_a, b - half_b), least(a + half_a, b + half_b))
+            (max(a - half_a, b - half_b), min(a + half_a, b + half_b))
         }
     }
 }
@@ -110,8 +113,8 @@ fn sums(
     for (v, &weight_v) in rows.clone().zip(along_v.iter()) {
         let dv = v as f32 - y;
         let (left, right) = interval(dv);
-        let left = most((x + left).ceil(), columns.start as f32);
-        let right = least((x + right).floor(), columns.end as f32 - 1.0);
+        let left = max((x + left).ceil(), columns.start as f32);
+        let right = min((x + right).floor(), columns.end as f32 - 1.0);
         if left > right {
             continue;
         }
@@ -126,13 +129,13 @@ fn sums(
             for i in 0..LANES {
                 let turned = eighths[i] - orientation;
                 let turned = if turned < 0.0 { turned + DIRECTIONS as f32 } else { turned };
-                let direction = least(turned.floor(), LAST_DIRECTION);
+                let direction = min(turned.floor(), LAST_DIRECTION);
                 // In cells from the first padded one.
                 let du = first + i as f32;
                 let cx = cos.mul_add(du, sin.mul_add(dv, HALF));
                 let cy = cos.mul_add(dv, (-sin).mul_add(du, HALF));
-                let bx = least(most(cx.floor(), 0.0), CELLS as f32);
-                let by = least(most(cy.floor(), 0.0), CELLS as f32);
+                let bx = min(max(cx.floor(), 0.0), CELLS as f32);
+                let by = min(max(cy.floor(), 0.0), CELLS as f32);
                 let weight = magnitude[i] * (weights[i] * weight_v);
                 out.cell[i] = whole(by * PAIRS as f32 + bx);
                 out.direction[i] = whole(direction);
@@ -157,7 +160,8 @@ const BATCH: usize = 256;
 /// The last of the directions between which a sample may lie.
 const LAST_DIRECTION: f32 = (DIRECTIONS - 1) as f32;
 
-/// What is to be added for some pixels, in the order of the pixels. Cells and directions are counted from the padded ones' first.
+/// What is to be added for some pixels, in the order of the pixels. Cells and directions are counted from the padded
+/// ones' first.
 #[derive(Debug, Default)]
 struct Samples {
     /// The pair of cells above which, and between which, the pixel lies.
@@ -212,8 +216,8 @@ impl Samples {
     }
 }
 
-/// Sums for each pair of neighbouring cells of a row: what samples between the two give the left one, then the right one. A sample adds to one pair and to
-/// the one below it; kept apart, pairs never overlap.
+/// Sums for each pair of neighbouring cells of a row: what samples between the two give the left one, then the right
+/// one. A sample adds to one pair and to the one below it; kept apart, pairs never overlap.
 #[repr(C, align(64))]
 struct PairedCells([[[f32; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS]);
 
@@ -311,7 +315,8 @@ fn normalise(bins: &mut [f32; BINS]) {
     }
 }
 
-/// From the 128 sums to bytes, in UBC/COLMAP's order: within each cell the directions run the other way round than VLFeat's, the first stays.
+/// From the 128 sums to bytes, in UBC/COLMAP's order: within each cell the directions run the other way round than
+/// VLFeat's, the first stays.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn quantise(mut bins: [f32; BINS]) -> Descriptor {
     normalise(&mut bins);

@@ -54,8 +54,8 @@ pub(super) struct Describing<'a> {
     pub described: &'a (dyn Fn(usize) + Sync),
 }
 
-/// A feature is described at its own slope where the grid's one moves the outermost frame by more than this many σ; a smaller smear hardly widens it. Chosen, not
-/// tuned.
+/// A feature is described at its own slope where the grid's one moves the outermost frame by more than this many σ; a
+/// smaller smear hardly widens it. Chosen, not tuned.
 const MISALIGNED_SIGMAS: f32 = 0.1;
 
 /// Whether an outermost frame that is `px` out of place matters to a feature of scale `sigma_px`.
@@ -63,7 +63,8 @@ pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
     px > MISALIGNED_SIGMAS * sigma_px
 }
 
-/// Keypoints are described in strips of this many columns, each from top to bottom: what their patches share of the frames is then still in the cache.
+/// Keypoints are described in strips of this many columns, each from top to bottom: what their patches share of the
+/// frames is then still in the cache.
 const STRIP_COLUMNS: f32 = 200.0;
 /// Keypoints that one thread describes in a row.
 const TOGETHER: usize = 32;
@@ -89,7 +90,8 @@ pub(super) struct Described {
 }
 
 impl Describing<'_> {
-    /// Orientations and descriptors of the octave's keypoints, in an order that depends on the keypoints alone. The first keypoint counts as number `first`.
+    /// Orientations and descriptors of the octave's keypoints, in an order that depends on the keypoints alone. The
+    /// first keypoint counts as number `first`.
     ///
     /// # Errors
     /// [`Cancelled`] once the monitor was cancelled.
@@ -142,15 +144,16 @@ impl Describing<'_> {
         misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope, self.params.interpolation)))
     }
 
-    /// Whether a keypoint was found on the rim of the slope grid, or, where each slope is searched for itself, at one from which its own slope leads to the rim. (A joint
-    /// extremum beside the rim is stronger than the rim.)
+    /// Whether a keypoint was found on the rim of the slope grid, or, where each slope is searched for itself, at one
+    /// from which its own slope leads to the rim. (A joint extremum beside the rim is stronger than the rim.)
     fn at_slope_limit(&self, located: &Keypoint) -> bool {
         let (i, j) = self.grid.coordinates(located.slope_index);
         self.grid.on_rim(i, j)
             || (self.params.slope_extrema == SlopeExtrema::Each && self.grid.nearest_on_rim(located.slope))
     }
 
-    /// Appends the features of one keypoint: one for each of its orientations. `kernels` lead to the levels, `planes` are those of the octave's frames.
+    /// Appends the features of one keypoint: one for each of its orientations. `kernels` lead to the levels, `planes`
+    /// are those of the octave's frames.
     fn describe_one(
         &self,
         (number, keypoint): (usize, &Keypoint),
@@ -190,8 +193,8 @@ impl Describing<'_> {
             raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         }
         let at_slope_limit = self.at_slope_limit(&located);
-        let most = self.params.max_orientations;
-        for angle in orientations(patch, size, (x, y), sigma, most, &mut scratch.orientation) {
+        let max = self.params.max_orientations;
+        for angle in orientations(patch, size, (x, y), sigma, max, &mut scratch.orientation) {
             let feature = Feature {
                 u: x * pixel,
                 v: y * pixel,

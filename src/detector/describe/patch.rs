@@ -12,8 +12,8 @@ pub(in crate::detector) fn around(place: f32, radius: usize) -> Range<i64> {
 }
 
 impl Base<'_> {
-    /// Columns `columns` and rows `rows` of the octave of `size` as they are before any blur of this octave, less the value in the middle, into `patch`. The
-    /// rectangle must touch the octave.
+    /// Columns `columns` and rows `rows` of the octave of `size` as they are before any blur of this octave, less the
+    /// value in the middle, into `patch`. The rectangle must touch the octave.
     pub fn patch(
         &self,
         size: (usize, usize),

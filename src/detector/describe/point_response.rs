@@ -1,7 +1,9 @@
-//! D at one place without a picture: the frames are shifted by any slope and averaged in a small patch, and the patch is weighted by two Gaussians.
+//! D at one place without a picture: the frames are shifted by any slope and averaged in a small patch, and the patch
+//! is weighted by two Gaussians.
 //!
-//! Stacking and filtering commute, so this is what the search would find at that slope, up to interpolation (and, in coarser octaves, how the frames are brought to
-//! their resolution). It serves questions about single places: whether two motions share one, how D goes between the slopes of the grid, what one frame alone answers.
+//! Stacking and filtering commute, so this is what the search would find at that slope, up to interpolation (and, in
+//! coarser octaves, how the frames are brought to their resolution). It serves questions about single places: whether
+//! two motions share one, how D goes between the slopes of the grid, what one frame alone answers.
 
 use crate::detector::describe::patch::around;
 use crate::detector::params::Interpolation;
@@ -15,8 +17,8 @@ use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use std::ops::Range;
 
-/// D of the mean of the `chosen` frames at each of the DoG `levels` of `octave`, along the way through `place` (input pixels, at mid-burst) at `slope`. The octave's
-/// pixel nearest to the place is taken.
+/// D of the mean of the `chosen` frames at each of the DoG `levels` of `octave`, along the way through `place` (input
+/// pixels, at mid-burst) at `slope`. The octave's pixel nearest to the place is taken.
 pub(in crate::detector) fn point_response(
     frames: &OctaveFrames<'_>,
     (space, octave, levels): (&ScaleSpace, i32, Range<i32>),

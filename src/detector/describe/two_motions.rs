@@ -1,8 +1,9 @@
 //! Two motions at one place: whether a weaker keypoint beside a stronger one of another slope is a thing of its own.
 //!
-//! A blob also shows in the stack of a wrong slope, smeared along the way it moves there: a ghost, which answers only in those frames in which the true blob
-//! crosses the ghost's way. A lantern before a wall answers in every frame along its own way. So the frames are asked in which the ways of both keypoints are well
-//! apart: there a thing of its own still answers at full strength, well above the noise, and between the two ways there is nothing. (An elongated
+//! A blob also shows in the stack of a wrong slope, smeared along the way it moves there: a ghost, which answers only
+//! in those frames in which the true blob crosses the ghost's way. A lantern before a wall answers in every frame along
+//! its own way. So the frames are asked in which the ways of both keypoints are well apart: there a thing of its own
+//! still answers at full strength, well above the noise, and between the two ways there is nothing. (An elongated
 //! structure that slides along itself answers on both ways, but between them too.)
 
 use crate::detector::describe::point_response::point_response;
@@ -15,13 +16,15 @@ use crate::detector::stack::refined::OctaveFrames;
 use crate::plane::Plane;
 use std::sync::OnceLock;
 
-/// Frames count in which the two ways are farther apart than this many σ of the stronger keypoint: there its response has passed through 0.
+/// Frames count in which the two ways are farther apart than this many σ of the stronger keypoint: there its response
+/// has passed through 0.
 const APART_SIGMAS: f32 = 2.5;
 /// At least this share of all frames must count, and two of them.
 const FRAMES_SHARE: f32 = 0.2;
 /// The part of its response that a thing of its own keeps in those frames.
 const KEPT_RESPONSE: f32 = 0.6;
-/// What that must be in standard deviations of its noise. A mean of few frames is noisy, and a false second thing makes matches ambiguous.
+/// What that must be in standard deviations of its noise. A mean of few frames is noisy, and a false second thing makes
+/// matches ambiguous.
 const FRAMES_SNR: f32 = 5.0;
 /// The part of the weaker response that may lie between the two ways.
 const BETWEEN_RESPONSE: f32 = 0.5;
@@ -105,7 +108,8 @@ impl Motions<'_, '_> {
         middle * weaker.value.signum() < BETWEEN_RESPONSE * weaker.value.abs()
     }
 
-    /// D of the mean of the `chosen` frames at the octave and level of `keypoint`, along the way through `place` (input pixels, at mid-burst) at `slope`.
+    /// D of the mean of the `chosen` frames at the octave and level of `keypoint`, along the way through `place` (input
+    /// pixels, at mid-burst) at `slope`.
     fn response(&self, keypoint: &Keypoint, place: (f32, f32), slope: Slope, chosen: &[usize]) -> f32 {
         let levels = keypoint.level..keypoint.level + 1;
         point_response(

@@ -101,7 +101,8 @@ impl Neighbours for Around3x3<'_, '_> {
 }
 
 impl Describing<'_> {
-    /// The keypoint at its place and slope and with its scale, where the parameters ask for that and it has them. `raw` holds the pixels around it.
+    /// The keypoint at its place and slope and with its scale, where the parameters ask for that and it has them. `raw`
+    /// holds the pixels around it.
     pub(super) fn located(&self, keypoint: &Keypoint, raw: &Patch, from: f64, scratch: &mut LocateScratch) -> Keypoint {
         if self.params.localisation == Localisation::Quadratic {
             return *keypoint;
@@ -121,7 +122,8 @@ impl Describing<'_> {
         };
         let (at, kernel) = match placed {
             Some(found) => found,
-            // What no kernel places keeps the place of the fit. A joint search refined its slope there; otherwise that is still to be done.
+            // What no kernel places keeps the place of the fit. A joint search refined its slope there; otherwise that
+            // is still to be done.
             None if self.params.slope_extrema == SlopeExtrema::Joint => return *keypoint,
             None => (at, SOFT),
         };

@@ -1,15 +1,19 @@
 //! Localisation: where exactly a feature lies, at which slope, and how large it is.
 //!
-//! The quadratic fit of [`crate::detector::refine`] looks at 27 samples of D one octave pixel apart. That leaves errors of a tenth of an input pixel even
-//! without noise, and the long tails of D's Gaussians let neighbours pull. So, from the fit on:
+//! The quadratic fit of [`crate::detector::refine`] looks at 27 samples of D one octave pixel apart. That leaves errors
+//! of a tenth of an input pixel even without noise, and the long tails of D's Gaussians let neighbours pull. So, from
+//! the fit on:
 //!
-//! - **Place**: the extremum of a [kernel](crate::kernel::compact_kernel) whose zero lies where D's own scale puts a blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel
-//!   for blobs with a rim and the soft one, which resembles D, the one is taken that promises the smaller error: its noise over its curvature here. That is the
-//!   former for discs, crowded or not, and the latter for most of what a photograph holds. The octave before is used where there is one: its pixels are sharper.
+//! - **Place**: the extremum of a [kernel](crate::kernel::compact_kernel) whose zero lies where D's own scale puts a
+//!   blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
+//!   soft one, which resembles D, the one is taken that promises the smaller error: its noise over its curvature here.
+//!   That is the former for discs, crowded or not, and the latter for most of what a photograph holds. The octave
+//!   before is used where there is one: its pixels are sharper.
 //! - **Scale**: the largest |D| at that place ([`crate::detector::localise::scale`]).
-//! - **Slope**: the kernel's answers at that place at the neighbouring slopes, and the peak of the parabola through their logarithms. Frames that
-//!   are shifted by a fraction f of a pixel are blurred by linear interpolation, with variance f(1 − f), which makes slopes of whole pixels answer more strongly than others:
-//!   a bias of up to 0.03 px/frame. A blur of variance τ changes an answer by τ/2 times its second derivative, so it is taken off.
+//! - **Slope**: the kernel's answers at that place at the neighbouring slopes, and the peak of the parabola through
+//!   their logarithms. Frames that are shifted by a fraction f of a pixel are blurred by linear interpolation, with
+//!   variance f(1 − f), which makes slopes of whole pixels answer more strongly than others: a bias of up to 0.03
+//!   px/frame. A blur of variance τ changes an answer by τ/2 times its second derivative, so it is taken off.
 
 use crate::detector::refine::{peak_offset, peak_offset_2d};
 use crate::kernel::compact_kernel::{CompactKernel, KernelResponse, PixelView, RIM, SOFT};
@@ -21,8 +25,8 @@ const MAX_STEPS: usize = 6;
 /// Steps shorter than this, in pixels, are the last.
 const SHORT_PX: f64 = 2e-3;
 
-/// The radius of the rim that a feature of scale `sigma` found with `levels` levels an octave has, in the units of `sigma`: that of the disc which D answers most
-/// strongly at that scale.
+/// The radius of the rim that a feature of scale `sigma` found with `levels` levels an octave has, in the units of
+/// `sigma`: that of the disc which D answers most strongly at that scale.
 pub fn rim_radius(sigma: f64, levels: usize) -> f64 {
     let k2 = 2f64.powf(2.0 / levels as f64);
     sigma * (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
@@ -46,8 +50,8 @@ pub fn kernel_reach(rim: f64, unit: usize) -> usize {
     SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
 }
 
-/// The place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the kernel that says so; all in pixels of `pixels`. `None` when
-/// there is none.
+/// The place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the kernel that says
+/// so; all in pixels of `pixels`. `None` when there is none.
 pub fn place(
     pixels: &PixelView<'_>,
     start: (f64, f64),
@@ -100,12 +104,13 @@ fn extremum(
 pub trait Neighbours {
     /// The answer at the neighbouring slope (di, dj) of the grid, or `None` where the grid ends.
     fn answer(&self, di: i32, dj: i32) -> Option<KernelResponse>;
-    /// The variances (along u, along v) of the blur of linear interpolation at that slope, in the square of the answer's pixels.
+    /// The variances (along u, along v) of the blur of linear interpolation at that slope, in the square of the
+    /// answer's pixels.
     fn blur(&self, di: i32, dj: i32) -> (f64, f64);
 }
 
-/// The offset of the strongest slope from the grid's slope whose answer at the feature's place is `here`, in steps along both axes, within ±1; 0 on an axis
-/// where a neighbour is missing.
+/// The offset of the strongest slope from the grid's slope whose answer at the feature's place is `here`, in steps
+/// along both axes, within ±1; 0 on an axis where a neighbour is missing.
 pub fn slope_steps(here: &KernelResponse, neighbours: &impl Neighbours) -> (f32, f32) {
     let sharp = |answer: &KernelResponse, di: i32, dj: i32| {
         let (along_u, along_v) = neighbours.blur(di, dj);

@@ -1,8 +1,9 @@
 //! The scale of a blob: where |D| at its place is largest over all scales, not only those of the pyramid.
 //!
-//! D at one place needs no picture: it is the difference of two sums of pixels under Gaussians, and these are separable and as wide as one likes. So D is evaluated
-//! at three close scales around the pyramid's answer, and again around the peak of the parabola through the logarithms until that moves no more.
-//! The scales are the pyramid's: VLFeat's convention, in which the pixels already have a σ of their own.
+//! D at one place needs no picture: it is the difference of two sums of pixels under Gaussians, and these are separable
+//! and as wide as one likes. So D is evaluated at three close scales around the pyramid's answer, and again around the
+//! peak of the parabola through the logarithms until that moves no more. The scales are the pyramid's: VLFeat's
+//! convention, in which the pixels already have a σ of their own.
 
 use crate::detector::localise::place::rim_radius;
 use crate::kernel::compact_kernel::{PixelView, RIM};
@@ -23,7 +24,8 @@ const GAUSSIANS: usize = 6;
 /// Values whose sums are in registers at once.
 const LANES: usize = 32;
 
-/// Samples of Gaussians of variance `variances` at the whole pixels from `first` on, around `at`: `count` of each, then zeros up to `stride`.
+/// Samples of Gaussians of variance `variances` at the whole pixels from `first` on, around `at`: `count` of each, then
+/// zeros up to `stride`.
 fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride: usize) -> Vec<f32> {
     let mut taps = vec![0.0f32; stride * GAUSSIANS];
     for (taps, variance) in taps.chunks_exact_mut(stride).zip(variances) {
@@ -41,8 +43,8 @@ fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride:
     taps
 }
 
-/// The sums of pixels under Gaussians with samples `along_u` and `along_v`, each `stride` long; `lines` are the rows of pixels, as long. `stride` is a
-/// multiple of [`LANES`].
+/// The sums of pixels under Gaussians with samples `along_u` and `along_v`, each `stride` long; `lines` are the rows of
+/// pixels, as long. `stride` is a multiple of [`LANES`].
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [f64; GAUSSIANS] {
     let mut sums = [0.0f64; GAUSSIANS];
@@ -71,8 +73,8 @@ pub fn reach(sigma: f64, levels: usize) -> usize {
     (CUT * sigma * 2f64.powf(1.0 / levels as f64) * (1.0 + STEP)).ceil() as usize + 1
 }
 
-/// The σ around `sigma` at which |D(x, y)| is largest, all in pixels. The pixels have `from` of σ already; D is that of `levels` levels an octave. `None` when
-/// there is no peak within one level.
+/// The σ around `sigma` at which |D(x, y)| is largest, all in pixels. The pixels have `from` of σ already; D is that of
+/// `levels` levels an octave. `None` when there is no peak within one level.
 pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels: usize, from: f64) -> Option<f64> {
     let k = 2f64.powf(1.0 / levels as f64);
     // The Gaussians are cut off where a blob has ended; less its surroundings nothing is lost.
@@ -142,7 +144,8 @@ mod tests {
                 (0.3 - 0.2 * (-((u as f64 - 60.3).powi(2) + (v as f64 - 54.8).powi(2)) / (2.0 * b * b)).exp()) as f32
             });
             let k = 2f64.powf(1.0 / levels as f64);
-            // With pixels of σ 1.6 the blob itself is narrower and the Gaussians of D are wider than those applied: the sum is what it was.
+            // With pixels of σ 1.6 the blob itself is narrower and the Gaussians of D are wider than those applied: the
+            // sum is what it was.
             for from in [0.0, 0.5, 1.6] {
                 let blob = (b * b - from * from).sqrt();
                 let expected = blob / k.sqrt();

@@ -1,14 +1,16 @@
 //! The noise of a frame, estimated from the burst itself.
 //!
-//! Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1 −2 1]ᵀ[1 −2 1]`, gain 6 for white
-//! noise), which removes everything locally linear; the median of the magnitudes over 0.6745 is the standard deviation, whatever a minority of
-//! edges does. Texture can only add, so the smaller of the two estimates is taken.
+//! Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1 −2 1]ᵀ[1
+//! −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over 0.6745
+//! is the standard deviation, whatever a minority of edges does. Texture can only add, so the smaller of the two
+//! estimates is taken.
 //!
-//! The filter runs on short pieces of rows spread evenly over the image, the same in every frame: they are read in order of memory, and since the filter is
-//! linear the filtered difference of two frames is the difference of the filtered frames.
+//! The filter runs on short pieces of rows spread evenly over the image, the same in every frame: they are read in
+//! order of memory, and since the filter is linear the filtered difference of two frames is the difference of the
+//! filtered frames.
 //!
-//! Pixels at the ends of the file's range are left out: in the black parts of a dark frame the noise is cut off at zero, and half an image of zeros would
-//! make any median zero.
+//! Pixels at the ends of the file's range are left out: in the black parts of a dark frame the noise is cut off at
+//! zero, and half an image of zeros would make any median zero.
 
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor};
@@ -21,22 +23,23 @@ use std::ops::Range;
 const MEDIAN_OF_NORMAL: f32 = 0.674_49;
 /// Gain of the filter for white noise.
 const GAIN: f32 = 6.0;
-/// About the most places a frame is looked at; the standard error of one frame's estimate is then about one percent, and that of the median over frames less.
+/// About the most places a frame is looked at; the standard error of one frame's estimate is then about one percent,
+/// and that of the median over frames less.
 const MAX_PLACES: usize = 32_768;
 /// Columns of one piece of a row, where the image has more places than [`MAX_PLACES`].
 const PIECE: usize = 32;
 
-/// The standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the rounding error of the
-/// files' numbers (step/√12). 0 for noiseless float frames or images under 3×3 pixels.
+/// The standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the
+/// rounding error of the files' numbers (step/√12). 0 for noiseless float frames or images under 3×3 pixels.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
 pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<f32, Cancelled> {
     let step = burst.quantisation_step;
-    let least = step / 12f32.sqrt();
+    let min = step / 12f32.sqrt();
     let pieces = pieces(burst.size());
     if pieces.is_empty() {
-        return Ok(least);
+        return Ok(min);
     }
     let filtered: Vec<Filtered> = burst.frames[used]
         .par_iter()
@@ -58,13 +61,14 @@ pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
     if !of_pairs.is_empty() {
         sigma = sigma.min(median(of_pairs));
     }
-    Ok(sigma.max(least))
+    Ok(sigma.max(min))
 }
 
 /// A piece of a row: the row, and the columns of the filter's centres in it.
 type Piece = (usize, Range<usize>);
 
-/// The pieces of an image of `size` that are looked at: whole rows of a small image, else pieces spread evenly; none under 3×3 pixels.
+/// The pieces of an image of `size` that are looked at: whole rows of a small image, else pieces spread evenly; none
+/// under 3×3 pixels.
 fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
     if width < 3 || height < 3 {
         return Vec::new();
@@ -118,8 +122,8 @@ impl Filtered {
         }
     }
 
-    /// The standard deviation of the white noise that went in; `step` is the smallest difference of the frames' values. Places that touch a cut-off
-    /// pixel don't count, unless nearly all do.
+    /// The standard deviation of the white noise that went in; `step` is the smallest difference of the frames' values.
+    /// Places that touch a cut-off pixel don't count, unless nearly all do.
     fn deviation(&self, step: f32) -> f32 {
         let counted = self.values.iter().zip(&self.cut_off).filter(|(_, cut_off)| !**cut_off);
         let mut magnitudes: Vec<f32> = Vec::with_capacity(self.values.len());
@@ -131,8 +135,8 @@ impl Filtered {
     }
 }
 
-/// The filter along a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than `values`; and whether any of the nine pixels is
-/// outside `whole`.
+/// The filter along a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than
+/// `values`; and whether any of the nine pixels is outside `whole`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn filter_piece(
     above: &[f32],
@@ -145,17 +149,17 @@ fn filter_piece(
     let n = values.len();
     let (above, row, below, cut_off) = (&above[..n + 2], &row[..n + 2], &below[..n + 2], &mut cut_off[..n]);
     let second = |i: usize| above[i] - 2.0 * row[i] + below[i];
-    let least = |i: usize| above[i].min(row[i]).min(below[i]);
-    let most = |i: usize| above[i].max(row[i]).max(below[i]);
+    let min = |i: usize| above[i].min(row[i]).min(below[i]);
+    let max = |i: usize| above[i].max(row[i]).max(below[i]);
     for i in 0..n {
         values[i] = second(i) - 2.0 * second(i + 1) + second(i + 2);
-        let (least, most) = (least(i).min(least(i + 1)).min(least(i + 2)), most(i).max(most(i + 1)).max(most(i + 2)));
-        cut_off[i] = least < whole.start || most > whole.end;
+        let (min, max) = (min(i).min(min(i + 1)).min(min(i + 2)), max(i).max(max(i + 1)).max(max(i + 2)));
+        cut_off[i] = min < whole.start || max > whole.end;
     }
 }
 
-/// The median of values that lie on a lattice of spacing `step` (0: continuous): each lattice value stands for the interval around it, so the median
-/// falls inside the interval in proportion to the counts.
+/// The median of values that lie on a lattice of spacing `step` (0: continuous): each lattice value stands for the
+/// interval around it, so the median falls inside the interval in proportion to the counts.
 fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
     let middle = values.len() / 2;
     let (_, &mut median, _) = values.select_nth_unstable_by(middle, f32::total_cmp);

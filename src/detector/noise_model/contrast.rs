@@ -1,7 +1,8 @@
 //! Differences of neighbouring frames in which the scene cancels and the noise stays.
 //!
-//! Three frames in a row enter with the weights 1, −2, 1 and thus take off what changes steadily; each is read where the scene has moved to, in whole pixels, so that nothing
-//! is interpolated and the noise stays as it is. What is left of a texture that lies half a pixel off is under two percent of its power.
+//! Three frames in a row enter with the weights 1, −2, 1 and thus take off what changes steadily; each is read where
+//! the scene has moved to, in whole pixels, so that nothing is interpolated and the noise stays as it is. What is left
+//! of a texture that lies half a pixel off is under two percent of its power.
 
 use super::pyramid::BoxPyramid;
 use crate::detector::params::slope_grid::Slope;
@@ -11,7 +12,8 @@ use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
 
-/// Frames, by index, and their weights; the squares of these sum to 1, so that a contrast has the variance of one frame.
+/// Frames, by index, and their weights; the squares of these sum to 1, so that a contrast has the variance of one
+/// frame.
 pub type Contrast = Vec<(usize, f32)>;
 
 /// Contrasts of neighbours among `frames` frames (two at least): those that share no frame come first.
@@ -27,12 +29,12 @@ pub fn contrasts(frames: usize) -> Vec<Contrast> {
     starts.map(|start| of(start, &[1.0, -2.0, 1.0])).collect()
 }
 
-/// Which of `frames` frames of `pixels` pixels each are looked at closely, and the contrasts among these: triples of neighbours, from the first to the last, as many as make up
-/// three million pixels, two at least. All of few frames.
+/// Which of `frames` frames of `pixels` pixels each are looked at closely, and the contrasts among these: triples of
+/// neighbours, from the first to the last, as many as make up three million pixels, two at least. All of few frames.
 pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
-    let most = frames / 3;
-    let triples = (LOOKED_PIXELS / (3 * pixels.max(1))).clamp(2, most.max(2));
-    if triples > most || frames < 6 {
+    let max = frames / 3;
+    let triples = (LOOKED_PIXELS / (3 * pixels.max(1))).clamp(2, max.max(2));
+    if triples > max || frames < 6 {
         return ((0..frames).collect(), contrasts(frames));
     }
     let start = |i: usize| i * (frames - 3) / (triples - 1);
@@ -70,7 +72,8 @@ impl Pixels<'_> {
         }
     }
 
-    /// Writes the contrast of the frames taken at `times` into `out`, in `region` of the octave, for a scene that moves by `slope` px/frame. `single` is scratch.
+    /// Writes the contrast of the frames taken at `times` into `out`, in `region` of the octave, for a scene that moves
+    /// by `slope` px/frame. `single` is scratch.
     pub fn contrast(
         &self,
         (contrast, times, slope): (&Contrast, &[f32], Slope),
@@ -115,8 +118,9 @@ impl Pixels<'_> {
 /// Columns that a row of a tile has room for beyond its own, for filters that read whole vectors.
 const PADDING: usize = 32;
 
-/// By how many whole pixels the frames of a contrast, taken at `times`, are read farther along an axis of `n` pixels for a scene that moves by `slope` pixels a frame. All
-/// are moved by the same amount where that keeps the read of the pixels `range` inside: near a border another part of the scene is looked at.
+/// By how many whole pixels the frames of a contrast, taken at `times`, are read farther along an axis of `n` pixels
+/// for a scene that moves by `slope` pixels a frame. All are moved by the same amount where that keeps the read of the
+/// pixels `range` inside: near a border another part of the scene is looked at.
 pub(super) fn shifts(contrast: &Contrast, times: &[f32], slope: f32, range: &Range<usize>, n: usize) -> Vec<i64> {
     let middle = times[contrast[contrast.len() / 2].0];
     let mut shifts: Vec<i64> = contrast.iter().map(|&(t, _)| ((times[t] - middle) * slope).round() as i64).collect();

@@ -1,7 +1,7 @@
 //! From the frames of a burst to its noise, and to the frames as the search takes them.
 //!
-//! Frames that are worth nothing are left out, flicker and the sensor's pattern are taken off; then the noise of what remains is measured. Where nothing is found
-//! the frames are those that came in.
+//! Frames that are worth nothing are left out, flicker and the sensor's pattern are taken off; then the noise of what
+//! remains is measured. Where nothing is found the frames are those that came in.
 
 use super::contrast::looked_at;
 use super::fixed_pattern::FixedPattern;
@@ -50,9 +50,9 @@ pub struct ForSearch<'a> {
     pub flicker: Flicker,
 }
 
-/// Examines `frames` of one size, in time order, whose values differ by `quantisation_step` at least (0 if unknown), for a
-/// `search`. `None` where
-/// there is too little to tell noise from texture: fewer than two different frames, or sides under 20 pixels.
+/// Examines `frames` of one size, in time order, whose values differ by `quantisation_step` at least (0 if unknown),
+/// for a `search`. `None` where there is too little to tell noise from texture: fewer than two different frames, or
+/// sides under 20 pixels.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -130,7 +130,8 @@ fn pyramid_levels(octaves: &Range<i32>) -> usize {
     (octaves.end.max(1) as usize + 1).max(5)
 }
 
-/// Reads the frames `looked` of `clean` closely, with noise of about the variance `about`, and takes the sensor's pattern off all of them.
+/// Reads the frames `looked` of `clean` closely, with noise of about the variance `about`, and takes the sensor's
+/// pattern off all of them.
 fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],
@@ -153,7 +154,8 @@ fn read(
     Ok((Reading::new(&planes, levels, None, monitor)?, pattern))
 }
 
-/// The variance of the noise of one frame in a region of the image: of what the brightness says, and where that is not all, of the squares inside.
+/// The variance of the noise of one frame in a region of the image: of what the brightness says, and where that is not
+/// all, of the squares inside.
 fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], region: &Region) -> f32 {
     let Region { columns, rows } = region;
     if model.excess.is_some() {
@@ -187,8 +189,8 @@ fn fit_places(
     let pairs: Vec<(f32, f32)> = squares.iter().map(|s| (s.brightness, s.variance)).collect();
     model.transfer = PhotonTransfer::fit(&pairs, SQUARE_PIXELS * frames, *free);
     // Rounding alone has this much.
-    let least = step * step / 12.0;
-    model.transfer.least = model.transfer.least.max(least);
+    let min = step * step / 12.0;
+    model.transfer.min = model.transfer.min.max(min);
     model.excess = ExcessMap::find(squares, &model.transfer, size, *free);
     let mut brightness: Vec<f32> = squares.iter().map(|s| s.brightness).collect();
     let middle = brightness.len() / 2;
@@ -201,14 +203,13 @@ fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octav
     let step = pyramids.len().div_ceil(FRAMES_SAMPLED);
     let first = (pyramids.len() - 1) % step / 2;
     pyramids = pyramids.into_iter().skip(first).step_by(step).collect();
-    let least_excess = model.excess.as_ref().map_or(1.0, |excess| excess.range().0);
+    let min_excess = model.excess.as_ref().map_or(1.0, |excess| excess.range().0);
     let fold = |level: usize, f: fn(f32, f32) -> f32| {
         let values = pyramids.iter().flat_map(|(_, p)| p.level(level).data().iter().copied());
         values.reduce(f).unwrap_or(0.0)
     };
-    let least =
-        |octave: i32| model.transfer.variance(fold(NoiseModel::brightness_level(octave), f32::min)) * least_excess;
-    model.brightness.least_variance = octaves.clone().map(least).collect();
+    let min = |octave: i32| model.transfer.variance(fold(NoiseModel::brightness_level(octave), f32::min)) * min_excess;
+    model.brightness.min_variance = octaves.clone().map(min).collect();
     model.brightness.brightest = fold(3, f32::max).abs();
     model.brightness.first_octave = octaves.start;
     if model.transfer.slope > 0.0 || model.excess.is_some() {

@@ -1,8 +1,10 @@
-//! What belongs to the sensor and not to the scene: [hot pixels](super::hot_pixels), and [columns and rows](super::stripes) with an offset of their own.
+//! What belongs to the sensor and not to the scene: [hot pixels](super::hot_pixels), and [columns and
+//! rows](super::stripes) with an offset of their own.
 //!
-//! A fixed pattern stays where it is while the scene moves, and it is as sharp as a pixel, which nothing is that came through a lens. So it is looked for in the mean of
-//! the frames at slope 0, separately in the first and the second half of the burst, and must be in both. On a tripod the scene stays as well; then
-//! the two cannot be told apart, and nothing is changed.
+//! A fixed pattern stays where it is while the scene moves, and it is as sharp as a pixel, which nothing is that came
+//! through a lens. So it is looked for in the mean of the frames at slope 0, separately in the first and the second
+//! half of the burst, and must be in both. On a tripod the scene stays as well; then the two cannot be told apart, and
+//! nothing is changed.
 
 use super::high_pass::{FREE_VALUES, HighPass, quiet_variance};
 use super::hot_pixels;
@@ -15,7 +17,8 @@ use serde::Serialize;
 /// The pattern of a sensor, in the units of the frames.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct FixedPattern {
-    /// Columns and rows of pixels that are far brighter or darker than all pixels around them, in every frame; row by row.
+    /// Columns and rows of pixels that are far brighter or darker than all pixels around them, in every frame; row by
+    /// row.
     pub hot_pixels: Vec<(usize, usize)>,
     /// What each column is lifted by.
     pub columns: Option<Stripes>,
@@ -26,11 +29,12 @@ pub struct FixedPattern {
 }
 
 /// More hot pixels than this share of all are texture.
-const MOST_HOT: f32 = 0.005;
+const MAX_HOT: f32 = 0.005;
 
 impl FixedPattern {
-    /// By how much pixels must stand out of their row when `frames` frames of `size` are [read](Reading::new) for [`Self::find`]; `variance` is that of the noise of one. `None` where no
-    /// pattern can be found: in fewer than four frames, in tiny ones, or without noise.
+    /// By how much pixels must stand out of their row when `frames` frames of `size` are [read](Reading::new) for
+    /// [`Self::find`]; `variance` is that of the noise of one. `None` where no pattern can be found: in fewer than four
+    /// frames, in tiny ones, or without noise.
     pub fn stands_out(frames: usize, (width, height): (usize, usize), variance: f32) -> Option<f32> {
         let can_be_found = frames >= 4 && width >= 2 * REACH && height >= 2 * REACH && variance > 0.0;
         can_be_found.then(|| hot_pixels::limit_of_first_look(frames, variance))
@@ -41,7 +45,8 @@ impl FixedPattern {
         self.hot_pixels.is_empty() && self.columns.is_none() && self.rows.is_none()
     }
 
-    /// Finds the pattern of frames of equal brightness, with what was read of them; `variance` is that of the noise of one. Nothing where only their pyramids were read.
+    /// Finds the pattern of frames of equal brightness, with what was read of them; `variance` is that of the noise of
+    /// one. Nothing where only their pyramids were read.
     pub fn find(frames: &[&Plane], reading: &Reading, variance: f32) -> Self {
         if reading.columns.iter().any(Vec::is_empty) {
             return Self::default();
@@ -49,7 +54,7 @@ impl FixedPattern {
         let (width, height) = frames[0].size();
         let mut hot_pixels = hot_pixels::find(&reading.standing_out, frames, variance);
         let mut inseparable = 0;
-        let are_texture = hot_pixels.len() as f32 > MOST_HOT * (width * height) as f32;
+        let are_texture = hot_pixels.len() as f32 > MAX_HOT * (width * height) as f32;
         if !hot_pixels.is_empty() && (are_texture || stays(&reading.pyramids, &hot_pixels)) {
             inseparable = hot_pixels.len();
             hot_pixels.clear();
@@ -74,7 +79,8 @@ impl FixedPattern {
     }
 }
 
-/// Whether the scene stays in place: what the halves of the frames have in common, but for `hot` pixels, is more than what they differ by.
+/// Whether the scene stays in place: what the halves of the frames have in common, but for `hot` pixels, is more than
+/// what they differ by.
 fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
     if pyramids.iter().any(BoxPyramid::is_empty) {
         return false;

@@ -1,7 +1,8 @@
-//! What each frame of a burst is worth: which ones are copies, black, flashed, empty, too noisy or blurred, and how bright and how noisy the others are.
+//! What each frame of a burst is worth: which ones are copies, black, flashed, empty, too noisy or blurred, and how
+//! bright and how noisy the others are.
 //!
-//! A frame that repeats another brings no new noise, so it does not count; a frame that is much noisier than the others makes their mean worse. Both are left
-//! out, and frames whose exposure differs are brought to the same brightness.
+//! A frame that repeats another brings no new noise, so it does not count; a frame that is much noisier than the others
+//! makes their mean worse. Both are left out, and frames whose exposure differs are brought to the same brightness.
 
 use super::high_pass::{FREE_VALUES, HighPass, quiet_variance};
 use rayon::prelude::*;
@@ -41,7 +42,8 @@ pub struct FrameFacts {
 pub struct FrameSurvey {
     /// One a frame, in order.
     pub frames: Vec<FrameFacts>,
-    /// Standard deviation of the exposures, after a steady trend is taken off, if it is enough to be taken for flicker; else 0.
+    /// Standard deviation of the exposures, after a steady trend is taken off, if it is enough to be taken for flicker;
+    /// else 0.
     pub flicker: f32,
     /// The correlation of the noise of consecutive frames; 0 where none was found.
     pub correlation: f32,
@@ -284,12 +286,14 @@ fn spread_without_trend(points: &[(f32, f32)]) -> f32 {
     (points.iter().map(|p| (p.1 - x - slope * (p.0 - t)).powi(2)).sum::<f32>() / (n - 2.0)).sqrt()
 }
 
-/// The correlation of the noise of consecutive frames, from the flattest squares; 0 where texture may be what they share.
+/// The correlation of the noise of consecutive frames, from the flattest squares; 0 where texture may be what they
+/// share.
 fn correlation(squares: &HighPass, looks: &Looks, kept: &[usize]) -> f32 {
     if kept.len() < 5 {
         return 0.0;
     }
-    // The squares are chosen by the first frames and measured in the others, so that choosing does not change what is measured.
+    // The squares are chosen by the first frames and measured in the others, so that choosing does not change what is
+    // measured.
     let (choosing, measuring) = kept.split_at(2);
     let mean = |variances: &[&[f32]]| -> Vec<f32> {
         let n = variances.len() as f32;

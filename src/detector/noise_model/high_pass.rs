@@ -1,8 +1,9 @@
 //! What changes from pixel to pixel in a frame, at places spread over the image: mostly its noise.
 //!
-//! Frames are halved and filtered by the second difference in u and in v (mask `[1 −2 1]ᵀ[1 −2 1]`), which removes everything locally linear. The filter runs
-//! in squares of 16×16 image pixels, the same in every frame, so that a combination of frames is filtered as the same combination of filtered frames. Halving first looks at
-//! frequencies that the search looks at too; the very finest are what files and demosaicing change most.
+//! Frames are halved and filtered by the second difference in u and in v (mask `[1 −2 1]ᵀ[1 −2 1]`), which removes
+//! everything locally linear. The filter runs in squares of 16×16 image pixels, the same in every frame, so that a
+//! combination of frames is filtered as the same combination of filtered frames. Halving first looks at frequencies
+//! that the search looks at too; the very finest are what files and demosaicing change most.
 
 use super::contrast::{Contrast, shifts};
 use crate::detector::params::slope_grid::Slope;
@@ -17,9 +18,11 @@ const AREA: usize = SIDE * SIDE;
 pub const SQUARE_PIXELS: usize = 4 * AREA;
 /// Most squares that are looked at: enough for a hundredth of accuracy overall and for a map of the image.
 const MAX_SQUARES: usize = 512;
-/// Variance of the filtered halved pixels for white noise of variance 1 in the frame's own: the mask's squares sum to 36, a mean over four has a quarter.
+/// Variance of the filtered halved pixels for white noise of variance 1 in the frame's own: the mask's squares sum to
+/// 36, a mean over four has a quarter.
 const GAIN: f32 = 9.0;
-/// Independent values of a square, as far as its mean square is concerned: the filter's values are correlated, and Σρ² over a square is 3.31.
+/// Independent values of a square, as far as its mean square is concerned: the filter's values are correlated, and Σρ²
+/// over a square is 3.31.
 pub const FREE_VALUES: f32 = AREA as f32 / 3.31;
 
 /// The filtered squares of some frames.
@@ -82,8 +85,9 @@ impl HighPass {
         (0..self.places.len()).map(of_square).collect()
     }
 
-    /// The variance of the noise of one frame in each square: the mean over `contrasts` of the frames that these squares are of, each taken at its time in `times` and read where the
-    /// scene, which moves by `slopes[square]` px/frame, has moved to.
+    /// The variance of the noise of one frame in each square: the mean over `contrasts` of the frames that these
+    /// squares are of, each taken at its time in `times` and read where the scene, which moves by `slopes[square]`
+    /// px/frame, has moved to.
     pub fn still_variances(
         &self,
         frames: &[&Plane],
@@ -184,10 +188,12 @@ fn mean(patch: &Patch) -> f32 {
     patch[1..=SIDE].iter().map(|row| row[1..=SIDE].iter().sum::<f32>()).sum::<f32>() / AREA as f32
 }
 
-/// The variance that the quieter part of some squares' variances tells, where texture may have been added to the others.
+/// The variance that the quieter part of some squares' variances tells, where texture may have been added to the
+/// others.
 ///
-/// The mean of the lowest seven tenths, over what it is for noise alone: the variances of `free` independent values each spread by √(2/`free`), and the mean of the lowest
-/// seven tenths of that distribution (χ²) lies 0.51 of it below the whole's.
+/// The mean of the lowest seven tenths, over what it is for noise alone: the variances of `free` independent values
+/// each spread by √(2/`free`), and the mean of the lowest seven tenths of that distribution (χ²) lies 0.51 of it below
+/// the whole's.
 pub fn quiet_variance(mut variances: Vec<f32>, free: f32) -> f32 {
     let count = (variances.len() * 7).div_ceil(10);
     if count == 0 {

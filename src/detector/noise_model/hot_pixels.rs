@@ -5,7 +5,8 @@ use crate::plane::Plane;
 /// How many standard deviations of the frames' mean a hot pixel is beyond every neighbour.
 const HOT: f32 = 6.0;
 
-/// What pixels must differ from both neighbours in their row by, in the mean of `frames` frames whose noise has the variance `variance` each, to be looked at.
+/// What pixels must differ from both neighbours in their row by, in the mean of `frames` frames whose noise has the
+/// variance `variance` each, to be looked at.
 pub fn limit_of_first_look(frames: usize, variance: f32) -> f32 {
     HOT * (variance / frames as f32).sqrt()
 }
@@ -62,7 +63,8 @@ fn beyond(value: f32, around: &[f32; 8]) -> f32 {
     (value - max).max(0.0) + (value - min).min(0.0)
 }
 
-/// Whether the pixel lies beyond all its neighbours but the hot ones `known`, in the mean of the frames and in nearly every frame.
+/// Whether the pixel lies beyond all its neighbours but the hot ones `known`, in the mean of the frames and in nearly
+/// every frame.
 fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(usize, usize)]) -> bool {
     let places = neighbours(u, v, frames[0].size());
     let masked = places.map(|at| known.contains(&at));
@@ -74,7 +76,8 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
         }
         around
     };
-    // The noise there, which may be more than usual: how the pixels around change from frame to frame. What crosses the pixel makes it larger too.
+    // The noise there, which may be more than usual: how the pixels around change from frame to frame. What crosses the
+    // pixel makes it larger too.
     let n = frames.len() as f32;
     let (mut sums, mut squares) = ([0.0f32; 8], [0.0f32; 8]);
     let (mut value, mut mean, mut own, mut above) = (0.0, 0.0, 0.0, 0usize);

@@ -27,9 +27,11 @@ const MIN_TILES: usize = 6;
 const PIXELS: usize = 32_768;
 /// The same of octaves after the first, which have less noise to let through.
 const COARSE_PIXELS: usize = 24_000;
-/// Octaves that are measured, from the first one searched. Noise that pixels share farther than these reach is rare, and there the scene is far stronger than the noise.
+/// Octaves that are measured, from the first one searched. Noise that pixels share farther than these reach is rare,
+/// and there the scene is far stronger than the noise.
 const OCTAVES: i32 = 3;
-/// Pixels at the image's border that are left out, octave pixels: filters that repeat the border let more noise through there.
+/// Pixels at the image's border that are left out, octave pixels: filters that repeat the border let more noise through
+/// there.
 const BORDER: usize = 8;
 /// Octaves that have fewer pixels than this on a side inside of the border tell nothing.
 const LEAST_SIDE: usize = 16;
@@ -62,7 +64,8 @@ pub struct TileMoments {
     pub levels: Vec<(f32, f32)>,
 }
 
-/// The moments of tiles of `octave` of `space`, spread over the image; none where the octave is too small to tell anything.
+/// The moments of tiles of `octave` of `space`, spread over the image; none where the octave is too small to tell
+/// anything.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -73,7 +76,8 @@ pub fn tiles_of_octave(
     monitor: &Monitor,
 ) -> Result<Vec<TileMoments>, Cancelled> {
     let first = octave == space.first_octave;
-    // Where pixels are skipped before the means are taken, what passes is white again as far as octaves this coarse matter.
+    // Where pixels are skipped before the means are taken, what passes is white again as far as octaves this coarse
+    // matter.
     if (space.first_octave > 0 && !first) || octave - space.first_octave >= OCTAVES {
         return Ok(Vec::new());
     }
@@ -195,7 +199,8 @@ impl OfMeans {
         FilterBank::new(std::iter::once(base).chain(space.step_kernels.iter().cloned()).collect(), space.all_levels())
     }
 
-    /// What white noise of variance 1 in a frame leaves in D at `level`: means of white noise are white, whatever their blur.
+    /// What white noise of variance 1 in a frame leaves in D at `level`: means of white noise are white, whatever their
+    /// blur.
     fn white(&self, space: &ScaleSpace, level: f64) -> f64 {
         let variance = |level: f64| space.sigma_octave(level).powi(2) - self.blurred;
         self.variance * dog_energy(variance(level), variance(level + 1.0))

@@ -1,9 +1,11 @@
 //! The noise of a burst as cameras and files make it: what the gate must know to be right where it stands.
 //!
-//! White noise of one strength is what the gate of [`crate::detector::noise::gate`] carries through the filters. Real noise grows with brightness ([`photon_transfer`]), differs by
-//! place ([`place`]), is shared by neighbouring pixels and has long tails where files were compressed ([`spectrum`]); frames repeat others, are black or too
-//! noisy ([`frames`]), and a sensor has a pattern of its own ([`fixed_pattern`]). [`examine()`] finds all of it from the burst alone and gives a
-//! [`NoiseModel`], which says σ of D for an octave, a level, a slope and a place, with a [`NoiseWarning`] for each assumption that fails.
+//! White noise of one strength is what the gate of [`crate::detector::noise::gate`] carries through the filters. Real
+//! noise grows with brightness ([`photon_transfer`]), differs by place ([`place`]), is shared by neighbouring pixels
+//! and has long tails where files were compressed ([`spectrum`]); frames repeat others, are black or too noisy
+//! ([`frames`]), and a sensor has a pattern of its own ([`fixed_pattern`]). [`examine()`] finds all of it from the
+//! burst alone and gives a [`NoiseModel`], which says σ of D for an octave, a level, a slope and a place, with a
+//! [`NoiseWarning`] for each assumption that fails.
 
 pub mod contrast;
 pub mod examine;

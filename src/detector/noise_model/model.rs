@@ -44,10 +44,11 @@ pub struct NoiseModel {
 /// How bright the frames are where, and what follows for the search.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Brightness {
-    /// Some of the frames, from the first to the last, by their number among those that take part; empty where the noise is the same everywhere.
+    /// Some of the frames, from the first to the last, by their number among those that take part; empty where the
+    /// noise is the same everywhere.
     pub(super) pyramids: Vec<(usize, BoxPyramid)>,
     /// The smallest variance of one frame's noise, for each octave.
-    pub(super) least_variance: Vec<f32>,
+    pub(super) min_variance: Vec<f32>,
     /// The share of pixels that are cut off at black or white.
     pub(super) cut_off: f32,
     /// The brightest value, fraction of full scale.
@@ -58,12 +59,13 @@ pub(super) struct Brightness {
     pub(super) first_octave: i32,
 }
 
-/// By how much the gate grows where all noise is cut off on one side. What is left of it is skewed, and so, a little, is D: the measured excess of false features where half of the
-/// pixels are cut off calls for six percent.
+/// By how much the gate grows where all noise is cut off on one side. What is left of it is skewed, and so, a little,
+/// is D: the measured excess of false features where half of the pixels are cut off calls for six percent.
 const SKEWED: f32 = 0.12;
-/// By how much the gate grows for each unit by which the logarithm of the noise, relative to white noise, rises over an octave. White noise falls fast with scale, so that few of its extremes
-/// in place beat the finer level too; noise that neighbouring pixels share falls more slowly, and more do. With exact standard deviations it gave four times as many false features; this
-/// makes up for it.
+/// By how much the gate grows for each unit by which the logarithm of the noise, relative to white noise, rises over an
+/// octave. White noise falls fast with scale, so that few of its extremes in place beat the finer level too; noise that
+/// neighbouring pixels share falls more slowly, and more do. With exact standard deviations it gave four times as many
+/// false features; this makes up for it.
 const RISING: f32 = 0.12;
 /// Frames whose brightness tells that of a stack.
 pub(super) const FRAMES_SAMPLED: usize = 4;
@@ -76,8 +78,9 @@ impl NoiseModel {
         Self { frame_noise, ..Self::default() }
     }
 
-    /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, where the noise is least and all frames cover. `gate` is the
-    /// factor that it will be multiplied with: noise with long tails counts as the normal noise that is as seldom beyond it.
+    /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, where the noise is
+    /// least and all frames cover. `gate` is the factor that it will be multiplied with: noise with long tails counts
+    /// as the normal noise that is as seldom beyond it.
     pub fn sigma_d(
         &self,
         space: &ScaleSpace,
@@ -90,7 +93,7 @@ impl NoiseModel {
             return self.frame_noise * white.sqrt() as f32;
         }
         let noise = self.level(octave, level);
-        let frame = self.brightness.least_variance[self.octave_index(octave)] * self.brightness.relative_variance;
+        let frame = self.brightness.min_variance[self.octave_index(octave)] * self.brightness.relative_variance;
         let sigma_px = space.sigma_image(octave, f64::from(level)) as f32;
         let over_time = repeated_over_time(self.correlation, offsets.len(), slope.magnitude() / sigma_px);
         let of_frames = white as f32 * noise.over_white * frame * over_time;
@@ -100,8 +103,8 @@ impl NoiseModel {
         sigma.max(ROUNDING * self.brightness.brightest)
     }
 
-    /// By how much σ of D is larger at the image's pixel (u, v), in the stack whose frames are read at `offsets`, than where it is least: the mean over
-    /// some of the frames that cover it. At least 1.
+    /// By how much σ of D is larger at the image's pixel (u, v), in the stack whose frames are read at `offsets`, than
+    /// where it is least: the mean over some of the frames that cover it. At least 1.
     pub fn place_factor(
         &self,
         octave: i32,
@@ -109,11 +112,11 @@ impl NoiseModel {
         (u, v): (usize, usize),
         size: (usize, usize),
     ) -> f32 {
-        let Brightness { pyramids, least_variance, .. } = &self.brightness;
+        let Brightness { pyramids, min_variance, .. } = &self.brightness;
         if pyramids.is_empty() {
             return 1.0;
         }
-        let least = least_variance[self.octave_index(octave)];
+        let min = min_variance[self.octave_index(octave)];
         let (mut sum, mut count) = (0.0, 0usize);
         let some = pyramids.iter().map(|(frame, pyramid)| (pyramid, &offsets[*frame]));
         for (pyramid, offset) in some.filter(|(_, offset)| offset.covers(u, v, size)) {
@@ -124,7 +127,7 @@ impl NoiseModel {
             sum += self.variance_at(pyramid, octave, at);
             count += 1;
         }
-        if count == 0 || least <= 0.0 { 1.0 } else { (sum / (count as f32 * least)).sqrt().max(1.0) }
+        if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
     }
 
     /// The variance of the noise of the frame with `pyramid` around its place (u, v), as blurred as `octave` is.
@@ -134,8 +137,8 @@ impl NoiseModel {
         self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(u, v))
     }
 
-    /// σ of the noise of one frame by place, as the finest octave takes it, for an image of `size` in cells of `cell_px` pixels a side: the mean variance of the
-    /// frames that take part.
+    /// σ of the noise of one frame by place, as the finest octave takes it, for an image of `size` in cells of
+    /// `cell_px` pixels a side: the mean variance of the frames that take part.
     pub fn sigma_map(&self, size: (usize, usize), cell_px: f32) -> Plane {
         let cells = |n: usize| ((n as f32 / cell_px).ceil() as usize).max(1);
         let pyramids = &self.brightness.pyramids;
@@ -149,7 +152,8 @@ impl NoiseModel {
         })
     }
 
-    /// The variance of the noise of the frame with `pyramid` at its place (u, v), without regard to borders between parts of different noise.
+    /// The variance of the noise of the frame with `pyramid` at its place (u, v), without regard to borders between
+    /// parts of different noise.
     pub(super) fn measured_variance_at(&self, pyramid: &BoxPyramid, (u, v): (f32, f32)) -> f32 {
         let level = Self::brightness_level(1).min(pyramid.len());
         let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
@@ -182,11 +186,12 @@ impl NoiseModel {
     }
 
     fn octave_index(&self, octave: i32) -> usize {
-        let last = self.brightness.least_variance.len().saturating_sub(1);
+        let last = self.brightness.min_variance.len().saturating_sub(1);
         ((octave - self.brightness.first_octave).max(0) as usize).min(last)
     }
 
-    /// The variance that the smooth part of stripes leaves in D: white stripes' that is left by the mean over the columns around, for a filter along one axis.
+    /// The variance that the smooth part of stripes leaves in D: white stripes' that is left by the mean over the
+    /// columns around, for a filter along one axis.
     fn stripes_left(&self, space: &ScaleSpace, octave: i32, level: i32) -> f32 {
         let of = |stripes: &Option<Stripes>| stripes.as_ref().map_or(0.0, |s| s.deviation.powi(2));
         let variance = of(&self.pattern.columns) + of(&self.pattern.rows);
@@ -210,8 +215,9 @@ impl NoiseModel {
     }
 }
 
-/// How many times the variance of the mean of `frames` is that of independent ones, when consecutive frames' noise is correlated by `correlation`, falling by that
-/// factor from frame to frame, and a step from frame to frame shifts it by `shift` in units of the filter's σ.
+/// How many times the variance of the mean of `frames` is that of independent ones, when consecutive frames' noise is
+/// correlated by `correlation`, falling by that factor from frame to frame, and a step from frame to frame shifts it by
+/// `shift` in units of the filter's σ.
 fn repeated_over_time(correlation: f32, frames: usize, shift: f32) -> f32 {
     if correlation <= 0.0 {
         return 1.0;

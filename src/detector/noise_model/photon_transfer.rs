@@ -1,9 +1,11 @@
 //! How the variance of the noise grows with brightness: a sensor's photon transfer, variance = a·I + b.
 //!
-//! Light comes in photons, whose number varies by its square root, so the variance of a pixel grows in proportion to its brightness I; reading it out adds b. The
-//! squares of the frames are sorted by brightness into groups; the quiet part of a group tells its variance, whatever texture moves through some of its squares. A
-//! line is put through the groups: first that of the median slope between any two (Theil–Sen), then by iteratively reweighted least squares, in which a group counts by
-//! its relative error and not at all far from the line, so that groups whose noise is cut off at white or black bend nothing.
+//! Light comes in photons, whose number varies by its square root, so the variance of a pixel grows in proportion to
+//! its brightness I; reading it out adds b. The squares of the frames are sorted by brightness into groups; the quiet
+//! part of a group tells its variance, whatever texture moves through some of its squares. A line is put through the
+//! groups: first that of the median slope between any two (Theil–Sen), then by iteratively reweighted least squares, in
+//! which a group counts by its relative error and not at all far from the line, so that groups whose noise is cut off
+//! at white or black bend nothing.
 
 use super::high_pass::quiet_variance;
 use serde::Serialize;
@@ -11,12 +13,14 @@ use serde::Serialize;
 /// Variance over brightness.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct PhotonTransfer {
-    /// a: variance per brightness, fraction of full scale; the inverse of the electrons at full scale for a sensor without offset. At least 0.
+    /// a: variance per brightness, fraction of full scale; the inverse of the electrons at full scale for a sensor
+    /// without offset. At least 0.
     pub slope: f32,
-    /// b: variance at brightness 0, in (fraction of full scale)²; negative where black is lifted by more than the read noise amounts to.
+    /// b: variance at brightness 0, in (fraction of full scale)²; negative where black is lifted by more than the read
+    /// noise amounts to.
     pub dark: f32,
     /// The least variance there is, whatever the line says.
-    pub least: f32,
+    pub min: f32,
     /// What the line was fitted to, from dark to bright.
     pub points: Vec<TransferPoint>,
 }
@@ -38,13 +42,15 @@ const LEAST_SQUARES: usize = 24;
 const MAX_GROUPS: usize = 16;
 /// A group that lies this far from the line, relative to it, does not count.
 const FAR: f64 = 0.4;
-/// The darkest and the brightest group must differ by this many standard deviations of a square's brightness; groups of one brightness, sorted by their noise, differ by four.
+/// The darkest and the brightest group must differ by this many standard deviations of a square's brightness; groups of
+/// one brightness, sorted by their noise, differ by four.
 const LEAST_SPAN: f64 = 7.0;
 /// How often the line is fitted anew.
 const FITS: usize = 12;
 
 impl PhotonTransfer {
-    /// Fits squares of brightness `squares[i].0`, the mean of `pixels` values, and variance `squares[i].1`, from `free` independent values. All 0 without squares.
+    /// Fits squares of brightness `squares[i].0`, the mean of `pixels` values, and variance `squares[i].1`, from `free`
+    /// independent values. All 0 without squares.
     pub fn fit(squares: &[(f32, f32)], pixels: usize, free: f32) -> Self {
         let mut sorted = squares.to_vec();
         sorted.sort_by(|x, y| x.0.total_cmp(&y.0));
@@ -59,23 +65,25 @@ impl PhotonTransfer {
             })
             .collect();
         let (slope, dark) = line(&points, pixels, free);
-        let least = 0.5 * points.iter().map(|p| p.variance).reduce(f32::min).unwrap_or(0.0);
-        Self { slope, dark, least, points }
+        let min = 0.5 * points.iter().map(|p| p.variance).reduce(f32::min).unwrap_or(0.0);
+        Self { slope, dark, min, points }
     }
 
     /// The variance of the noise of one frame where it has the brightness `brightness`.
     pub fn variance(&self, brightness: f32) -> f32 {
-        (self.slope * brightness + self.dark).max(self.least)
+        (self.slope * brightness + self.dark).max(self.min)
     }
 }
 
-/// The variance of the quiet part of a group; where that has none, as in files that round it away nearly everywhere, the mean.
+/// The variance of the quiet part of a group; where that has none, as in files that round it away nearly everywhere,
+/// the mean.
 fn variance_of(group: &[(f32, f32)], free: f32) -> f32 {
     let quiet = quiet_variance(group.iter().map(|s| s.1).collect(), free);
     if quiet > 0.0 { quiet } else { group.iter().map(|s| s.1).sum::<f32>() / group.len() as f32 }
 }
 
-/// Slope and offset of the line through the points; the slope is 0 where it is not larger than its error, or the brightness does not differ by more than its noise.
+/// Slope and offset of the line through the points; the slope is 0 where it is not larger than its error, or the
+/// brightness does not differ by more than its noise.
 fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
     let total = points.iter().map(|p| p.squares).sum::<usize>() as f64;
     let mean = points.iter().map(|p| f64::from(p.variance) * p.squares as f64).sum::<f64>() / total.max(1.0);

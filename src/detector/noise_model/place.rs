@@ -1,7 +1,9 @@
-//! Where in the picture the noise differs from what the brightness says: by place, such as a side that is amplified more.
+//! Where in the picture the noise differs from what the brightness says: by place, such as a side that is amplified
+//! more.
 //!
-//! The picture is divided into cells; the quiet part of a cell's squares over what their brightness predicts is the cell's excess. A cell whose squares differ
-//! among themselves more than noise does holds texture, or lies across a border, and is not trusted: it takes the largest excess of its trusted neighbours.
+//! The picture is divided into cells; the quiet part of a cell's squares over what their brightness predicts is the
+//! cell's excess. A cell whose squares differ among themselves more than noise does holds texture, or lies across a
+//! border, and is not trusted: it takes the largest excess of its trusted neighbours.
 
 use super::frames::median;
 use super::high_pass::quiet_variance;
@@ -58,7 +60,8 @@ const SURE: f32 = 4.0;
 const BORDER: f32 = 1.4;
 
 impl ExcessMap {
-    /// The map of an image of `size`, from squares that each have `free` independent values; `None` where the noise is everywhere as the brightness says.
+    /// The map of an image of `size`, from squares that each have `free` independent values; `None` where the noise is
+    /// everywhere as the brightness says.
     pub fn find(squares: &[Square], transfer: &PhotonTransfer, size: (usize, usize), free: f32) -> Option<Self> {
         let wanted = squares.len() / SQUARES_A_CELL;
         if wanted < 4 {

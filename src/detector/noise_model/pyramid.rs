@@ -1,4 +1,5 @@
-//! Means over squares of 2, 4, 8 … pixels: a frame at the resolutions at which its noise and its brightness are looked at.
+//! Means over squares of 2, 4, 8 … pixels: a frame at the resolutions at which its noise and its brightness are looked
+//! at.
 
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -74,8 +75,8 @@ fn halve_pair(upper: &[f32], lower: &[f32], out: &mut [f32]) {
     }
 }
 
-/// The value of a pyramid's `plane`, whose pixels are squares of `square` image pixels, at the image's place (u, v): bilinear between the middles of the
-/// squares, the nearest ones beyond the outermost.
+/// The value of a pyramid's `plane`, whose pixels are squares of `square` image pixels, at the image's place (u, v):
+/// bilinear between the middles of the squares, the nearest ones beyond the outermost.
 pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
     let split = |x: f32, n: usize| {
         let at = ((x + 0.5) / square - 0.5).clamp(0.0, n as f32 - 1.0);

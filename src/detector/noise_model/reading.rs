@@ -1,7 +1,9 @@
-//! One reading of the frames that are looked at closely: everything that needs all of their pixels is taken from them at once.
+//! One reading of the frames that are looked at closely: everything that needs all of their pixels is taken from them
+//! at once.
 //!
-//! Frames come from memory row by row. Each pair of rows goes into the pyramids and, for the sensor's pattern, into the sums of the first and of the second half of
-//! the frames: these are added up by columns and by rows, and pixels that stand out of their row are noted.
+//! Frames come from memory row by row. Each pair of rows goes into the pyramids and, for the sensor's pattern, into the
+//! sums of the first and of the second half of the frames: these are added up by columns and by rows, and pixels that
+//! stand out of their row are noted.
 
 use super::pyramid::{BoxPyramid, halve_rows};
 use crate::monitor::{Cancelled, Monitor};
@@ -35,8 +37,9 @@ struct Band {
 }
 
 impl Reading {
-    /// Reads `frames` of one size (one at least, of 2×2 pixels at least) into pyramids of `levels` levels. With `stands_out`, all that the sensor's pattern is sought in is read as
-    /// well, and pixels are noted whose mean over the frames differs from those beside them by more than it; two frames are needed then.
+    /// Reads `frames` of one size (one at least, of 2×2 pixels at least) into pyramids of `levels` levels. With
+    /// `stands_out`, all that the sensor's pattern is sought in is read as well, and pixels are noted whose mean over
+    /// the frames differs from those beside them by more than it; two frames are needed then.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.

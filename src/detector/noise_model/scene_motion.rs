@@ -1,8 +1,10 @@
 //! How the scene moves in a part of the picture, so that it can be taken off the noise.
 //!
-//! What is fine and moves fast does not cancel between frames that are compared at the same pixel, and would be taken for noise that neighbouring pixels share. So
-//! for each part that is looked at the slope is sought, among those of the search, at which the mean of the shifted frames has the most power: there the scene adds up. The mean
-//! of frames says nothing about a contrast of the same frames with weights that sum to 0, so that choosing by the one does not change the noise measured in the other.
+//! What is fine and moves fast does not cancel between frames that are compared at the same pixel, and would be taken
+//! for noise that neighbouring pixels share. So for each part that is looked at the slope is sought, among those of the
+//! search, at which the mean of the shifted frames has the most power: there the scene adds up. The mean of frames says
+//! nothing about a contrast of the same frames with weights that sum to 0, so that choosing by the one does not change
+//! the noise measured in the other.
 
 use super::pyramid::BoxPyramid;
 use crate::detector::params::slope_grid::Slope;
@@ -14,13 +16,14 @@ use std::ops::Range;
 
 /// Slopes that move a frame's neighbour by less than this many of the pixels looked at are as good as none.
 const LEAST_SHIFT: f32 = 0.25;
-/// Level of the pyramid, above the octave's, at which the motion is sought: noise is little there, and its squares are still a fraction of what the octave's filters reach.
+/// Level of the pyramid, above the octave's, at which the motion is sought: noise is little there, and its squares are
+/// still a fraction of what the octave's filters reach.
 const LEVELS_UP: i32 = 2;
 
 /// Side of the parts of an image that each have a motion, pixels, at least.
 const PART: usize = 64;
 /// Most of them, about.
-const MOST_PARTS: usize = 48;
+const MAX_PARTS: usize = 48;
 
 /// What the scene's motion is sought in.
 #[derive(Debug, Clone, Copy)]
@@ -62,9 +65,10 @@ impl SceneMotion<'_> {
 }
 
 impl SceneMotion<'_> {
-    /// The slope at each of the image's `places`, for an image of `size`: that of the part around it, of which the middle 64 pixels a side are looked at.
+    /// The slope at each of the image's `places`, for an image of `size`: that of the part around it, of which the
+    /// middle 64 pixels a side are looked at.
     pub fn slopes_at(&self, places: &[(f32, f32)], (width, height): (usize, usize)) -> Vec<Slope> {
-        let side = PART.max(((width * height) as f32 / MOST_PARTS as f32).sqrt() as usize);
+        let side = PART.max(((width * height) as f32 / MAX_PARTS as f32).sqrt() as usize);
         let (columns, rows) = (width.div_ceil(side), height.div_ceil(side));
         let motion = self.for_octave(0);
         let part = |index: usize| {
@@ -84,7 +88,8 @@ impl SceneMotion<'_> {
 /// The motion as an octave needs to know it.
 #[derive(Debug)]
 pub struct OctaveMotion {
-    /// What stands out of its surroundings in each frame, in squares of the pyramid; none where the motion does not matter.
+    /// What stands out of its surroundings in each frame, in squares of the pyramid; none where the motion does not
+    /// matter.
     planes: Vec<Plane>,
     /// Side of a square, image pixels.
     square: f32,

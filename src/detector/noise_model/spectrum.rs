@@ -1,12 +1,15 @@
 //! How much of the noise each level of the search lets through, measured with the search's own filters.
 //!
-//! White noise would leave in D what the filters' energy says. Noise that neighbouring pixels share (from demosaicing, scaling, JPEG) leaves more at coarse levels, and
-//! noise that files round away leaves less at fine ones. So contrasts of frames, in which the scene cancels, are filtered at each octave as in the search, in tiles
-//! spread over the image ([`super::level_tiles`]), and the variance is compared with white noise's. The tails are measured too: JPEG files keep few coefficients, so that
-//! their noise is seldom and strong, and exceeds five standard deviations more often than a normal distribution does.
+//! White noise would leave in D what the filters' energy says. Noise that neighbouring pixels share (from demosaicing,
+//! scaling, JPEG) leaves more at coarse levels, and noise that files round away leaves less at fine ones. So contrasts
+//! of frames, in which the scene cancels, are filtered at each octave as in the search, in tiles spread over the image
+//! ([`super::level_tiles`]), and the variance is compared with white noise's. The tails are measured too: JPEG files
+//! keep few coefficients, so that their noise is seldom and strong, and exceeds five standard deviations more often
+//! than a normal distribution does.
 //!
-//! What moves in several ways at once does not cancel everywhere, and can only add. Where the tiles differ among themselves more than noise does, their quiet part is taken, and never more
-//! than the finer levels, where the scene shows least, let expect.
+//! What moves in several ways at once does not cancel everywhere, and can only add. Where the tiles differ among
+//! themselves more than noise does, their quiet part is taken, and never more than the finer levels, where the scene
+//! shows least, let expect.
 
 use super::high_pass::quiet_variance;
 use super::level_tiles::{Sources, TileMoments, tiles_of_octave};
@@ -36,7 +39,8 @@ const NOISE_SPREAD: f32 = 2.5;
 const LEAST_OVER_WHITE: f32 = 0.02;
 /// Kurtosis that is believed at most: that of JPEG files of low quality.
 const MAX_KURTOSIS: f32 = 8.0;
-/// Fewer independent values in a tile, and too many tiles with few, tell nothing of the tails; then the finer level speaks for the coarser.
+/// Fewer independent values in a tile, and too many tiles with few, tell nothing of the tails; then the finer level
+/// speaks for the coarser.
 const FREE_FOR_KURTOSIS: f32 = 40.0;
 /// Less is not told from none.
 const LEAST_KURTOSIS: f32 = 0.3;
@@ -92,7 +96,8 @@ fn level_noise(
     if variances.is_empty() {
         return None;
     }
-    // Files do the same everywhere, what moves is here and there: the lower quartile of the tiles, brought to the middle of what noise alone would show.
+    // Files do the same everywhere, what moves is here and there: the lower quartile of the tiles, brought to the
+    // middle of what noise alone would show.
     let of_one_tile = (24.0 / free).sqrt();
     let kurtosis = quantile(&sorted(tiles.iter().map(|t| t.levels[level].1).collect()), 0.25) + 0.674 * of_one_tile;
     // A sample's kurtosis is low by about 6 over its independent values.
@@ -113,7 +118,8 @@ fn level_noise(
     let total_error = of_noise / (variances.len() as f32).sqrt();
     if spread > NOISE_SPREAD * of_noise {
         let expected = before.map_or(1.0, |noise| noise.over_white);
-        // Tiles also differ by how well their brightness tells their noise: the quiet ones are no reason to expect less than the middle of all.
+        // Tiles also differ by how well their brightness tells their noise: the quiet ones are no reason to expect less
+        // than the middle of all.
         let quiet = quiet_variance(variances, free).max(middle.min(expected));
         let over_white = quiet.min(expected.max(1.0));
         return Some(LevelNoise { over_white, excess_kurtosis: 0.0 });

@@ -17,7 +17,8 @@ pub const REACH: usize = 16;
 const STRIPES: f32 = 6.0;
 
 impl Stripes {
-    /// The stripes that the means over [bands](super::reading::BANDS) of both halves of a burst share; `None` if there are none, or they are smooth as a scene is.
+    /// The stripes that the means over [bands](super::reading::BANDS) of both halves of a burst share; `None` if there
+    /// are none, or they are smooth as a scene is.
     pub fn find(halves: &[Vec<Vec<f32>>; 2]) -> Option<Self> {
         let [first, second] = halves.each_ref().map(|bands| offsets(bands));
         let n = first.len() as f32;

@@ -39,8 +39,8 @@ impl ParamChange {
     /// The parameters with this change, checked.
     ///
     /// # Errors
-    /// A value that cannot be read, or parameters that make no sense with it. Whether slopes are found ([`doc::SLOPES`]) is no matter of the detector's
-    /// parameters, so that one is refused too.
+    /// A value that cannot be read, or parameters that make no sense with it. Whether slopes are found
+    /// ([`doc::SLOPES`]) is no matter of the detector's parameters, so that one is refused too.
     pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams, ParamError> {
         let mut changed = params.clone();
         self.set(&mut changed).map_err(|problem| ParamError {

@@ -6,12 +6,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// The burst feature finder: extrema over place, scale and slope. One line of slopes is BuFF 1D, a plane of slopes BuFF 2D.
+    /// The burst feature finder: extrema over place, scale and slope. One line of slopes is BuFF 1D, a plane of slopes
+    /// BuFF 2D.
     #[default]
     Buff,
     /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.
     Sift,
-    /// SIFT on the frames used, merged into one image. [`crate::baseline::detect`] merges them; the detector alone takes their mean as it is, at slope 0.
+    /// SIFT on the frames used, merged into one image. [`crate::baseline::detect`] merges them; the detector alone
+    /// takes their mean as it is, at slope 0.
     Merge,
 }
 
@@ -33,7 +35,8 @@ impl Method {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SlopeExtrema {
-    /// At each slope for itself: what stands out in place and scale at its own slope. Which slope a blob has is decided by the strongest keypoint on it.
+    /// At each slope for itself: what stands out in place and scale at its own slope. Which slope a blob has is decided
+    /// by the strongest keypoint on it.
     #[default]
     Each,
     /// Jointly: a sample must also beat those around it at the neighbouring slopes, as in the paper and in LiFF.
@@ -137,7 +140,8 @@ pub enum Interpolation {
     Linear,
     /// The nearest pixel, as the authors' code does.
     Nearest,
-    /// The place plus a half without its fraction, as LiFF does: the nearest pixel, but what lies up to a pixel and a half before the first column or row counts as it.
+    /// The place plus a half without its fraction, as LiFF does: the nearest pixel, but what lies up to a pixel and a
+    /// half before the first column or row counts as it.
     Truncated,
 }
 
@@ -156,7 +160,8 @@ pub enum Localisation {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoiseGate {
     /// For matching: the factor is derived from the size of the search so that pure noise gives at most about
-    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::gate::AUTO_FALSE_PER_MEGAPIXEL) false features a megapixel, which matching sorts out.
+    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::gate::AUTO_FALSE_PER_MEGAPIXEL) false features a megapixel,
+    /// which matching sorts out.
     #[default]
     Auto,
     /// The same for at most one false feature a megapixel over everything that is searched.
@@ -214,8 +219,8 @@ impl<'de> Deserialize<'de> for NoiseGate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NoiseModelKind {
-    /// The noise as the burst shows it: by brightness, place, octave and level; frames and pixels that are not what they should be are left out (see
-    /// [`super::super::noise_model`]).
+    /// The noise as the burst shows it: by brightness, place, octave and level; frames and pixels that are not what
+    /// they should be are left out (see [`super::super::noise_model`]).
     #[default]
     Local,
     /// White noise of one standard deviation.

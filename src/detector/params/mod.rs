@@ -77,8 +77,8 @@ impl Default for DetectorParams {
             method: Method::Buff,
             frames: None,
             octaves: 6,
-            // In the dark five levels with an edge threshold of 12 gave 5 to 7 % more inliers than the paper's four with 10, for 4 % more time; six gave another 3 to 4 %
-            // for 7 to 12 % more time (docs/MEASUREMENTS.md).
+            // In the dark five levels with an edge threshold of 12 gave 5 to 7 % more inliers than the paper's four
+            // with 10, for 4 % more time; six gave another 3 to 4 % for 7 to 12 % more time (docs/MEASUREMENTS.md).
             levels: 5,
             first_octave: 0,
             // An absolute threshold takes everything in the dark; the noise gate does its work.
@@ -103,7 +103,8 @@ impl Default for DetectorParams {
 }
 
 impl DetectorParams {
-    /// The frames that take part, as indices into the burst: the whole range for BuFF and the merge, its middle frame for SIFT.
+    /// The frames that take part, as indices into the burst: the whole range for BuFF and the merge, its middle frame
+    /// for SIFT.
     pub fn used_frames(&self, frame_count: usize) -> std::ops::Range<usize> {
         let range = self.frames.map_or(0..frame_count, |r| r.start..r.end.min(frame_count));
         match self.method {

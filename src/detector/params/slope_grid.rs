@@ -1,8 +1,9 @@
 //! The grid of slopes that the search tries.
 //!
-//! A slope λ = (λu, λv) is an apparent motion in pixels of the input image per frame. The grid is the product of two axes,
-//! `u` and `v`, turned as a whole by `direction_deg`: with one value on the `v` axis it is a line through the slope plane (BuFF 1D),
-//! horizontal by default and in any direction when turned; with several values on both axes it is BuFF 2D.
+//! A slope λ = (λu, λv) is an apparent motion in pixels of the input image per frame. The grid is the product of two
+//! axes, `u` and `v`, turned as a whole by `direction_deg`: with one value on the `v` axis it is a line through the
+//! slope plane (BuFF 1D), horizontal by default and in any direction when turned; with several values on both axes it
+//! is BuFF 2D.
 
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -161,7 +162,8 @@ impl SlopeGrid {
         self.u.count > 1 && self.v.count > 1
     }
 
-    /// The slope at grid coordinates (`i` along the first axis, `j` along the second); coordinates between the grid's slopes are allowed.
+    /// The slope at grid coordinates (`i` along the first axis, `j` along the second); coordinates between the grid's
+    /// slopes are allowed.
     pub fn at(&self, i: f32, j: f32) -> Slope {
         let (a, b) = (self.u.value(i), self.v.value(j));
         if self.direction_deg == 0.0 {
@@ -193,13 +195,15 @@ impl SlopeGrid {
         (0..self.len()).map(|index| self.slope(index))
     }
 
-    /// Whether grid coordinates are on the rim, where a neighbouring slope is missing. An axis with one slope has no rim.
+    /// Whether grid coordinates are on the rim, where a neighbouring slope is missing. An axis with one slope has no
+    /// rim.
     pub fn on_rim(&self, i: usize, j: usize) -> bool {
         (self.u.count > 1 && (i == 0 || i + 1 == self.u.count))
             || (self.v.count > 1 && (j == 0 || j + 1 == self.v.count))
     }
 
-    /// Grid coordinates (along the first axis, along the second) of any slope: the inverse of [`Self::at`]. 0 on an axis with one slope.
+    /// Grid coordinates (along the first axis, along the second) of any slope: the inverse of [`Self::at`]. 0 on an
+    /// axis with one slope.
     pub fn position(&self, slope: Slope) -> (f32, f32) {
         let (sin, cos) = f64::from(self.direction_deg).to_radians().sin_cos();
         let (u, v) = (f64::from(slope.u), f64::from(slope.v));

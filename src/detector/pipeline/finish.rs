@@ -1,4 +1,5 @@
-//! What follows the search: of keypoints on one blob the strongest stays, and those that stay are localised and described.
+//! What follows the search: of keypoints on one blob the strongest stays, and those that stay are localised and
+//! described.
 
 use crate::detector::describe::two_motions::{FramesOfOctaves, Motions};
 use crate::detector::describe::{self, Described, Describing};

@@ -1,7 +1,8 @@
 //! The search's judgement of one sample, test by test.
 //!
-//! Each answer comes from the function that the search itself calls. What the search does for a whole tile, slope after slope, is done here for one sample:
-//! the order of the tests and the neighbouring slopes are those of `slope_window`. The law in tests/inspect.rs holds both equal, sample by sample.
+//! Each answer comes from the function that the search itself calls. What the search does for a whole tile, slope after
+//! slope, is done here for one sample: the order of the tests and the neighbouring slopes are those of `slope_window`.
+//! The law in tests/inspect.rs holds both equal, sample by sample.
 
 use super::Trail;
 use crate::detector::feature::Test;
@@ -57,17 +58,19 @@ pub struct Neighbourhood {
 pub struct Judgement {
     /// D there.
     pub value: f32,
-    /// The first test of the search that rejects it, if one does. That it shows the same blob as a stronger keypoint is decided later.
+    /// The first test of the search that rejects it, if one does. That it shows the same blob as a stronger keypoint is
+    /// decided later.
     pub rejected_by: Option<Test>,
     /// σ_D at its level and slope where the noise is least.
-    pub sigma_d_least: f32,
+    pub sigma_d_min: f32,
     /// σ_D at the sample.
     pub sigma_d: f32,
     /// The slope that beats it, if the joint rule asks and one does: the strongest of those that do.
     pub beaten_by: Option<usize>,
     /// The quadratic fit; `None` where D has none.
     pub fit: Option<Fit>,
-    /// The keypoint that it makes, or would make if all tests let it pass; `None` where the fit did not settle inside the octave.
+    /// The keypoint that it makes, or would make if all tests let it pass; `None` where the fit did not settle inside
+    /// the octave.
     pub would_be: Option<Keypoint>,
 }
 
@@ -116,7 +119,8 @@ impl Trail {
         })
     }
 
-    /// What the search says of the samples `samples` of a neighbourhood; `None` for those on the octave's border, which it does not examine.
+    /// What the search says of the samples `samples` of a neighbourhood; `None` for those on the octave's border, which
+    /// it does not examine.
     pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
         let monitor = Monitor::default();
         self.with_search(&monitor, |search| {
@@ -133,8 +137,8 @@ impl Trail {
         let at_own = own_slope_verdict(&own.levels, (x, y, level_index), around.size, &thresholds)?;
         let value = own.at(level_index, x, y);
         let candidate = Candidate { x, y, level_index, value };
-        let sigma_d_least = sigma_d[level_index][slope_index];
-        let sigma_d = sigma_d_least * search.place_factor(octave, slope_index, x, y);
+        let sigma_d_min = sigma_d[level_index][slope_index];
+        let sigma_d = sigma_d_min * search.place_factor(octave, slope_index, x, y);
         let others = OtherSlopes::of(search.params);
         let beaten_by = self.beaten_by(search, around, slope_index, &candidate, others);
         let refined = refine(own, (x, y), level_index, around.size, search.limits()).map(|_| ());
@@ -157,7 +161,7 @@ impl Trail {
             let slope = refined_slope(&search.grid, others, slope_index, &d_around);
             search.keypoint(octave, &candidate, &refined, (slope_index, slope), sigma_d)
         });
-        Some(Judgement { value, rejected_by, sigma_d_least, sigma_d, beaten_by, fit, would_be })
+        Some(Judgement { value, rejected_by, sigma_d_min, sigma_d, beaten_by, fit, would_be })
     }
 
     /// The slope that beats a candidate by the joint rule: of several the one with the largest D around it.
@@ -186,7 +190,8 @@ impl Trail {
     }
 }
 
-/// The largest of sign·D among the 3×3×3 samples around (x, y, level index), the middle one among them: where, as (column, row, level index), and the value.
+/// The largest of sign·D among the 3×3×3 samples around (x, y, level index), the middle one among them: where, as
+/// (column, row, level index), and the value.
 pub fn strongest_around(
     dog: &DogTile,
     x: usize,
@@ -202,7 +207,8 @@ pub fn strongest_around(
         .expect("there are 27 samples")
 }
 
-/// D of the refined sample at the slopes around slope `index`, 0 where there is none: what the search keeps for the refinement over slope.
+/// D of the refined sample at the slopes around slope `index`, 0 where there is none: what the search keeps for the
+/// refinement over slope.
 fn d_around(
     search: &Search<'_>,
     around: &Neighbourhood,

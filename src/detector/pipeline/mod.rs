@@ -28,7 +28,8 @@ use std::time::Instant;
 /// Finds the features of a burst.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
 pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
     Ok(search_all(burst, params, monitor)?.detection)
 }

@@ -1,8 +1,9 @@
-//! What a detection leaves behind when it is to be asked why: the frames as they were searched, the first levels of the coarser octaves, all keypoints with
-//! the ones that removed them, and which keypoint each feature comes from.
+//! What a detection leaves behind when it is to be asked why: the frames as they were searched, the first levels of the
+//! coarser octaves, all keypoints with the ones that removed them, and which keypoint each feature comes from.
 //!
-//! Nothing here decides anything. Whoever explains a detection runs the search's own functions again on the few samples in question (see
-//! [`Trail::neighbourhood`]); the values have the same bits, because those of a tile do not depend on the tile.
+//! Nothing here decides anything. Whoever explains a detection runs the search's own functions again on the few samples
+//! in question (see [`Trail::neighbourhood`]); the values have the same bits, because those of a tile do not depend on
+//! the tile.
 
 use crate::detector::describe::point_response::point_response;
 use crate::detector::describe::two_motions::{FramesOfOctaves, Motions};
@@ -136,8 +137,9 @@ impl Trail {
         self.covered_by[index]
     }
 
-    /// Whether keypoint `index` would stay among those around it if keypoints were held distinct by another `radius` and `scale_ratio`. Those around it are
-    /// asked anew with one another: what was removed may stay then, and remove others.
+    /// Whether keypoint `index` would stay among those around it if keypoints were held distinct by another `radius`
+    /// and `scale_ratio`. Those around it are asked anew with one another: what was removed may stay then, and remove
+    /// others.
     pub fn would_stay(&self, index: usize, radius: f32, scale_ratio: f32) -> bool {
         let own = self.keypoints[index].in_image();
         let near = |k: &Keypoint| {
@@ -169,7 +171,8 @@ impl Trail {
         work(&Motions { frames: &frames, times, size_image: *size_image, space, interpolation })
     }
 
-    /// The keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for distinct keypoints.
+    /// The keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for distinct
+    /// keypoints.
     pub fn would_be_covered_by(&self, keypoint: &Keypoint) -> Option<usize> {
         let params = &self.inputs.params;
         let Distinct::Radius(radius) = params.distinct else {
@@ -213,12 +216,12 @@ impl Trail {
     }
 
     /// σ_D at `octave` and `level` (−1 … S) for slope `slope_index` of the grid, where the noise is least.
-    pub fn sigma_d_least(&self, (octave, level): (i32, i32), slope_index: usize) -> f32 {
+    pub fn sigma_d_min(&self, (octave, level): (i32, i32), slope_index: usize) -> f32 {
         self.sigma_d[(octave - self.octaves().start) as usize][(level + 1) as usize][slope_index]
     }
 
-    /// σ_D at `octave` and `level` (0 … S−1) for any slope, at the image's place (u, v): the noise of the mean over the `chosen` frames (indices among those that took
-    /// part) that cover it.
+    /// σ_D at `octave` and `level` (0 … S−1) for any slope, at the image's place (u, v): the noise of the mean over the
+    /// `chosen` frames (indices among those that took part) that cover it.
     pub fn sigma_d_at(
         &self,
         (octave, level): (i32, i32),
@@ -231,14 +234,15 @@ impl Trail {
         let pixel = |x: f32, n: usize| (x.max(0.0) as usize).min(n - 1);
         let at = (pixel(place.0, size.0), pixel(place.1, size.1));
         let gate = self.detection.noise_gate_factor;
-        let least = noise.sigma_d(space, (octave, level), (slope, &offsets), gate);
+        let min = noise.sigma_d(space, (octave, level), (slope, &offsets), gate);
         // The factor for the place samples the frames that took part, all of them.
         let covering = coverage(&offsets, at.0, at.1, *size).max(1);
-        least * (offsets.len() as f32 / covering as f32).sqrt() * noise.place_factor(octave, &all, at, *size)
+        min * (offsets.len() as f32 / covering as f32).sqrt() * noise.place_factor(octave, &all, at, *size)
     }
 
-    /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of `octave`, along the way through `place` (input
-    /// pixels, at mid-burst) at any `slope`: what the search would find there, up to interpolation. The octave must be one that was searched.
+    /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of
+    /// `octave`, along the way through `place` (input pixels, at mid-burst) at any `slope`: what the search would find
+    /// there, up to interpolation. The octave must be one that was searched.
     pub fn point_response(
         &self,
         (octave, levels): (i32, Range<i32>),

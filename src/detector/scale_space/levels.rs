@@ -1,10 +1,11 @@
 //! The scale space: octaves and levels in VLFeat's convention.
 //!
-//! Octave `o` has pixels of 2^o input pixels; its levels `s = −1 … S+1` have σ = σ0·2^(o + s/S) input pixels, with σ0 = 1.6·2^(1/S), so that
-//! the first level of an octave always has σ = 1.6 octave pixels. The input is taken to have σ = 0.5. Each level is blurred from the one
-//! before it by σ0·2^(s/S)·√(1 − 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, whose σ is twice the first level's.
-//! DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are looked for at levels 0 … S−1.
-//! Octave −1 is the image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th pixel.
+//! Octave `o` has pixels of 2^o input pixels; its levels `s = −1 … S+1` have σ = σ0·2^(o + s/S) input pixels, with σ0 =
+//! 1.6·2^(1/S), so that the first level of an octave always has σ = 1.6 octave pixels. The input is taken to have σ =
+//! 0.5. Each level is blurred from the one before it by σ0·2^(s/S)·√(1 − 2^(−2/S)) octave pixels; the next octave
+//! starts from every second pixel of level S−1, whose σ is twice the first level's. DoG level `s` (−1 … S) is `G(s+1) −
+//! G(s)`, and extrema are looked for at levels 0 … S−1. Octave −1 is the image doubled by linear interpolation: pixel
+//! (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th pixel.
 
 use crate::detector::params::{DetectorParams, MIN_OCTAVE_SIDE};
 use crate::kernel::gaussian_bank::FilterBank;
@@ -37,7 +38,8 @@ impl ScaleSpace {
         Self::new(params.levels as usize, params.first_octave, f64::from(params.kernel_cut))
     }
 
-    /// The scale space of `levels` per octave from octave `first_octave` on, with kernels that end at `kernel_cut` standard deviations.
+    /// The scale space of `levels` per octave from octave `first_octave` on, with kernels that end at `kernel_cut`
+    /// standard deviations.
     pub fn new(levels: usize, first_octave: i32, kernel_cut: f64) -> Self {
         let input = SIGMA_INPUT * 2f64.powi(-first_octave);
         let base = (SIGMA_BASE * SIGMA_BASE - input * input).max(0.0).sqrt();
@@ -66,8 +68,8 @@ impl ScaleSpace {
         self.sigma_octave(level) * 2f64.powi(octave)
     }
 
-    /// The filters that make the Gaussian level indices `levels` (0 is level −1) of an octave from its pixels: of the first octave from the stacked image,
-    /// of later ones from their first level.
+    /// The filters that make the Gaussian level indices `levels` (0 is level −1) of an octave from its pixels: of the
+    /// first octave from the stacked image, of later ones from their first level.
     pub fn bank(&self, first: bool, levels: Range<usize>) -> FilterBank {
         let base = if first { self.base_kernel.clone() } else { GaussianKernel::new(0.0) };
         FilterBank::new(std::iter::once(base).chain(self.step_kernels.iter().cloned()).collect(), levels)
@@ -89,8 +91,8 @@ pub fn octave_pixel(octave: i32) -> f32 {
     2f32.powi(octave)
 }
 
-/// The octaves that a search with `params` visits in an image of `size` = (columns, rows): those asked for, as long as their shorter side
-/// has [`MIN_OCTAVE_SIDE`] pixels. At least the first one.
+/// The octaves that a search with `params` visits in an image of `size` = (columns, rows): those asked for, as long as
+/// their shorter side has [`MIN_OCTAVE_SIDE`] pixels. At least the first one.
 pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<i32> {
     let first = params.first_octave;
     let side = size.0.min(size.1);

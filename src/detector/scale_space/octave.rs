@@ -1,8 +1,8 @@
 //! One octave of the search: where its pixels come from, and the tiles of its DoG levels.
 //!
-//! For the first octave the pixels are made from the frames: stacked at a slope and brought to the octave's resolution. Later octaves
-//! start from planes that the octave before left behind, one for each slope. Everything is made in tiles; a tile carries the pixels around it
-//! that its filters need, so each value has the same bits whatever the tiles.
+//! For the first octave the pixels are made from the frames: stacked at a slope and brought to the octave's resolution.
+//! Later octaves start from planes that the octave before left behind, one for each slope. Everything is made in tiles;
+//! a tile carries the pixels around it that its filters need, so each value has the same bits whatever the tiles.
 
 use crate::detector::scale_space::levels::ScaleSpace;
 use crate::detector::stack::offsets::stack_row;
@@ -30,7 +30,8 @@ pub enum Base<'a> {
 }
 
 impl Base<'_> {
-    /// Rows `rows` and columns `columns` of the stacked image at the octave's resolution, before any blur. Each written by `write(v, row)`.
+    /// Rows `rows` and columns `columns` of the stacked image at the octave's resolution, before any blur. Each written
+    /// by `write(v, row)`.
     pub(crate) fn raw_rows(
         &self,
         rows: Range<usize>,
@@ -86,8 +87,8 @@ pub struct OctaveFilters {
 }
 
 impl OctaveFilters {
-    /// For an octave of `size` of `space`, which is the first one or not; `bank` makes the Gaussian level indices `levels` (0 is level −1), as
-    /// [`ScaleSpace::bank`] gives it.
+    /// For an octave of `size` of `space`, which is the first one or not; `bank` makes the Gaussian level indices
+    /// `levels` (0 is level −1), as [`ScaleSpace::bank`] gives it.
     pub fn new(space: &ScaleSpace, bank: &FilterBank, levels: &Range<usize>, size: (usize, usize)) -> Self {
         let next = levels.contains(&space.levels).then(|| space.levels - levels.start);
         Self { along_u: bank.axis(size.0), along_v: bank.axis(size.1), next }
@@ -123,7 +124,8 @@ pub enum Pixels<'a> {
     Level(&'a Plane),
 }
 
-/// Filters `region` of an octave into `dog`; `batch_done` is told which rows are finished. With `next` the level from which the next octave starts is kept.
+/// Filters `region` of an octave into `dog`; `batch_done` is told which rows are finished. With `next` the level from
+/// which the next octave starts is kept.
 pub fn dog_tile(
     filters: &OctaveFilters,
     pixels: Pixels<'_>,
@@ -145,7 +147,8 @@ pub fn dog_tile(
 /// Columns that a stacked row has room for beyond its own, so that filters can read it in whole vectors where it lies.
 const PADDING: usize = 32;
 
-/// The stacked images of some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope. `slopes` are the frames' offsets.
+/// The stacked images of some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope.
+/// `slopes` are the frames' offsets.
 pub fn stack_tiles(
     frames: &[&Plane],
     slopes: &[impl AsRef<[FrameOffset]>],

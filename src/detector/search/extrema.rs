@@ -1,7 +1,9 @@
-//! The extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule, those at the slopes around it.
+//! The extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule,
+//! those at the slopes around it.
 //!
-//! The tests come in METHOD's order and each rejection is counted. Thresholds come first because they are cheapest and reject nearly
-//! everything, together with the eight neighbours in the image: both are tested for a whole row at once, in vector lanes.
+//! The tests come in METHOD's order and each rejection is counted. Thresholds come first because they are cheapest and
+//! reject nearly everything, together with the eight neighbours in the image: both are tested for a whole row at once,
+//! in vector lanes.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::scale_space::octave::DogTile;
@@ -42,8 +44,9 @@ struct Counts {
     below_any: u32,
 }
 
-/// Appends to `found` the inner columns (0 is the row's second one) of a row whose value reaches `limit` in magnitude and is above, or below, all its eight
-/// neighbours, and counts what fails before that. The rows are those above, at and below.
+/// Appends to `found` the inner columns (0 is the row's second one) of a row whose value reaches `limit` in magnitude
+/// and is above, or below, all its eight neighbours, and counts what fails before that. The rows are those above, at
+/// and below.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, found: &mut Vec<u32>) -> Counts {
     let larger = |x: f32, y: f32| if x > y { x } else { y };
@@ -67,16 +70,16 @@ fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f3
         if below_any < n as u32 {
             let marks = &mut marks[..n];
             for u in 0..n {
-                let most = larger(
+                let max = larger(
                     larger(larger(a[u], b[u]), larger(c[u], d[u])),
                     larger(larger(f[u], g[u]), larger(h[u], i[u])),
                 );
-                let least = smaller(
+                let min = smaller(
                     smaller(smaller(a[u], b[u]), smaller(c[u], d[u])),
                     smaller(smaller(f[u], g[u]), smaller(h[u], i[u])),
                 );
-                let high = (e[u] > most) & (e[u] >= limit);
-                let low = (e[u] < least) & (e[u] <= -limit);
+                let high = (e[u] > max) & (e[u] >= limit);
+                let low = (e[u] < min) & (e[u] <= -limit);
                 marks[u] = u8::from(high | low);
             }
             append_marked(marks, start as u32, found);
@@ -108,8 +111,9 @@ fn beats_three(value: f32, samples: &[f32]) -> bool {
     if value > 0.0 { value > a && value > b && value > c } else { value < a && value < b && value < c }
 }
 
-/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope. `or_equals` lets it stand when it only
-/// equals them: of two slopes with the same D, which a motion half-way between them gives, exactly one must stay.
+/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope.
+/// `or_equals` lets it stand when it only equals them: of two slopes with the same D, which a motion half-way between
+/// them gives, exactly one must stay.
 pub fn beats_all_27(value: f32, dog: &DogTile, x: usize, y: usize, level_index: usize, or_equals: bool) -> bool {
     let sign = value.signum();
     let limit = sign * value;
@@ -137,8 +141,9 @@ fn is_scale_extremum(value: f32, levels: &[Tile], x: usize, y: usize, level_inde
         .all(|level| (y - 1..=y + 1).all(|v| beats_three(value, around(level, x, v))))
 }
 
-/// Appends the samples of `region` that pass the thresholds and are extrema at their own slope, and counts the others. `levels` are the tiles of D; they hold
-/// at least one pixel more on each side of the region, inside the octave of `size`.
+/// Appends the samples of `region` that pass the thresholds and are extrema at their own slope, and counts the others.
+/// `levels` are the tiles of D; they hold at least one pixel more on each side of the region, inside the octave of
+/// `size`.
 pub fn own_slope_extrema(
     levels: &[Tile],
     region: &Region,
@@ -194,8 +199,9 @@ fn level_extrema(
     }
 }
 
-/// What the tests at its own slope say of the one sample (x, y) at `level_index`: the candidate, or the test that rejects it. `None` for a sample on the
-/// octave's border, which the search does not examine. The tiles must hold the sample and a pixel around it.
+/// What the tests at its own slope say of the one sample (x, y) at `level_index`: the candidate, or the test that
+/// rejects it. `None` for a sample on the octave's border, which the search does not examine. The tiles must hold the
+/// sample and a pixel around it.
 pub fn own_slope_verdict(
     levels: &[Tile],
     (x, y, level_index): (usize, usize, usize),

@@ -50,8 +50,8 @@ impl Inputs {
     }
 }
 
-/// The noise of the burst as the parameters want it known, and the frames that are searched: with [`NoiseModelKind::White`], or where there is too little to know
-/// more, all that are used, as they are.
+/// The noise of the burst as the parameters want it known, and the frames that are searched: with
+/// [`NoiseModelKind::White`], or where there is too little to know more, all that are used, as they are.
 pub(in crate::detector) fn known_noise(
     burst: &Burst,
     params: &DetectorParams,

@@ -1,8 +1,9 @@
 //! The search through the octaves: each is cut into tiles, which run in parallel.
 //!
-//! Octaves come in turn, each starting from planes that the one before left for every slope. A tile visits all slopes in order, holding only those that its
-//! undecided candidates still need. Its height is chosen so that what the threads hold together stays bounded (at least eight rows are held, whatever that
-//! takes). Tiles return their keypoints in order, so threads cannot change the result. The first levels of all octaves are kept, for what follows.
+//! Octaves come in turn, each starting from planes that the one before left for every slope. A tile visits all slopes
+//! in order, holding only those that its undecided candidates still need. Its height is chosen so that what the threads
+//! hold together stays bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in
+//! order, so threads cannot change the result. The first levels of all octaves are kept, for what follows.
 
 use crate::detector::feature::Tally;
 use crate::detector::keypoint::Keypoint;
@@ -29,15 +30,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Bytes of DoG tiles that the threads' windows of slopes may hold together.
 const WINDOWS_BYTES: usize = 128 << 20;
-/// Bytes that one of them holds at most: as much as stays in a thread's share of the third cache. Fewer rows than that repeat too much of what the filters
-/// need around a tile.
+/// Bytes that one of them holds at most: as much as stays in a thread's share of the third cache. Fewer rows than that
+/// repeat too much of what the filters need around a tile.
 const WINDOW_BYTES: usize = 6 << 20;
-/// Columns of a tile. With those held around it for the moves of the refinement it is five blocks of vectors wide, and what lies between the two
-/// passes of its filters stays in the second cache.
+/// Columns of a tile. With those held around it for the moves of the refinement it is five blocks of vectors wide, and
+/// what lies between the two passes of its filters stays in the second cache.
 const TILE_COLUMNS: usize = 148;
-/// Rows of a tile where the window does not ask for fewer: enough that the rows its filters need around it matter little.
+/// Rows of a tile where the window does not ask for fewer: enough that the rows its filters need around it matter
+/// little.
 const TILE_ROWS: usize = 548;
-/// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the mixing of rows.
+/// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the
+/// mixing of rows.
 const STACKED_SLOPES: usize = 16;
 /// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
 pub(crate) const HELD: usize = MAX_MOVES + 1;
@@ -141,7 +144,8 @@ impl Search<'_> {
         self.grid.slopes().zip(&self.offsets).map(sigma).collect()
     }
 
-    /// A thread's space: one that lies unused, or a new one. Fresh memory costs as much as a good part of the search, so it goes round.
+    /// A thread's space: one that lies unused, or a new one. Fresh memory costs as much as a good part of the search,
+    /// so it goes round.
     pub(crate) fn take_scratch(&self) -> TileScratch {
         self.unused.lock().ok().and_then(|mut unused| unused.pop()).unwrap_or_else(|| TileScratch {
             stacked: Vec::new(),

@@ -1,8 +1,10 @@
-//! The slopes that the search holds at once, for one tile of the octave: one, unless candidates are compared with other slopes or refined over them.
+//! The slopes that the search holds at once, for one tile of the octave: one, unless candidates are compared with other
+//! slopes or refined over them.
 //!
-//! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as soon as it is found, while their tiles are
-//! still held, and with those after its own as they come: it waits for them with what is needed of its own tile, which nobody asks for any more. So a line
-//! of slopes needs two tiles, a plane one row of the grid and two.
+//! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as
+//! soon as it is found, while their tiles are still held, and with those after its own as they come: it waits for them
+//! with what is needed of its own tile, which nobody asks for any more. So a line of slopes needs two tiles, a plane
+//! one row of the grid and two.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
@@ -117,8 +119,9 @@ impl SlopeWindow {
             .collect()
     }
 
-    /// Compares the tile of slope `made` with the candidates that wait for it, and its candidates with the slopes before it. A candidate that `gate` lets
-    /// pass and that beats them waits with what `refine` makes of it. `tally` counts the others.
+    /// Compares the tile of slope `made` with the candidates that wait for it, and its candidates with the slopes
+    /// before it. A candidate that `gate` lets pass and that beats them waits with what `refine` makes of it. `tally`
+    /// counts the others.
     pub(in crate::detector) fn compare(
         &mut self,
         made: usize,
@@ -181,14 +184,16 @@ impl SlopeWindow {
         &self.undecided[index % self.undecided.len()]
     }
 
-    /// The slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope `index`. An axis
-    /// on which `index` is the first or last keeps the grid's slope, and so do all where other slopes are not looked at.
+    /// The slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope
+    /// `index`. An axis on which `index` is the first or last keeps the grid's slope, and so do all where other slopes
+    /// are not looked at.
     pub(in crate::detector) fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
         refined_slope(&self.grid, self.others, index, &undecided.around)
     }
 }
 
-/// See [`SlopeWindow::refined_slope`]; `around[dj + 1][di + 1]` is D of the refined sample at the slopes around slope `index`, 0 where there is none.
+/// See [`SlopeWindow::refined_slope`]; `around[dj + 1][di + 1]` is D of the refined sample at the slopes around slope
+/// `index`, 0 where there is none.
 pub(in crate::detector) fn refined_slope(
     grid: &SlopeGrid,
     others: OtherSlopes,

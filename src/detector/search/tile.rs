@@ -100,7 +100,8 @@ impl Search<'_> {
         }
     }
 
-    /// σ_D of a candidate: the noise there, and where fewer frames cover a place the mean is noisier, by the square root.
+    /// σ_D of a candidate: the noise there, and where fewer frames cover a place the mean is noisier, by the square
+    /// root.
     fn sigma_d_at(&self, job: &Octave<'_>, slope_index: usize, candidate: &Candidate) -> f32 {
         job.sigma_d[candidate.level_index][slope_index]
             * self.place_factor(job.octave, slope_index, candidate.x, candidate.y)
@@ -171,7 +172,8 @@ impl Search<'_> {
         }
     }
 
-    /// √(N / frames that cover the octave pixel (x, y) at the slope), times by how much the noise is larger there than where it is least.
+    /// √(N / frames that cover the octave pixel (x, y) at the slope), times by how much the noise is larger there than
+    /// where it is least.
     pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
         let pixel = octave_pixel(octave);
         let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);

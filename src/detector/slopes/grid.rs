@@ -15,7 +15,7 @@ const LARGE_SIGNIFICANCE: f32 = 6.5;
 /// among the windows of 28 bursts of pure noise the largest had 9.8.
 const SMALL_SIGNIFICANCE: f32 = 5.0;
 /// Ambiguity from which a window does not count.
-const MOST_AMBIGUITY: f32 = 0.85;
+const MAX_AMBIGUITY: f32 = 0.85;
 /// Uncertainty up to which one of the smallest windows counts, in steps that smear the finest features.
 const SMALL_UNCERTAINTY: f64 = 0.8;
 /// The same for larger windows, in which noise matters less.
@@ -61,7 +61,7 @@ pub(super) fn is_clear(evidence: &SlopeEvidence, steps: Steps) -> bool {
     let limit = if side_in_smallest(evidence) > 1.2 { LARGE_UNCERTAINTY } else { SMALL_UNCERTAINTY };
     is_significant(evidence)
         && f64::from(evidence.uncertainty) <= limit * steps.same
-        && evidence.ambiguity < MOST_AMBIGUITY
+        && evidence.ambiguity < MAX_AMBIGUITY
 }
 
 /// Those of `evidence` that are beyond doubt or that another one confirms.
@@ -165,8 +165,8 @@ fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f64; 2]) {
 }
 
 /// Slopes from one step below `range` to one step above it.
-fn axis([least, most]: [f64; 2], step: f64, slopes: usize) -> SlopeAxis {
-    let (min, max) = (least - step, most + step);
+fn axis([min, max]: [f64; 2], step: f64, slopes: usize) -> SlopeAxis {
+    let (min, max) = (min - step, max + step);
     // A hundredth of a pixel per frame is enough, and can be read.
     let (min, max) = ((100.0 * min).floor() / 100.0, (100.0 * max).ceil() / 100.0);
     let with_step = |step: f64| ((max - min) / step - 0.05).ceil().max(2.0) as usize + 1;

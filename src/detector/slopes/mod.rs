@@ -94,7 +94,8 @@ fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
 }
 
 impl SlopeFinding {
-    /// The evidence by which the grid is chosen, for a search of `frame_count` frames with `params`: significant, clear, and beyond doubt or confirmed.
+    /// The evidence by which the grid is chosen, for a search of `frame_count` frames with `params`: significant,
+    /// clear, and beyond doubt or confirmed.
     pub fn confirmed(&self, params: &DetectorParams, frame_count: usize) -> Vec<SlopeEvidence> {
         let steps = steps_of(params, params.used_frames(frame_count).len());
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
@@ -139,12 +140,12 @@ struct Size {
 /// The grid and the verdict, as if the motion were straight.
 fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> SlopeFinding {
     let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
-    let most = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
+    let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
     let clear: Vec<SlopeEvidence> = significant.iter().filter(|e| is_clear(e, steps)).copied().collect();
     let kept = confirmed(&clear, steps);
     let kept: Vec<SlopeEvidence> = kept.into_iter().filter(|e| stays_inside(e.slope, size)).collect();
     let Some(grid) = grid_for(&kept, steps, line_deg) else {
-        return SlopeFinding { evidence: seen.evidence.clone(), ..SlopeFinding::nothing(most) };
+        return SlopeFinding { evidence: seen.evidence.clone(), ..SlopeFinding::nothing(max) };
     };
     let still = kept.iter().all(|e| f64::from(e.slope.magnitude()) * size.gaps <= STILL_PX);
     let grid = if still { SlopeGrid::single(Slope::default()) } else { grid };
@@ -160,7 +161,7 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
             () => SlopeVerdict::Found,
         },
         confidence: agreement(&significant, &grid, steps),
-        significance: most,
+        significance: max,
         direction_deg: (!still).then(|| direction_deg(&kept) as f32),
         moved_px: moved_px as f32,
         deviation_px: None,

@@ -162,12 +162,12 @@ impl SearchTable {
             let significance = middle / deviation;
             // The smallest curvature of P, as a fraction of it.
             let mean = 0.5 * (bend_00 + bend_11);
-            let least =
+            let min =
                 if both { mean - (0.25 * (bend_00 - bend_11).powi(2) + bend_01 * bend_01).sqrt() } else { bend_00 };
             let part = TEXTURE_PART + 4.5 / (significance * significance);
-            let uncertainty = if least > 0.0 { (2.0 * part * middle / least).sqrt() } else { f64::INFINITY };
+            let uncertainty = if min > 0.0 { (2.0 * part * middle / min).sqrt() } else { f64::INFINITY };
             answer = Some(Peak { slope: at, significance, uncertainty, ambiguity: 0.0 });
-            if least <= 0.0 || determinant <= 0.0 {
+            if min <= 0.0 || determinant <= 0.0 {
                 return answer;
             }
             let step = [

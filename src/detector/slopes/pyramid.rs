@@ -19,10 +19,10 @@ const LEVELS: u32 = 3;
 
 /// The levels at which an image of `size` is looked at: those of [`LEVELS`] whose sides are at least `least_side` level
 /// pixels.
-pub(super) fn levels_for((width, height): (usize, usize), least_side: usize) -> Range<u32> {
+pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Range<u32> {
     let larger_than = |pixels: usize| u32::from(width * height > pixels);
     let first = larger_than(SMALL_PIXELS) + larger_than(MEDIUM_PIXELS);
-    let fits = |level: &u32| (width.min(height) >> level) >= least_side;
+    let fits = |level: &u32| (width.min(height) >> level) >= min_side;
     let first = (0..=first).rev().find(fits).unwrap_or(0);
     first..first + (first..first + LEVELS).take_while(fits).count() as u32
 }

@@ -10,7 +10,7 @@ use super::spectra::{CrossSpectra, Fourier, SIDE};
 /// Significance that every pair of neighbours must have.
 const LEAST_SIGNIFICANCE: f64 = 6.0;
 /// Steps up a peak at most, and where they end, level pixels.
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 const FINEST_STEP: f64 = 0.02;
 /// Standard error of a shift times the significance of its peak, level pixels: one over the root of the band's
 /// curvature.
@@ -25,15 +25,15 @@ pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<[f
         return None;
     }
     let planes = fourier.correlations(&products.neighbours, &mut fourier.scratch(0));
-    let (mut way, mut least) = (vec![[0.0, 0.0]], f64::INFINITY);
+    let (mut way, mut min) = (vec![[0.0, 0.0]], f64::INFINITY);
     for plane in &planes {
         let ([u, v], significance) = peak_of(plane, &fourier.overlap, variance)?;
-        least = least.min(significance);
+        min = min.min(significance);
         let [x, y] = *way.last()?;
         way.push([x + u, y + v]);
     }
     // Each shift errs by about a pixel over its significance; the errors add up along the way.
-    let noise = SHIFT_ERROR / least * (planes.len() as f64).sqrt();
+    let noise = SHIFT_ERROR / min * (planes.len() as f64).sqrt();
     Some([distance_from_a_line(&way), noise])
 }
 
@@ -50,7 +50,7 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f
     let unbiased = unbiased(plane, overlap);
     // Up the hill, by steps that are halved at each top.
     let mut step = 0.5;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let around = [[0.0, 0.0], [step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
         let value = |d: &[f64; 2]| cubic(&unbiased, [at[0] + d[0], at[1] + d[1]]);
         let best = around.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;

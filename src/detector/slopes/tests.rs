@@ -123,8 +123,8 @@ fn dark_charts_show_the_range_of_their_discs() {
         let slopes = truth.features.iter().map(|f| Slope::new(f.slope_u as f32, f.slope_v as f32));
         let held = slopes.filter(|s| holds(&finding.grid, *s, 0.0)).count();
         assert!(held * 100 >= 96 * truth.features.len(), "{motion:?} {snr}: {held}, {:?}", finding.grid);
-        let most = f64::from(finding.grid.u.max.max(-finding.grid.u.min));
-        assert!(most < 3.0 + 1.6 * step(&burst), "{motion:?} {snr}: {:?}", finding.grid);
+        let max = f64::from(finding.grid.u.max.max(-finding.grid.u.min));
+        assert!(max < 3.0 + 1.6 * step(&burst), "{motion:?} {snr}: {:?}", finding.grid);
     }
 }
 

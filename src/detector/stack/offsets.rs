@@ -1,10 +1,11 @@
 //! The motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
 //!
-//! Numerics. Frame `t` is sampled at `x + (t − t0)·λ`. The offset is the same for every pixel, so it splits once into whole pixels and a
-//! fraction, and a row of the result is a weighted sum of at most two rows of each frame, read at whole-pixel distances: contiguous
-//! loads, no gather, and sums that stay in registers. A frame covers a pixel when the sampling point lies between the centres of its first and last pixel; the sum
-//! is divided by the number of frames that do, which keeps borders from darkening. Where no frame covers a pixel (a corner, with diagonal
-//! slopes and an even number of frames) the frames' nearest pixels are averaged instead.
+//! Numerics. Frame `t` is sampled at `x + (t − t0)·λ`. The offset is the same for every pixel, so it splits once into
+//! whole pixels and a fraction, and a row of the result is a weighted sum of at most two rows of each frame, read at
+//! whole-pixel distances: contiguous loads, no gather, and sums that stay in registers. A frame covers a pixel when the
+//! sampling point lies between the centres of its first and last pixel; the sum is divided by the number of frames that
+//! do, which keeps borders from darkening. Where no frame covers a pixel (a corner, with diagonal slopes and an even
+//! number of frames) the frames' nearest pixels are averaged instead.
 
 use crate::detector::params::Interpolation;
 use crate::detector::params::slope_grid::Slope;
@@ -38,10 +39,12 @@ impl FrameTimes {
 
 /// The offset (u, v), pixels, as `interpolation` reads it.
 fn offset_at(u_px: f64, v_px: f64, interpolation: Interpolation) -> FrameOffset {
-    // A fraction under a millionth of a pixel is a rounding error of the slope; without it whole-pixel slopes stay exact.
+    // A fraction under a millionth of a pixel is a rounding error of the slope; without it whole-pixel slopes stay
+    // exact.
     let split = |x: f64| match interpolation {
         Interpolation::Nearest => (x.round() as i64, 0.0, 0),
-        // Dropping the fraction of place + 1/2 is its floor, but for places between −1.5 and −0.5, which it takes for 0.
+        // Dropping the fraction of place + 1/2 is its floor, but for places between −1.5 and −0.5, which it takes
+        // for 0.
         Interpolation::Truncated => ((x + 0.5).floor() as i64, 0.0, i64::from((x + 0.5).fract() != 0.0)),
         Interpolation::Linear => {
             let (whole, part) = (x.floor(), x - x.floor());
@@ -79,7 +82,8 @@ pub(in crate::detector) fn shifted_offsets(
     (0..frame_count).map(offset).collect()
 }
 
-/// The variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at `offsets`: f(1 − f) for a fraction f.
+/// The variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at
+/// `offsets`: f(1 − f) for a fraction f.
 pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
     let mean = |part: fn(&FrameOffset) -> f32| {
         let blur = |offset| f64::from(part(offset)) * (1.0 - f64::from(part(offset)));
@@ -88,7 +92,8 @@ pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
     (mean(|offset| offset.part_u), mean(|offset| offset.part_v))
 }
 
-/// Row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one size and their [`frame_offsets`].
+/// Row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one size and
+/// their [`frame_offsets`].
 pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
     RowStacker::new(frames, vec![offsets]).row(v, columns, &mut [out]);
 }
@@ -98,8 +103,8 @@ pub fn coverage(offsets: &[FrameOffset], u: usize, v: usize, size: (usize, usize
     offsets.iter().filter(|o| o.covers(u, v, size)).count()
 }
 
-/// The motion-stack image of `frames` (one size, in time order) at `slope`: the mean over the frames that cover a pixel of
-/// `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`. Same size and unit as the frames. Rows in parallel.
+/// The motion-stack image of `frames` (one size, in time order) at `slope`: the mean over the frames that cover a pixel
+/// of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`. Same size and unit as the frames. Rows in parallel.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

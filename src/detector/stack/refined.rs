@@ -1,9 +1,10 @@
 //! Stacks at a feature's own slope, between those of the grid, in any octave.
 //!
-//! Neighbouring slopes of a grid misalign the outermost frames by their step times (N − 1)/2 pixels, so what lies half-way between two of them is smeared in both, and a
-//! descriptor taken there matches less. The grid's stacks are no help: the frames have to be shifted anew. For octaves above 0 that is done on frames of
-//! that octave's resolution: each pixel the mean of 2^o × 2^o of a frame's. Averaging before shifting gives the same as after it, but for
-//! what is finer than the averages, which no level of that octave shows.
+//! Neighbouring slopes of a grid misalign the outermost frames by their step times (N − 1)/2 pixels, so what lies
+//! half-way between two of them is smeared in both, and a descriptor taken there matches less. The grid's stacks are no
+//! help: the frames have to be shifted anew. For octaves above 0 that is done on frames of that octave's resolution:
+//! each pixel the mean of 2^o × 2^o of a frame's. Averaging before shifting gives the same as after it, but for what is
+//! finer than the averages, which no level of that octave shows.
 
 use crate::detector::params::Interpolation;
 use crate::detector::params::slope_grid::Slope;
@@ -25,7 +26,8 @@ pub(in crate::detector) struct OctaveFrames<'a> {
 }
 
 impl<'a> OctaveFrames<'a> {
-    /// Of `frames` of one size, taken at `times`, for `octave`, −1 or more. Octaves 0 and −1 take the frames as they are.
+    /// Of `frames` of one size, taken at `times`, for `octave`, −1 or more. Octaves 0 and −1 take the frames as they
+    /// are.
     pub(in crate::detector) fn new(frames: &'a [&'a Plane], times: &'a FrameTimes, octave: i32) -> Self {
         let finest = Self { octave: octave.min(0), means: Cow::Borrowed(&[]), frames, times };
         (0..octave).fold(finest, |finer, _| finer.coarser())

@@ -1,16 +1,18 @@
 //! The similarity that lays one trajectory on another.
 //!
-//! Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI 13(4), 376–380, 1991: of all scales, rotations
-//! and translations the one with the least sum of squared distances between the camera centres.
+//! Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI 13(4),
+//! 376–380, 1991: of all scales, rotations and translations the one with the least sum of squared distances between the
+//! camera centres.
 //!
-//! A camera on a straight rail leaves the rotation about the rail open: any is as good for the centres. Such trajectories are common (motion in 1D), so the
-//! directions in which the cameras look close the gap: of all rotations about the rail the one that turns them best (greatest sum of traces) is taken.
+//! A camera on a straight rail leaves the rotation about the rail open: any is as good for the centres. Such
+//! trajectories are common (motion in 1D), so the directions in which the cameras look close the gap: of all rotations
+//! about the rail the one that turns them best (greatest sum of traces) is taken.
 
 use super::PoseError;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-/// A trajectory counts as straight when the spread of its centres across its direction is less than this part of that along it. Below, noise decides
-/// more about the rotation than the shape does.
+/// A trajectory counts as straight when the spread of its centres across its direction is less than this part of that
+/// along it. Below, noise decides more about the rotation than the shape does.
 const STRAIGHT: f64 = 0.01;
 
 /// A scale, a rotation and a translation: `x` becomes `scale · rotation · x + translation`.
@@ -37,14 +39,16 @@ impl Similarity {
 pub struct Alignment {
     /// From the estimate's world to the truth's.
     pub truth_from_estimate: Similarity,
-    /// Whether the trajectories are straight, so that the cameras' directions had to say how they are turned about their line.
+    /// Whether the trajectories are straight, so that the cameras' directions had to say how they are turned about
+    /// their line.
     pub straight: bool,
 }
 
 /// The best similarity from the poses `estimate` to the poses `truth`, which belong together one by one.
 ///
 /// # Errors
-/// [`PoseError::Degenerate`] for fewer than two pairs, for cameras that all stand in one place, and for trajectories without anything in common.
+/// [`PoseError::Degenerate`] for fewer than two pairs, for cameras that all stand in one place, and for trajectories
+/// without anything in common.
 ///
 /// # Panics
 /// When there are not as many poses on both sides: a mistake of the caller.
@@ -93,8 +97,8 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
     Ok(Alignment { truth_from_estimate: Similarity { scale, rotation, translation }, straight })
 }
 
-/// The rotation R about the unit vector `axis` for which the trace of R·`sum` is greatest. By Rodrigues' formula that trace is
-/// `a + b·cos θ + c·sin θ`.
+/// The rotation R about the unit vector `axis` for which the trace of R·`sum` is greatest. By Rodrigues' formula that
+/// trace is `a + b·cos θ + c·sin θ`.
 fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let along = (axis.transpose() * sum * axis)[0];
     let cos = sum.trace() - along;
@@ -157,7 +161,8 @@ mod tests {
 
     #[test]
     fn the_best_scale_of_noisy_centres_is_umeyamas() {
-        // On one line: truth −1, 0, 1; estimate −1, 0.5, 2, whose mean is 0.5. The least squares slope is Σxy/Σx² = 3/4.5.
+        // On one line: truth −1, 0, 1; estimate −1, 0.5, 2, whose mean is 0.5. The least squares slope is Σxy/Σx² =
+        // 3/4.5.
         let line = |xs: [f64; 3]| xs.map(|x| pose([x, 0.0, 0.0], [0.0; 3]));
         let alignment = align(&line([-1.0, 0.5, 2.0]), &line([-1.0, 0.0, 1.0])).expect("aligned");
         assert!((alignment.truth_from_estimate.scale - 2.0 / 3.0).abs() < 1e-12);

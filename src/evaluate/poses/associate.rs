@@ -1,11 +1,14 @@
 //! Which pose of the estimate belongs to which pose of the truth.
 //!
-//! - **By name**: both are of the same image. Names are compared as they are; if no two agree, without their folders and endings.
-//! - **By time**: the time stamps are nearest and not too far apart. A sparse model has no times; there the last number in the image's name is taken,
-//!   such as 23 of `image.0023.png` or 1305031102.175304 of `1305031102.175304.png`.
-//! - **By order**: both have the same place in their sequence. For a model that is the image's id, so that images which were not registered leave gaps.
+//! - **By name**: both are of the same image. Names are compared as they are; if no two agree, without their folders
+//!   and endings.
+//! - **By time**: the time stamps are nearest and not too far apart. A sparse model has no times; there the last number
+//!   in the image's name is taken, such as 23 of `image.0023.png` or 1305031102.175304 of `1305031102.175304.png`.
+//! - **By order**: both have the same place in their sequence. For a model that is the image's id, so that images which
+//!   were not registered leave gaps.
 //!
-//! Left to choose, names come first where both sides have them; otherwise times, if every pose of the estimate finds one; otherwise the order.
+//! Left to choose, names come first where both sides have them; otherwise times, if every pose of the estimate finds
+//! one; otherwise the order.
 
 use super::{Pose, PoseError};
 use serde::{Deserialize, Serialize};
@@ -44,7 +47,8 @@ pub struct Pairing {
     pub pairs: Vec<(usize, usize)>,
 }
 
-/// Pairs poses by the rule `by`, or by the one that fits. Times that differ by more than `max_time_difference` never belong together.
+/// Pairs poses by the rule `by`, or by the one that fits. Times that differ by more than `max_time_difference` never
+/// belong together.
 ///
 /// # Errors
 /// [`PoseError::Unpaired`] when not one pair is found.
@@ -82,8 +86,8 @@ pub fn associate(
     Ok(Pairing { by, pairs })
 }
 
-/// The order, where it can be meant: each pose of the estimate has a place in the truth. Otherwise the times, for two recordings with times of their own
-/// need not overlap all the way.
+/// The order, where it can be meant: each pose of the estimate has a place in the truth. Otherwise the times, for two
+/// recordings with times of their own need not overlap all the way.
 fn order_or_times(
     estimate: &[Pose],
     truth: &[Pose],

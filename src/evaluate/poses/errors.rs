@@ -1,9 +1,10 @@
 //! What is left over once an estimate is laid on the truth.
 //!
-//! Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012. The **absolute trajectory error** of a pose is how far its centre is
-//! from the true one, and by which angle its directions differ. The **relative pose error** compares motions: from each pose to the one
-//! `step` poses later, true and estimated; what the one motion lacks of the other is a small motion, whose length and angle are the error. It
-//! does not add up along the way, as the absolute one may.
+//! Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012. The **absolute trajectory error**
+//! of a pose is how far its centre is from the true one, and by which angle its directions differ. The **relative pose
+//! error** compares motions: from each pose to the one `step` poses later, true and estimated; what the one motion
+//! lacks of the other is a small motion, whose length and angle are the error. It does not add up along the way, as the
+//! absolute one may.
 
 use crate::evaluate::statistics::quantile;
 use nalgebra::Isometry3;

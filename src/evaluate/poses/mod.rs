@@ -1,11 +1,12 @@
 //! Camera poses: how far an estimated trajectory is from a known one.
 //!
-//! Structure from motion answers with cameras in a world of its own: its origin, directions and scale mean nothing. So the poses that belong together are
-//! [paired](mod@associate), the similarity that lays the estimate on the truth best is [found](mod@align), and what is left over is the [error](errors):
-//! of each pose by itself (absolute trajectory error) and from one pose to the next (relative pose error). [`evaluate_poses`] does all of it.
+//! Structure from motion answers with cameras in a world of its own: its origin, directions and scale mean nothing. So
+//! the poses that belong together are [paired](mod@associate), the similarity that lays the estimate on the truth best
+//! is [found](mod@align), and what is left over is the [error](errors): of each pose by itself (absolute trajectory
+//! error) and from one pose to the next (relative pose error). [`evaluate_poses`] does all of it.
 //!
-//! Poses come from COLMAP's [sparse models](sparse) and from [trajectory files](tum). A [`Pose`] always holds the camera in the world (its centre and
-//! the rotation from camera to world axes), whatever the file holds.
+//! Poses come from COLMAP's [sparse models](sparse) and from [trajectory files](tum). A [`Pose`] always holds the
+//! camera in the world (its centre and the rotation from camera to world axes), whatever the file holds.
 
 pub mod align;
 pub mod associate;
@@ -50,7 +51,8 @@ pub struct Trajectory {
     pub model: Option<SparseModel>,
 }
 
-/// Reads the poses at `path`: the folder of a sparse model (see [`read_sparse_model`]) or a file in it, or a trajectory file (see [`read_tum`]).
+/// Reads the poses at `path`: the folder of a sparse model (see [`read_sparse_model`]) or a file in it, or a trajectory
+/// file (see [`read_tum`]).
 ///
 /// # Errors
 /// See [`PoseError`].

@@ -71,7 +71,8 @@ impl PlaneAxes {
     }
 }
 
-/// The two directions in which the centres spread most. Each points to the side of its largest coordinate, so that the same centres give the same picture.
+/// The two directions in which the centres spread most. Each points to the side of its largest coordinate, so that the
+/// same centres give the same picture.
 fn principal_axes(centres: &[[f64; 3]]) -> PlaneAxes {
     let n = centres.len().max(1) as f64;
     let mean = centres.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() / n;

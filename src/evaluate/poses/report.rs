@@ -12,7 +12,8 @@ pub struct PoseStudy {
     pub associate: Option<Association>,
     /// Times that differ by more do not belong together; in the files' unit. 0 or more.
     pub max_time_difference: f64,
-    /// Poses from the start to the end of a motion whose error is relative; 1 or more. Poses are those that were paired, in the truth's order.
+    /// Poses from the start to the end of a motion whose error is relative; 1 or more. Poses are those that were
+    /// paired, in the truth's order.
     pub step: usize,
     /// Images that were to be registered; `None` takes the number of true poses.
     pub images: Option<usize>,
@@ -151,8 +152,8 @@ mod tests {
 
     #[test]
     fn a_square_with_one_corner_off_by_hand() {
-        // The estimate is twice as large. One of five cameras, the one in the middle, is too high: by symmetry nothing is turned, and the least squares lie a
-        // fifth of the height too high.
+        // The estimate is twice as large. One of five cameras, the one in the middle, is too high: by symmetry nothing
+        // is turned, and the least squares lie a fifth of the height too high.
         let truth =
             trajectory(&[[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 0.0]]);
         let estimate =

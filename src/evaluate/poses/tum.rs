@@ -1,8 +1,8 @@
 //! Trajectory files as the TUM RGB-D benchmark has them: a pose a line, `timestamp tx ty tz qx qy qz qw`.
 //!
-//! Translation and rotation are those of the camera in the world. Lines that begin with `#` are comments; commas count as blanks. In place of the
-//! time stamp there may be an image's name, so that truth can be given for images by name; then all lines have one.
-//! Format: <https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats>.
+//! Translation and rotation are those of the camera in the world. Lines that begin with `#` are comments; commas count
+//! as blanks. In place of the time stamp there may be an image's name, so that truth can be given for images by name;
+//! then all lines have one. Format: <https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats>.
 
 use super::{Pose, PoseError};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};

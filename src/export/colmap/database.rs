@@ -1,8 +1,8 @@
 //! COLMAP's database: cameras, images with their features, matches and two-view geometries, in one SQLite file.
 //!
-//! Numbers lie in the file as little-endian rows: keypoints as four `f32` (x, y, scale, orientation), descriptors as 128 bytes in UBC order, matches as pairs of `u32`,
-//! matrices as nine `f64` by rows. Each camera gets a rig and each image a frame of its own, as COLMAP does for cameras that are
-//! not mounted together. Tables: see [`super::schema`].
+//! Numbers lie in the file as little-endian rows: keypoints as four `f32` (x, y, scale, orientation), descriptors as
+//! 128 bytes in UBC order, matches as pairs of `u32`, matrices as nine `f64` by rows. Each camera gets a rig and each
+//! image a frame of its own, as COLMAP does for cameras that are not mounted together. Tables: see [`super::schema`].
 
 use super::geometry::DatabaseGeometry;
 use super::keypoint::ColmapKeypoint;
@@ -27,7 +27,8 @@ pub struct DatabaseCamera {
     pub width: usize,
     /// Rows of its images.
     pub height: usize,
-    /// The model's parameters in COLMAP's order and convention: the principal point counts from the first pixel's corner.
+    /// The model's parameters in COLMAP's order and convention: the principal point counts from the first pixel's
+    /// corner.
     pub params: Vec<f64>,
     /// Whether the focal length is known, not guessed; COLMAP then trusts it when it looks for the first two images.
     pub prior_focal_length: bool,
@@ -43,8 +44,8 @@ pub struct DatabaseWriter<'a> {
     keypoints: Vec<usize>,
 }
 
-/// Writes the database `path` by `fill`. It is made beside its place and takes it when it is complete: should anything fail, an older file is untouched and
-/// no other one is left behind.
+/// Writes the database `path` by `fill`. It is made beside its place and takes it when it is complete: should anything
+/// fail, an older file is untouched and no other one is left behind.
 ///
 /// # Errors
 /// What `fill` answers, or [`ExportError`] when the file cannot be written.
@@ -73,7 +74,8 @@ fn make<E: From<ExportError>>(
 ) -> Result<(), E> {
     let fail = |e: rusqlite::Error| failure(path, &e);
     let connection = Connection::open(temporary).map_err(fail)?;
-    // No journal and no waiting for the disk: the file is worth nothing until it is whole, and is brought to the disk then.
+    // No journal and no waiting for the disk: the file is worth nothing until it is whole, and is brought to the disk
+    // then.
     connection.execute_batch("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN;").map_err(fail)?;
     connection.execute_batch(TABLES).map_err(fail)?;
     let mut writer = DatabaseWriter { connection: &connection, path, cameras: 0, keypoints: Vec::new() };
@@ -105,7 +107,8 @@ impl DatabaseWriter<'_> {
         Ok(id)
     }
 
-    /// Adds an image of the camera `camera_id` with its features, and answers its id. `name` is its path below the folder of images.
+    /// Adds an image of the camera `camera_id` with its features, and answers its id. `name` is its path below the
+    /// folder of images.
     ///
     /// # Errors
     /// [`ExportError`] when the file cannot be written, or has an image of this name already.
@@ -142,7 +145,8 @@ impl DatabaseWriter<'_> {
     /// [`ExportError`] when the file cannot be written, or has this pair already.
     ///
     /// # Panics
-    /// When `a` is not before `b`, an image was not added, or a match names a feature that is not there: a mistake of the caller.
+    /// When `a` is not before `b`, an image was not added, or a match names a feature that is not there: a mistake of
+    /// the caller.
     pub fn add_pair(
         &mut self,
         a: u32,

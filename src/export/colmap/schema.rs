@@ -1,8 +1,8 @@
 //! The tables of COLMAP's database, as far as a reconstruction from given matches needs them.
 //!
-//! They are those of COLMAP 3.12 and later, of which earlier versions overlook the last four. What newer versions add (columns for the kind of descriptor
-//! and for cameras of pairs, priors of poses) they add by themselves when they open the file, and set the version number, which is left 0 here.
-//! Documentation: <https://colmap.github.io/database.html>.
+//! They are those of COLMAP 3.12 and later, of which earlier versions overlook the last four. What newer versions add
+//! (columns for the kind of descriptor and for cameras of pairs, priors of poses) they add by themselves when they open
+//! the file, and set the version number, which is left 0 here. Documentation: <https://colmap.github.io/database.html>.
 
 /// Statements that make the tables.
 pub(super) const TABLES: &str = "

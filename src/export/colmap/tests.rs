@@ -90,7 +90,8 @@ fn a_geometry_is_moved_by_half_a_pixel_and_laid_down_by_rows() {
         let sql = format!("SELECT {column} FROM two_view_geometries WHERE config = 2 AND rows = 1 AND cols = 2");
         floats(&db.query_row(&sql, [], |row| row.get::<_, Vec<u8>>(0)).expect("a blob"))
     };
-    // F for the pixels x − 0.5: the last column and row lose half of the others; the corner (8) loses half of 5 and of 7, and gains a quarter of 0 + 1 + 3 + 4.
+    // F for the pixels x − 0.5: the last column and row lose half of the others; the corner (8) loses half of 5 and of
+    // 7, and gains a quarter of 0 + 1 + 3 + 4.
     let corner = 8.0 - 0.5 * (2.0 + 5.0) - 0.5 * (6.0 + 7.0) + 0.25 * (0.0 + 1.0 + 3.0 + 4.0);
     assert_eq!(blob("F"), [0.0, 1.0, 1.5, 3.0, 4.0, 1.5, 4.5, 4.5, corner]);
     assert_eq!(blob("E"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);

@@ -1,7 +1,8 @@
 //! The text that COLMAP's feature importer reads: `N 128`, then for each feature `x y scale orientation d1 … d128`.
 //!
-//! The descriptors are in UBC order, which is the order of [`Descriptor`] and the one that COLMAP's own SIFT writes. Numbers are written with as many digits as
-//! it takes to read the same ones back. Format: <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
+//! The descriptors are in UBC order, which is the order of [`Descriptor`] and the one that COLMAP's own SIFT writes.
+//! Numbers are written with as many digits as it takes to read the same ones back. Format:
+//! <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
 
 use super::keypoint::ColmapKeypoint;
 use crate::detector::{Descriptor, Feature};
@@ -52,7 +53,8 @@ pub fn write_colmap_keypoints(
 /// Reads features and descriptors that [`write_colmap`] wrote, number for number.
 ///
 /// # Errors
-/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] naming the line that is not as it should be.
+/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] naming the line that is not as it should
+/// be.
 pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
     let read = |e: std::io::Error| ExportError::Read { path: path.into(), reason: e.to_string() };
     let mut lines = BufReader::new(File::open(path).map_err(read)?).lines();

@@ -11,7 +11,7 @@ const GAP: f32 = 0.8;
 ///
 /// Marks with numbers that are nowhere (not finite, or beyond 10⁹) are left out.
 pub fn lay_out(rows: &[Vec<FigurePanel>], options: &FigureOptions) -> Drawing {
-    let within = |value: f32, least: f32, most: f32| if value.is_nan() { least } else { value.clamp(least, most) };
+    let within = |value: f32, min: f32, max: f32| if value.is_nan() { min } else { value.clamp(min, max) };
     let style = Style {
         scale: within(options.scale, 1.0 / 64.0, 64.0),
         stroke: within(options.stroke_width_px, 0.0, 1000.0),
@@ -221,9 +221,9 @@ impl Style {
 }
 
 /// The largest of 1, 2, 5, 10, 20, 50, … that is not above `most`.
-fn round_length(most: f32) -> f32 {
-    let power = 10f32.powf(most.max(1.0).log10().floor());
-    [5.0, 2.0, 1.0].into_iter().map(|step| step * power).find(|length| *length <= most).unwrap_or(power)
+fn round_length(max: f32) -> f32 {
+    let power = 10f32.powf(max.max(1.0).log10().floor());
+    [5.0, 2.0, 1.0].into_iter().map(|step| step * power).find(|length| *length <= max).unwrap_or(power)
 }
 
 #[cfg(test)]

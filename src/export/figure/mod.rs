@@ -1,11 +1,13 @@
 //! Figures for papers: pictures as they are shown, with what lies over them, as vectors or as pixels.
 //!
-//! [`FigurePanel`]s say what is shown: pixels, marks of features, a title, what colours mean. [`lay_out`] puts one or several of them on a sheet of paper, which
-//! gives a [`Drawing`]: shapes with places in figure pixels. [`write_drawing_svg`] writes it as vectors; whoever has letters to draw with can make pixels
-//! of the same drawing. So both show the same.
+//! [`FigurePanel`]s say what is shown: pixels, marks of features, a title, what colours mean. [`lay_out`] puts one or
+//! several of them on a sheet of paper, which gives a [`Drawing`]: shapes with places in figure pixels.
+//! [`write_drawing_svg`] writes it as vectors; whoever has letters to draw with can make pixels of the same drawing. So
+//! both show the same.
 //!
-//! A feature is a circle (of the radius at which it is drawn in the window); a tick from its centre to the circle in the direction of its orientation; and an
-//! arrow along the way that it moves. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
+//! A feature is a circle (of the radius at which it is drawn in the window); a tick from its centre to the circle in
+//! the direction of its orientation; and an arrow along the way that it moves. The image's first pixel has its centre
+//! at (0, 0) and covers −0.5 … 0.5.
 
 mod layout;
 mod svg;

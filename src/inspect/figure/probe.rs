@@ -1,4 +1,5 @@
-//! The figure of a probe: the response over slope and scale, each frame's share, the slice along the motion, and the tests.
+//! The figure of a probe: the response over slope and scale, each frame's share, the slice along the motion, and the
+//! tests.
 
 use super::sheet::{Anchor, Area, BLUE, FAINT, GRID, INK, RED, Sheet};
 use crate::inspect::fate::{Outcome, Side};
@@ -48,7 +49,7 @@ fn heading(sheet: &mut Sheet, area: Area, text: &str) {
 fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     let map = &probe.response;
     heading(sheet, area, "Response over slope and scale, σ of its noise");
-    let limit = map.snr.data().iter().fold(map.gate.max(1e-6), |most, x| most.max(x.abs()));
+    let limit = map.snr.data().iter().fold(map.gate.max(1e-6), |max, x| max.max(x.abs()));
     sheet.picture(area, &map.snr, &Display::symmetric(limit));
     let (columns, rows) = (map.snr.width(), map.snr.height());
     let x_of = |column: f64| area.x + (column + 0.5) / columns as f64 * area.width;
@@ -143,8 +144,8 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
     );
     let covering: Vec<_> = shares.frames.iter().filter(|f| f.covers).collect();
     let ends = covering.iter().flat_map(|f| [f.value - f.sigma_d, f.value + f.sigma_d]);
-    let (least, most) = ends.fold((0.0f32, 0.0f32), |(a, b), x| (a.min(x), b.max(x)));
-    let range = (f64::from(least) - 1e-9, f64::from(most) + 1e-9);
+    let (min, max) = ends.fold((0.0f32, 0.0f32), |(a, b), x| (a.min(x), b.max(x)));
+    let range = (f64::from(min) - 1e-9, f64::from(max) + 1e-9);
     let y_of = |value: f32| area.bottom() - (f64::from(value) - range.0) / (range.1 - range.0) * area.height;
     let count = shares.frames.len().max(1) as f64;
     let x_of = |index: usize| area.x + (index as f64 + 0.5) / count * area.width;

@@ -183,15 +183,15 @@ impl Sheet {
 }
 
 /// Round numbers within a range, about five of them.
-pub(super) fn ticks((least, most): (f64, f64)) -> Vec<f64> {
-    let rough = (most - least) / 5.0;
+pub(super) fn ticks((min, max): (f64, f64)) -> Vec<f64> {
+    let rough = (max - min) / 5.0;
     if !(rough > 0.0 && rough.is_finite()) {
-        return vec![least];
+        return vec![min];
     }
     let magnitude = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * magnitude).into_iter().find(|s| *s >= rough).unwrap_or(rough);
-    let first = (least / step).ceil() as i64;
-    (first..).map(|i| i as f64 * step).take_while(|tick| *tick <= most + 1e-9 * step).take(12).collect()
+    let first = (min / step).ceil() as i64;
+    (first..).map(|i| i as f64 * step).take_while(|tick| *tick <= max + 1e-9 * step).take(12).collect()
 }
 
 /// A tick's number.

@@ -60,14 +60,14 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     let count = (last - first + 1).max(1) as f64;
     let cell = upper.width / count;
     let x_of = |at: i64| upper.x + (at - first) as f64 * cell;
-    let most = 1.05 * bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1) as f64;
+    let max = 1.05 * bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1) as f64;
     let part = bars.iter().map(|bar| bar.evidence).fold(0.0, f32::max).max(1e-6);
     heading(sheet, upper, "Features whose slope is nearest to each (orange: on the rim)");
     heading(sheet, lower, "Evidence: what the frames have in common at each slope, before any threshold");
     for bar in &bars {
         let x = x_of(place(bar)) + 0.1 * cell;
         let width = 0.8 * cell;
-        let height = bar.features as f64 / most * upper.height;
+        let height = bar.features as f64 / max * upper.height;
         let colour = if bar.is_on_rim { RED } else { BLUE };
         if bar.features > 0 {
             let area = Area { x, y: upper.bottom() - height, width, height };
@@ -92,7 +92,7 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     }
     sheet.line((upper.x, upper.bottom()), (upper.right(), upper.bottom()), INK, "");
     sheet.line((lower.x, lower.bottom()), (lower.right(), lower.bottom()), INK, "");
-    sheet.axis_left(upper, (0.0, most), "features");
+    sheet.axis_left(upper, (0.0, max), "features");
     sheet.label_left(lower, "evidence");
     let begin = f64::from(axis.value(0.0)) + (first as f64 - 0.5) * step;
     let unit = if step > 0.0 { step } else { 1.0 };
@@ -129,10 +129,10 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
             let (x, y) = ((bar.at[0] - i0) as usize, (bar.at[1] - j0) as usize);
             values.row_mut(y)[x] = value(bar);
         }
-        let most = values.data().iter().copied().fold(1e-9, f32::max);
+        let max = values.data().iter().copied().fold(1e-9, f32::max);
         // Dark is much, as ink is.
-        let inverted = Plane::from_fn(size.0, size.1, |x, y| most - values.at(x, y));
-        sheet.picture(area, &inverted, &Display::default().with_range(0.0, most));
+        let inverted = Plane::from_fn(size.0, size.1, |x, y| max - values.at(x, y));
+        sheet.picture(area, &inverted, &Display::default().with_range(0.0, max));
         sheet.rectangle(area, &format!(r#"fill="none" stroke="{GRID}""#));
         // The slopes that were searched.
         let searched = Area {

@@ -1,4 +1,5 @@
-//! What to change about the slopes: each piece of advice is a number, a sentence, and the change that applies it. None is given when none is needed.
+//! What to change about the slopes: each piece of advice is a number, a sentence, and the change that applies it. None
+//! is given when none is needed.
 
 use super::loss::off_by;
 use super::{Spectrum, step_loss};
@@ -35,8 +36,9 @@ pub enum Subject {
 pub struct SlopeAdvice {
     /// What it is about.
     pub subject: Subject,
-    /// The number it rests on: the part of the evidence beyond the range; the loss at half a step; the part of the evidence off the line; frames that add nothing;
-    /// the period in px; the share covered; the part of the slopes that is needed.
+    /// The number it rests on: the part of the evidence beyond the range; the loss at half a step; the part of the
+    /// evidence off the line; frames that add nothing; the period in px; the share covered; the part of the slopes that
+    /// is needed.
     pub number: f64,
     /// What is the matter and why, as a sentence.
     pub sentence: String,
@@ -122,8 +124,8 @@ impl Telling<'_> {
     /// The range of the evidence along an axis.
     pub(super) fn reach(&self, second: bool) -> Option<(f32, f32)> {
         let values = self.evidence().iter().map(|e| self.along(e, second));
-        let (least, most) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        (least <= most).then_some((least, most))
+        let (min, max) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        (min <= max).then_some((min, max))
     }
 
     fn step(&self) -> Option<SlopeAdvice> {

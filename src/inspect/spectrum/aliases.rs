@@ -33,13 +33,14 @@ const AMBIGUOUS: f32 = 0.5;
 /// Significance from which a window counts at all.
 const SIGNIFICANT: f32 = 6.5;
 /// Windows that are looked at, at most: the most significant ones.
-const MOST_WINDOWS: usize = 120;
+const MAX_WINDOWS: usize = 120;
 /// Periods that differ by less than this part are the same.
 const SAME_PERIOD: f32 = 0.12;
 /// Pixels to each side in which a period is looked for.
 const HALF_PX: usize = 32;
 
-/// The periodic textures of a burst, those with the most places first. `all` is the evidence of every window, `confirmed` what counts.
+/// The periodic textures of a burst, those with the most places first. `all` is the evidence of every window,
+/// `confirmed` what counts.
 pub(super) fn aliases(
     cache: &ProbeCache,
     confirmed: &[SlopeEvidence],
@@ -54,7 +55,7 @@ pub(super) fn aliases(
     let mut windows: Vec<&SlopeEvidence> =
         all.iter().filter(|e| e.significance >= SIGNIFICANT && e.ambiguity >= AMBIGUOUS).collect();
     windows.sort_by(|a, b| b.significance.total_cmp(&a.significance));
-    windows.truncate(MOST_WINDOWS);
+    windows.truncate(MAX_WINDOWS);
     let mut found: Vec<Alias> = Vec::new();
     for window in windows {
         monitor.check()?;
@@ -117,10 +118,10 @@ fn directions(grid: &SlopeGrid) -> Vec<[f32; 2]> {
 fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32) -> usize {
     let along = |s: Slope| s.u * direction[0] + s.v * direction[1];
     let own = along(slope);
-    let (least, most) =
+    let (min, max) =
         grid.slopes().map(along).fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    let reach = ((most - least).abs() / period).ceil() as i64 + 1;
-    let around = |k: &i64| *k != 0 && (least..=most).contains(&(own + *k as f32 * period));
+    let reach = ((max - min).abs() / period).ceil() as i64 + 1;
+    let around = |k: &i64| *k != 0 && (min..=max).contains(&(own + *k as f32 * period));
     (-reach..=reach).filter(around).count()
 }
 

@@ -1,9 +1,11 @@
 //! What a step of the slopes costs: how much weaker a blob is half a step away from its slope.
 
-/// The part (0 … 1) of its response that the finest blob loses half a step away from its slope: `step` in px/frame, `frames` frames, the blob's scale `sigma` in px.
+/// The part (0 … 1) of its response that the finest blob loses half a step away from its slope: `step` in px/frame,
+/// `frames` frames, the blob's scale `sigma` in px.
 ///
-/// A blob that is moved by x px under a filter of its own size answers with (1 − x²/(2s²))·exp(−x²/(2s²)) of its response, s² = 2σ², along the direction in which it
-/// is moved; the mean over the frames, the outermost of which are (N − 1)/2 half-steps away, is what is left.
+/// A blob that is moved by x px under a filter of its own size answers with (1 − x²/(2s²))·exp(−x²/(2s²)) of its
+/// response, s² = 2σ², along the direction in which it is moved; the mean over the frames, the outermost of which are
+/// (N − 1)/2 half-steps away, is what is left.
 pub fn step_loss(step: f32, frames: usize, sigma: f32) -> f32 {
     off_by(0.5 * step, frames, sigma)
 }

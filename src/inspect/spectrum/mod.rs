@@ -1,7 +1,9 @@
-//! Which slopes a burst needs: what was found at each slope, what the frames show before any threshold, and what to change.
+//! Which slopes a burst needs: what was found at each slope, what the frames show before any threshold, and what to
+//! change.
 //!
-//! The features say where the detector found something; the *evidence* ([`crate::detector::SlopeFinding`]) says where the motion stack has power that single frames do
-//! not have alone, also beyond the slopes that were searched. Advice compares the two with the grid.
+//! The features say where the detector found something; the *evidence* ([`crate::detector::SlopeFinding`]) says where
+//! the motion stack has power that single frames do not have alone, also beyond the slopes that were searched. Advice
+//! compares the two with the grid.
 
 mod advice;
 mod aliases;
@@ -76,18 +78,19 @@ pub struct Spectrum {
 }
 
 /// Grid steps beyond the rim that are shown at most.
-const MOST_BEYOND: i64 = 40;
+const MAX_BEYOND: i64 = 40;
 
 impl Spectrum {
-    /// The slope searched with the most features that do not lie at the limit; `None` without features. Those at the limit are mostly of motions beyond it.
+    /// The slope searched with the most features that do not lie at the limit; `None` without features. Those at the
+    /// limit are mostly of motions beyond it.
     pub fn most_features(&self) -> Option<Slope> {
         let inner = self.bars.iter().filter(|bar| bar.is_searched && bar.features > 0 && !bar.is_on_rim);
         let all = self.bars.iter().filter(|bar| bar.is_searched && bar.features > 0);
-        let most = |bars: &mut dyn Iterator<Item = &SlopeBar>| {
+        let max = |bars: &mut dyn Iterator<Item = &SlopeBar>| {
             bars.max_by(|a, b| a.features.cmp(&b.features).then(b.slope.magnitude().total_cmp(&a.slope.magnitude())))
                 .map(|bar| bar.slope)
         };
-        most(&mut inner.into_iter()).or_else(|| most(&mut all.into_iter()))
+        max(&mut inner.into_iter()).or_else(|| max(&mut all.into_iter()))
     }
 }
 
@@ -142,7 +145,7 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
     let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
     let inside = |[i, j]: [i64; 2]| (0..nu).contains(&i) && (0..nv).contains(&j);
     let mut places: Vec<[i64; 2]> = (0..nv).flat_map(|j| (0..nu).map(move |i| [i, j])).collect();
-    let within = |x: i64, n: i64| (-MOST_BEYOND..n + MOST_BEYOND).contains(&x);
+    let within = |x: i64, n: i64| (-MAX_BEYOND..n + MAX_BEYOND).contains(&x);
     let seen: Vec<([i64; 2], f32)> = evidence.iter().map(|e| (nearest(grid, e.slope), e.significance)).collect();
     let mut beyond: Vec<[i64; 2]> =
         seen.iter().map(|(at, _)| *at).filter(|at| !inside(*at) && within(at[0], nu) && within(at[1], nv)).collect();

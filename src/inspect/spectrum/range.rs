@@ -6,7 +6,8 @@ use crate::detector::params::doc;
 use crate::detector::{ParamChange, SlopeAxis};
 use crate::inspect::words::{counted, number, slope_text};
 
-/// Part of the evidence, or of the stronger half of the features, that lies beyond the range (at its limit) before that is said.
+/// Part of the evidence, or of the stronger half of the features, that lies beyond the range (at its limit) before that
+/// is said.
 const BEYOND: f32 = 0.08;
 const AT_LIMIT: f64 = 0.4;
 /// That share must be this many times what the rim has by chance.
@@ -21,7 +22,7 @@ impl Telling<'_> {
         let grid = self.grid();
         let axes = [(doc::SLOPES_U, grid.u, false), (doc::SLOPES_V, grid.v, true)];
         let by_evidence = axes.into_iter().filter(|(_, axis, _)| axis.count > 1).find_map(|(parameter, axis, second)| {
-            let (least, most) = self.reach(second)?;
+            let (min, max) = self.reach(second)?;
             let margin = 0.5 * axis.step();
             let part = self.part(|e| {
                 let at = self.along(e, second);
@@ -30,14 +31,14 @@ impl Telling<'_> {
             (part > BEYOND).then(|| {
                 let step = axis.step();
                 let more = |beyond: f32| if beyond > 0.0 { (beyond / step).ceil() as usize + 1 } else { 0 };
-                let wider = axis.with_more(more(axis.min - least), more(most - axis.max));
+                let wider = axis.with_more(more(axis.min - min), more(max - axis.max));
                 let sentence = format!(
                     "{:.0} % of what the frames show moves faster than the range {} to {} px/frame: it reaches from {} to {}{}",
                     100.0 * part,
                     number(axis.min, 2),
                     number(axis.max, 2),
-                    number(least, 2),
-                    number(most, 2),
+                    number(min, 2),
+                    number(max, 2),
                     self.limit_clause()
                 );
                 SlopeAdvice {
@@ -75,9 +76,9 @@ impl Telling<'_> {
         {
             return None;
         }
-        let most = self.spectrum.bars.iter().filter(|bar| bar.is_on_rim).max_by_key(|bar| bar.features)?;
+        let max = self.spectrum.bars.iter().filter(|bar| bar.is_on_rim).max_by_key(|bar| bar.features)?;
         let half = |axis: &SlopeAxis| axis.count.saturating_sub(1).div_ceil(2).max(1);
-        let [i, j] = most.at;
+        let [i, j] = max.at;
         let widened = |axis: &SlopeAxis, at: i64| {
             (axis.count > 1 && (at == 0 || at + 1 == axis.count as i64))
                 .then(|| axis.with_more(if at == 0 { half(axis) } else { 0 }, if at == 0 { 0 } else { half(axis) }))
@@ -88,7 +89,7 @@ impl Telling<'_> {
         let sentence = format!(
             "{:.0} % of the stronger half of the features lie at the limit of the slopes, most of them at {}: the motion probably lies further out",
             100.0 * at_limit,
-            slope_text(most.slope)
+            slope_text(max.slope)
         );
         Some(SlopeAdvice { subject: Subject::Range, number: at_limit, sentence, changes: vec![change] })
     }
@@ -115,7 +116,8 @@ impl Telling<'_> {
         })
     }
 
-    /// The part of the range around the unambiguous evidence that holds no alias; `None` where that evidence itself needs more.
+    /// The part of the range around the unambiguous evidence that holds no alias; `None` where that evidence itself
+    /// needs more.
     fn within_a_period(&self, alias: &Alias) -> Option<ParamChange> {
         let grid = self.grid();
         let of_first = |d: [f32; 2]| {
@@ -125,13 +127,13 @@ impl Telling<'_> {
         };
         let second = !of_first(alias.direction);
         let (parameter, axis) = if second { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) };
-        let (least, most) = self.reach(second)?;
-        let margin = 0.5 * (0.9 * alias.period_px - (most - least));
+        let (min, max) = self.reach(second)?;
+        let margin = 0.5 * (0.9 * alias.period_px - (max - min));
         if margin < 0.0 || axis.step() <= 0.0 {
             return None;
         }
-        let first = ((least - margin - axis.min) / axis.step()).ceil().max(0.0);
-        let last = ((most + margin - axis.min) / axis.step()).floor().min((axis.count - 1) as f32);
+        let first = ((min - margin - axis.min) / axis.step()).ceil().max(0.0);
+        let last = ((max + margin - axis.min) / axis.step()).floor().min((axis.count - 1) as f32);
         let count = (last - first) as usize + 1;
         (last > first && count < axis.count).then(|| {
             let tidy = |x: f32| (1e4 * x).round() / 1e4;

@@ -1,7 +1,7 @@
 //! What lies between the two passes: rows of one level, one block of columns after the other.
 //!
-//! The second pass works on a block of columns at a time and reads rows above and below one another. So a block's rows lie one behind the other: they come
-//! from memory in order, and loops over them need no test of bounds.
+//! The second pass works on a block of columns at a time and reads rows above and below one another. So a block's rows
+//! lie one behind the other: they come from memory in order, and loops over them need no test of bounds.
 
 use crate::kernel::gaussian_bank::lanes::BLOCK;
 use crate::plane::aligned::Aligned;

@@ -1,7 +1,8 @@
 //! What a chain of blurs does near the borders of an image.
 //!
-//! Each blur of the chain repeats the nearest pixel of its own input beyond the border. As a matrix that is a clamped convolution, and the chain is the product of
-//! its matrices; the rows of that product for places near the border are the weights with which the input's pixels enter.
+//! Each blur of the chain repeats the nearest pixel of its own input beyond the border. As a matrix that is a clamped
+//! convolution, and the chain is the product of its matrices; the rows of that product for places near the border are
+//! the weights with which the input's pixels enter.
 
 use crate::kernel::gaussian_bank::FilterBank;
 use crate::kernel::gaussian_bank::kernel::{Kernel, all_taps};
@@ -108,7 +109,8 @@ impl Edges {
     }
 }
 
-/// A line whose non-zero values lie in `support`, convolved by `taps` with its nearest pixel repeated beyond its ends; and the new support.
+/// A line whose non-zero values lie in `support`, convolved by `taps` with its nearest pixel repeated beyond its ends;
+/// and the new support.
 fn blurred(signal: &[f64], support: Range<usize>, taps: &[f64]) -> (Vec<f64>, Range<usize>) {
     let (n, radius) = (signal.len(), taps.len() / 2);
     let mut out = vec![0.0; n];
@@ -166,7 +168,8 @@ impl Weights {
     }
 }
 
-/// What a bank does along a line of pixels of a given length: plain kernels inside, the chain's own weights near the ends.
+/// What a bank does along a line of pixels of a given length: plain kernels inside, the chain's own weights near the
+/// ends.
 #[derive(Debug)]
 pub struct Axis {
     /// Pixels of the line.

@@ -10,10 +10,11 @@ use crate::plane::tile::{Region, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Rows that are finished before the next ones are begun: few enough that what lies between the passes stays in the second cache.
+/// Rows that are finished before the next ones are begun: few enough that what lies between the passes stays in the
+/// second cache.
 const BATCH_ROWS: usize = 112;
 /// Most rows of one level that are made at once.
-const MOST_ROWS: usize = 8;
+const MAX_ROWS: usize = 8;
 
 /// Where a tile's pixels come from.
 pub trait Lines {
@@ -61,8 +62,9 @@ struct Job<'a, L: Lines + ?Sized> {
 
 /// Filters `region` of the image that `lines` holds, whose width and height are those of the axes.
 ///
-/// `differences` (one fewer than levels) are reset to the region and become level `i + 1` minus level `i`. `keep` names a level that is wanted itself, and where.
-/// `batch_done` is called as rows are finished, with the differences and the range of rows that is new.
+/// `differences` (one fewer than levels) are reset to the region and become level `i + 1` minus level `i`. `keep` names
+/// a level that is wanted itself, and where. `batch_done` is called as rows are finished, with the differences and the
+/// range of rows that is new.
 pub fn filter_tile<L: Lines + ?Sized>(
     (along_u, along_v): (&Axis, &Axis),
     lines: &L,
@@ -146,7 +148,8 @@ impl<L: Lines + ?Sized> Job<'_, L> {
         let wide = self.along_u.inputs(columns);
         let offset = reach - (columns.start - wide.start);
         let FilterScratch { line, bands, .. } = &mut *self.scratch;
-        // Where the row's memory holds a value for all that the vectors touch, it is read where it lies; what lies beyond the image counts for nothing.
+        // Where the row's memory holds a value for all that the vectors touch, it is read where it lies; what lies
+        // beyond the image counts for nothing.
         let there = self.lines.line(v, wide.start);
         let line: &[f32] = if offset == 0 && there.len() >= self.stride + 2 * reach {
             there
@@ -173,14 +176,14 @@ impl<L: Lines + ?Sized> Job<'_, L> {
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>) {
         // As many rows as there are registers for.
-        let most = if S::F32_LANES >= 16 { MOST_ROWS } else { MOST_ROWS / 2 };
+        let max = if S::F32_LANES >= 16 { MAX_ROWS } else { MAX_ROWS / 2 };
         for block in (0..self.stride).step_by(BLOCK) {
             for index in 0..self.along_v.levels.len() {
                 for (section, part) in self.along_v.levels[index].sections(batch, self.along_v.n) {
                     let mut first = part.start;
                     while first < part.end {
                         let left = part.end - first;
-                        let rows = if left >= most { most } else { 1 << left.ilog2() };
+                        let rows = if left >= max { max } else { 1 << left.ilog2() };
                         let place = Place { section, index, batch_start: batch.start, first, block };
                         match rows {
                             8 => self.level_rows::<S, 8>(simd, place),

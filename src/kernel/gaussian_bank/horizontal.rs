@@ -1,7 +1,8 @@
 //! The pass along the rows: every level of a row from each pixel loaded once.
 //!
-//! Two pixels at the same distance from the centre are added, then multiplied into all levels that reach so far. The sums of up to [`MOST`] levels over
-//! [`BLOCK`](crate::kernel::gaussian_bank::lanes::BLOCK) columns stay in vector registers.
+//! Two pixels at the same distance from the centre are added, then multiplied into all levels that reach so far. The
+//! sums of up to [`MOST`] levels over [`BLOCK`](crate::kernel::gaussian_bank::lanes::BLOCK) columns stay in vector
+//! registers.
 
 use crate::kernel::gaussian_bank::edge::{Axis, Dense, Weights};
 use crate::kernel::gaussian_bank::lanes::{BLOCK, VECTOR, load, store};
@@ -54,7 +55,8 @@ impl Blocks {
     }
 }
 
-/// One row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side; `out[level]` takes its blocks.
+/// One row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side; `out[level]`
+/// takes its blocks.
 #[inline(always)]
 pub(crate) fn convolve_row<S: Simd>(
     simd: S,
@@ -96,7 +98,8 @@ fn convolve<S: Simd, const L: usize>(
             let tap = simd.splat_f32s(tap);
             *acc = [simd.mul_f32s(tap, centre[0]), simd.mul_f32s(tap, centre[1])];
         }
-        // At each distance, the pixels before and behind and the taps of all levels. Iterators need no test of bounds in the loop.
+        // At each distance, the pixels before and behind and the taps of all levels. Iterators need no test of bounds
+        // in the loop.
         let before = line[at - radius..at + 2 * lanes - 1].windows(2 * lanes).rev();
         let behind = line[at + 1..at + 2 * lanes + radius].windows(2 * lanes);
         let mut distances = before.zip(behind).zip(group.taps[L..].chunks_exact(L));
@@ -131,7 +134,8 @@ fn convolve<S: Simd, const L: usize>(
     }
 }
 
-/// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` is column `columns.start + i`, and `out` takes the blocks that begin there.
+/// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` is column `columns.start + i`, and
+/// `out` takes the blocks that begin there.
 #[inline(always)]
 pub(crate) fn edge_columns<S: Simd>(
     simd: S,

@@ -1,13 +1,15 @@
 //! A bank of Gaussian filters: all levels of an octave straight from its first pixels.
 //!
-//! The scale space is defined as a chain: each level is blurred from the one before it. Blurs add up, so every level is also one blur of the chain's input, by the
-//! convolution of the kernels so far. Made that way a level costs more multiplications, but levels no longer wait for one another: one pass
-//! along the rows makes all of them from each pixel loaded once, a second one along the columns finishes them, and nothing in between leaves the nearest caches.
+//! The scale space is defined as a chain: each level is blurred from the one before it. Blurs add up, so every level is
+//! also one blur of the chain's input, by the convolution of the kernels so far. Made that way a level costs more
+//! multiplications, but levels no longer wait for one another: one pass along the rows makes all of them from each
+//! pixel loaded once, a second one along the columns finishes them, and nothing in between leaves the nearest caches.
 //!
-//! Numerics. A level's kernel is the exact convolution of the chain's kernels, cut at [`LEVEL_CUT`] standard deviations and normalised to sum 1.
-//! Near the border the chain repeats the nearest pixel of every level in turn, which is not the same as repeating the nearest pixel of the input;
-//! there the weights are taken from the chain's own matrix (`edge`), so that the result is the chain's everywhere. Every value is made by the same operations in the
-//! same order wherever it lies in a tile, so tiles and threads cannot change a bit.
+//! Numerics. A level's kernel is the exact convolution of the chain's kernels, cut at [`LEVEL_CUT`] standard deviations
+//! and normalised to sum 1. Near the border the chain repeats the nearest pixel of every level in turn, which is not
+//! the same as repeating the nearest pixel of the input; there the weights are taken from the chain's own matrix
+//! (`edge`), so that the result is the chain's everywhere. Every value is made by the same operations in the same order
+//! wherever it lies in a tile, so tiles and threads cannot change a bit.
 
 mod band;
 mod edge;

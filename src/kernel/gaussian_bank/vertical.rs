@@ -1,7 +1,8 @@
 //! The pass along the columns: a few rows of one level at once, and their difference from the level before.
 //!
-//! The rows above and below that belong to the next distance from the centre are mostly those that already lie in registers, one place further; each
-//! step loads only two. Columns are taken a block at a time, so that all rows which a batch reads there stay in the first cache.
+//! The rows above and below that belong to the next distance from the centre are mostly those that already lie in
+//! registers, one place further; each step loads only two. Columns are taken a block at a time, so that all rows which
+//! a batch reads there stay in the first cache.
 
 use crate::kernel::gaussian_bank::band::Row;
 use crate::kernel::gaussian_bank::edge::Dense;
@@ -28,8 +29,8 @@ impl Sink<'_> {
     }
 }
 
-/// `ROWS` rows away from the borders; the first one is row `radius` of `rows`, which holds the kernel's radius more on both sides. `column` is the block's
-/// first one in the tile.
+/// `ROWS` rows away from the borders; the first one is row `radius` of `rows`, which holds the kernel's radius more on
+/// both sides. `column` is the block's first one in the tile.
 #[inline(always)]
 pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
     simd: S,
@@ -88,8 +89,8 @@ pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
     }
 }
 
-/// `ROWS` rows near a border, from row `first` on, of a block of columns whose first one in the tile is `column`. `rows` are those of the band, which
-/// begins at row `top`.
+/// `ROWS` rows near a border, from row `first` on, of a block of columns whose first one in the tile is `column`.
+/// `rows` are those of the band, which begins at row `top`.
 #[inline(always)]
 pub(crate) fn edge_rows<S: Simd, const ROWS: usize>(
     simd: S,

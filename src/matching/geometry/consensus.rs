@@ -1,10 +1,12 @@
 //! Robust estimation: the model that most of the matches agree on, whatever the others say.
 //!
-//! RANSAC (Fischler and Bolles, 1981) with what has been learnt since. Samples come by quality at first ([`super::sampling`]); a model's quality is a smooth
-//! cost that does not hang on one threshold ([`super::loss`]); each model that is the best so far is improved at once by iteratively reweighted
-//! least squares over all its inliers (local optimisation: Chum, Matas and Kittler, "Locally Optimized RANSAC", 2003; reweighting as in MAGSAC++); scoring stops as soon as
-//! a model cannot win any more; sampling stops once a better model would have been met with the confidence asked for; and a model that explains only a degenerate part
-//! of the scene gets a chance to be repaired ([`Problem::repair`]).
+//! RANSAC (Fischler and Bolles, 1981) with what has been learnt since. Samples come by quality at first
+//! ([`super::sampling`]); a model's quality is a smooth cost that does not hang on one threshold ([`super::loss`]);
+//! each model that is the best so far is improved at once by iteratively reweighted least squares over all its inliers
+//! (local optimisation: Chum, Matas and Kittler, "Locally Optimized RANSAC", 2003; reweighting as in MAGSAC++); scoring
+//! stops as soon as a model cannot win any more; sampling stops once a better model would have been met with the
+//! confidence asked for; and a model that explains only a degenerate part of the scene gets a chance to be repaired
+//! ([`Problem::repair`]).
 //!
 //! Everything happens in a fixed order on one thread: the same matches, parameters and seed give the same bits.
 
@@ -32,8 +34,9 @@ pub(super) trait Problem {
     /// Whether [`Self::refit`] takes a step that may be too long, and that damping shortens.
     const IS_DAMPED: bool = false;
 
-    /// The model near `model` with the least weighted sum of squared errors, or one nearer to it; `None` where the weights leave it undetermined.
-    /// `damping`, above 0, holds damped problems back: towards 0 is the whole way, above 1 a small step downhill.
+    /// The model near `model` with the least weighted sum of squared errors, or one nearer to it; `None` where the
+    /// weights leave it undetermined. `damping`, above 0, holds damped problems back: towards 0 is the whole way, above
+    /// 1 a small step downhill.
     fn refit(&self, model: &Self::Model, weights: &[f64], damping: f64) -> Option<Self::Model>;
 
     /// A model that may be better than `model`, which may explain only a degenerate part of the scene, such as a plane.
@@ -67,7 +70,8 @@ const MIN_ITERATIONS: usize = 50;
 const POLISH_STEPS: usize = 50;
 /// A step that lowers the cost by less than this, in matches, is the last.
 const POLISH_TOLERANCE: f64 = 1e-3;
-/// Damping of the first step, its change after a success, and after a failure; beyond the last number a local optimisation ends.
+/// Damping of the first step, its change after a success, and after a failure; beyond the last number a local
+/// optimisation ends.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
 /// The model with the least cost. `order` are the indices of all matches, the most promising first.
@@ -88,7 +92,7 @@ pub(super) fn estimate<P: Problem>(
     let mut sample = vec![0; P::SAMPLE_SIZE];
     let mut models = Vec::new();
     let mut best: Option<(P::Model, f64)> = None;
-    let mut least_raw = f64::INFINITY;
+    let mut min_raw = f64::INFINITY;
     let (mut iterations, mut needed) = (0, settings.max_iterations);
     while iterations < needed {
         if iterations % 64 == 0 {
@@ -99,9 +103,10 @@ pub(super) fn estimate<P: Problem>(
         models.clear();
         problem.solve(&sample, &mut models);
         for model in &models {
-            // What a sample says exactly is measured against other such models, not against polished ones: it may lead to a better place.
-            let Some(raw) = cost_below(problem, model, &loss, least_raw) else { continue };
-            least_raw = raw;
+            // What a sample says exactly is measured against other such models, not against polished ones: it may lead
+            // to a better place.
+            let Some(raw) = cost_below(problem, model, &loss, min_raw) else { continue };
+            min_raw = raw;
             let candidate = polish(problem, model.clone(), raw, &loss);
             if best.as_ref().is_some_and(|(_, cost)| candidate.1 >= *cost) {
                 continue;
@@ -118,7 +123,8 @@ pub(super) fn estimate<P: Problem>(
     Ok(Consensus { model: best.map(|(model, _)| model), iterations })
 }
 
-/// The best model after two more attempts at a better one: along a smoother way, and from outside a degenerate part of the scene.
+/// The best model after two more attempts at a better one: along a smoother way, and from outside a degenerate part of
+/// the scene.
 fn finished<P: Problem>(
     problem: &P,
     mut best: (P::Model, f64),
@@ -162,7 +168,7 @@ fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64
 fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (P::Model, f64) {
     let mut best = (model, cost);
     let mut weights = vec![0.0; problem.count()];
-    let (mut damping, after_success, after_failure, most) = DAMPING;
+    let (mut damping, after_success, after_failure, max) = DAMPING;
     for _ in 0..POLISH_STEPS {
         for (index, weight) in weights.iter_mut().enumerate() {
             *weight = loss.weight(problem.squared_error(&best.0, index));
@@ -173,7 +179,7 @@ fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (
                 break Some((model, cost));
             }
             damping *= after_failure;
-            if !P::IS_DAMPED || damping > most {
+            if !P::IS_DAMPED || damping > max {
                 break None;
             }
         };

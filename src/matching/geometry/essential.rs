@@ -1,16 +1,20 @@
-//! The essential matrix E: the geometry of two views whose intrinsics are known, which is their relative pose but for the length of the translation.
+//! The essential matrix E: the geometry of two views whose intrinsics are known, which is their relative pose but for
+//! the length of the translation.
 //!
-//! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = [t]×·R. Five matches leave four dimensions of matrices, E = x·X + y·Y + z·Z + W, on which det E = 0 and
-//! 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations in the 20 monomials of x, y, z. Elimination leaves a polynomial of the tenth degree in z (Nistér, "An Efficient
-//! Solution to the Five-Point Relative Pose Problem", PAMI 2004), whose real roots are up to ten solutions. More matches are fitted by Levenberg and Marquardt's method over rotation and
-//! direction of translation, so that planes, which leave linear fits undetermined, are no trouble.
+//! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = [t]×·R. Five matches leave four dimensions of matrices, E =
+//! x·X + y·Y + z·Z + W, on which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations in the 20 monomials of x,
+//! y, z. Elimination leaves a polynomial of the tenth degree in z (Nistér, "An Efficient Solution to the Five-Point
+//! Relative Pose Problem", PAMI 2004), whose real roots are up to ten solutions. More matches are fitted by Levenberg
+//! and Marquardt's method over rotation and direction of translation, so that planes, which leave linear fits
+//! undetermined, are no trouble.
 //!
-//! Errors are Sampson distances in pixels: the gradient is taken after the pixels' coordinates, by way of the focal lengths.
+//! Errors are Sampson distances in pixels: the gradient is taken after the pixels' coordinates, by way of the focal
+//! lengths.
 
 use super::consensus::Problem;
 use super::fundamental::epipolar_row;
 use super::linear::{Vector9, cross_matrix, matrix_of, null_space};
-use super::points::PointPair;
+use super::points::RayPair;
 use super::polynomial::real_roots;
 use super::pose::{RelativePose, poses_of};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -18,7 +22,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 /// Estimates E from matched directions.
 pub(super) struct EssentialProblem<'a> {
     /// Directions (x, y, 1).
-    pub pairs: &'a [PointPair],
+    pub pairs: &'a [RayPair],
     /// Focal lengths of A's camera, pixels.
     pub focal_a: [f64; 2],
     /// Focal lengths of B's camera, pixels.
@@ -34,7 +38,7 @@ impl Problem for EssentialProblem<'_> {
     }
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
-        let pairs: [&PointPair; 5] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        let pairs: [&RayPair; 5] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         models.extend(from_five(&pairs));
     }
 
@@ -90,7 +94,7 @@ impl Problem for EssentialProblem<'_> {
 
 impl EssentialProblem<'_> {
     /// d_bᵀ·E·d_a, and the squared length of its gradient after the pixels' four coordinates.
-    fn equation(&self, e: &Matrix3<f64>, pair: &PointPair) -> (f64, f64) {
+    fn equation(&self, e: &Matrix3<f64>, pair: &RayPair) -> (f64, f64) {
         let ([x, y], [u, v]) = (pair.a, pair.b);
         let in_b = [e.m11 * x + e.m12 * y + e.m13, e.m21 * x + e.m22 * y + e.m23];
         let in_a = [e.m11 * u + e.m21 * v + e.m31, e.m12 * u + e.m22 * v + e.m32];
@@ -112,7 +116,8 @@ fn tangents(v: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, v.cross(&first)]
 }
 
-/// The exponents of x, y and z in the 20 monomials, in the order in which they are eliminated: the first ten leave, the others stay.
+/// The exponents of x, y and z in the 20 monomials, in the order in which they are eliminated: the first ten leave, the
+/// others stay.
 const MONOMIALS: [[usize; 3]; 20] = [
     [3, 0, 0],
     [0, 3, 0],
@@ -139,7 +144,8 @@ const MONOMIALS: [[usize; 3]; 20] = [
 /// A polynomial in x, y, z up to the third degree, by [`MONOMIALS`].
 type Cubic = [f64; 20];
 
-/// The place in [`MONOMIALS`] of the product of two monomials given by their places in it; 20 for one beyond the third degree.
+/// The place in [`MONOMIALS`] of the product of two monomials given by their places in it; 20 for one beyond the third
+/// degree.
 static PRODUCT: [[usize; 20]; 20] = products();
 
 const fn products() -> [[usize; 20]; 20] {
@@ -178,7 +184,7 @@ fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &
 }
 
 /// Up to ten essential matrices that five matches satisfy exactly.
-fn from_five(pairs: &[&PointPair; 5]) -> Vec<Matrix3<f64>> {
+fn from_five(pairs: &[&RayPair; 5]) -> Vec<Matrix3<f64>> {
     let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else {
         return Vec::new();
     };
@@ -248,8 +254,8 @@ fn eliminated(basis: &[Vector9; 4]) -> Option<[[f64; 10]; 10]> {
 /// A polynomial in z, the constant first; of at most the tenth degree.
 type InZ = [f64; 11];
 
-/// Three equations b₀(z)·x + b₁(z)·y + b₂(z) = 0. Each comes from two reduced rows, those led by m·z and by m for m = x², y², xy: the first minus z
-/// times the second has no leading monomial left.
+/// Three equations b₀(z)·x + b₁(z)·y + b₂(z) = 0. Each comes from two reduced rows, those led by m·z and by m for m =
+/// x², y², xy: the first minus z times the second has no leading monomial left.
 fn polynomial_rows(reduced: &[[f64; 10]; 10]) -> [[InZ; 3]; 3] {
     [(4, 5), (6, 7), (8, 9)].map(|(with_z, without)| {
         let (p, q) = (&reduced[with_z], &reduced[without]);

@@ -1,29 +1,35 @@
-//! The fundamental matrix F: where a point of image B can be, given the point of image A, for cameras of which nothing is known.
+//! The fundamental matrix F: where a point of image B can be, given the point of image A, for cameras of which nothing
+//! is known.
 //!
-//! Corresponding points satisfy x_bᵀ·F·x_a = 0. Seven of them leave a line of matrices, on which det F = 0 has up to three solutions (Hartley and Zisserman, "Multiple
-//! View Geometry", 2nd ed., 11.1.2). More are fitted by the eight-point algorithm (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997) with each match
-//! divided by the gradient of its equation, which makes the algebraic error that is minimised the Sampson distance; the estimator repeats this until it settles.
+//! Corresponding points satisfy x_bᵀ·F·x_a = 0. Seven of them leave a line of matrices, on which det F = 0 has up to
+//! three solutions (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 11.1.2). More are fitted by the
+//! eight-point algorithm (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997) with each match divided by the
+//! gradient of its equation, which makes the algebraic error that is minimised the Sampson distance; the estimator
+//! repeats this until it settles.
 //!
-//! Two ways in which seven points mislead are looked for. Points of a sample that lie on different sides of the epipoles would be behind one of the cameras
-//! (Chum, Werner and Matas, "Epipolar Geometry Estimation via Oriented Epipolar Constraints", ICPR 2004). And if most of what a matrix explains lies on one plane, it
-//! is one of many that fit that plane and nothing else. Then the plane's homography and two points off it may give a better one: plane and parallax, as in
-//! "Two-View Geometry Estimation Unaffected by a Dominant Plane" (CVPR 2005, by the same authors), with the plane looked for among all inliers instead of a sample's seven points.
+//! Two ways in which seven points mislead are looked for. Points of a sample that lie on different sides of the
+//! epipoles would be behind one of the cameras (Chum, Werner and Matas, "Epipolar Geometry Estimation via Oriented
+//! Epipolar Constraints", ICPR 2004). And if most of what a matrix explains lies on one plane, it is one of many that
+//! fit that plane and nothing else. Then the plane's homography and two points off it may give a better one: plane and
+//! parallax, as in "Two-View Geometry Estimation Unaffected by a Dominant Plane" (CVPR 2005, by the same authors), with
+//! the plane looked for among all inliers instead of a sample's seven points.
 
 use super::consensus::Problem;
 use super::homography;
-use super::linear::{Vector9, cross_matrix, least_eigenvector, matrix_of, null_space, null_vector};
+use super::linear::{Vector9, cross_matrix, matrix_of, min_eigenvector, null_space, null_vector};
 use super::loss::Loss;
-use super::points::PointPair;
+use super::points::RayPair;
 use super::polynomial::real_roots;
 use super::sampling::Sampler;
 use nalgebra::{Matrix3, SMatrix};
 
 /// Estimates F from matches in normalised coordinates.
 pub(super) struct FundamentalProblem<'a> {
-    pub pairs: &'a [PointPair],
+    pub pairs: &'a [RayPair],
 }
 
-/// Samples of four inliers among which a dominant plane is looked for: if it holds half of them, it is missed once in 600 times.
+/// Samples of four inliers among which a dominant plane is looked for: if it holds half of them, it is missed once in
+/// 600 times.
 const PLANE_ITERATIONS: usize = 100;
 /// Most pairs of points off the plane that are tried.
 const PARALLAX_ITERATIONS: usize = 300;
@@ -37,7 +43,7 @@ impl Problem for FundamentalProblem<'_> {
     }
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
-        let pairs: [&PointPair; 7] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        let pairs: [&RayPair; 7] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         models.extend(from_seven(&pairs).into_iter().filter(|f| is_oriented(f, &pairs)));
     }
 
@@ -60,13 +66,13 @@ impl Problem for FundamentalProblem<'_> {
             return None;
         }
         normal.fill_upper_triangle_with_lower_triangle();
-        of_rank_two(&matrix_of(&least_eigenvector(&normal)?))
+        of_rank_two(&matrix_of(&min_eigenvector(&normal)?))
     }
 
     fn repair(&self, model: &Matrix3<f64>, loss: &Loss, sampler: &mut Sampler) -> Option<Matrix3<f64>> {
         let plane = self.dominant_plane(model, loss, sampler)?;
-        let is_off_plane = |pair: &&PointPair| !loss.is_inlier(homography::squared_error(&plane, pair));
-        let off_plane: Vec<&PointPair> = self.pairs.iter().filter(is_off_plane).collect();
+        let is_off_plane = |pair: &&RayPair| !loss.is_inlier(homography::squared_error(&plane, pair));
+        let off_plane: Vec<&RayPair> = self.pairs.iter().filter(is_off_plane).collect();
         if off_plane.len() < 2 {
             return None;
         }
@@ -86,14 +92,15 @@ impl Problem for FundamentalProblem<'_> {
 }
 
 impl FundamentalProblem<'_> {
-    /// The homography of a plane that holds at least half of what the model explains; `None` if no such plane was found.
+    /// The homography of a plane that holds at least half of what the model explains; `None` if no such plane was
+    /// found.
     fn dominant_plane(
         &self,
         model: &Matrix3<f64>,
         loss: &Loss,
         sampler: &mut Sampler,
     ) -> Option<homography::Homography> {
-        let inliers: Vec<PointPair> =
+        let inliers: Vec<RayPair> =
             self.pairs.iter().filter(|pair| loss.is_inlier(sampson_squared(model, pair))).copied().collect();
         if inliers.len() < 4 {
             return None;
@@ -118,21 +125,22 @@ impl FundamentalProblem<'_> {
 }
 
 /// The coefficients of F's elements, row by row, in x_bᵀ·F·x_a.
-pub(super) fn epipolar_row(pair: &PointPair) -> [f64; 9] {
+pub(super) fn epipolar_row(pair: &RayPair) -> [f64; 9] {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     [u * x, u * y, u, v * x, v * y, v, x, y, 1.0]
 }
 
 /// The squared length of the gradient of x_bᵀ·F·x_a after the four coordinates.
-fn squared_gradient(f: &Matrix3<f64>, pair: &PointPair) -> f64 {
+fn squared_gradient(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
     let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
     in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1]
 }
 
-/// The squared Sampson distance: to first order, by how much both points together must move to satisfy F exactly. Infinite at the epipoles.
-pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &PointPair) -> f64 {
+/// The squared Sampson distance: to first order, by how much both points together must move to satisfy F exactly.
+/// Infinite at the epipoles.
+pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
     let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
@@ -142,7 +150,7 @@ pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &PointPair) -> f64 {
 }
 
 /// Up to three matrices of rank 2 that seven matches satisfy exactly.
-fn from_seven(pairs: &[&PointPair; 7]) -> Vec<Matrix3<f64>> {
+fn from_seven(pairs: &[&RayPair; 7]) -> Vec<Matrix3<f64>> {
     let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else {
         return Vec::new();
     };
@@ -156,12 +164,13 @@ fn from_seven(pairs: &[&PointPair; 7]) -> Vec<Matrix3<f64>> {
     real_roots(&[d0, linear, square, d3]).into_iter().map(|z| (first + second * z).normalize()).collect()
 }
 
-/// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then point the same way for all of them, or opposite ways for all of them.
-fn is_oriented(f: &Matrix3<f64>, pairs: &[&PointPair]) -> bool {
+/// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then point the same way for all of them, or
+/// opposite ways for all of them.
+fn is_oriented(f: &Matrix3<f64>, pairs: &[&RayPair]) -> bool {
     let Some(epipole) = null_vector(&f.transpose()) else {
         return false;
     };
-    let side = |pair: &&PointPair| epipole.cross(&pair.b_homogeneous()).dot(&(f * pair.a_homogeneous()));
+    let side = |pair: &&RayPair| epipole.cross(&pair.b_homogeneous()).dot(&(f * pair.a_homogeneous()));
     let first = side(&pairs[0]);
     pairs.iter().all(|pair| side(pair) * first > 0.0)
 }
@@ -174,9 +183,10 @@ pub(super) fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (norm > 0.0).then(|| f / norm)
 }
 
-/// The fundamental matrix of a plane's homography `h` and two matches off that plane, whose lines from the plane's point to the true one meet in the epipole.
-fn from_plane_and_parallax(h: &Matrix3<f64>, first: &PointPair, second: &PointPair) -> Option<Matrix3<f64>> {
-    let line = |pair: &PointPair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
+/// The fundamental matrix of a plane's homography `h` and two matches off that plane, whose lines from the plane's
+/// point to the true one meet in the epipole.
+fn from_plane_and_parallax(h: &Matrix3<f64>, first: &RayPair, second: &RayPair) -> Option<Matrix3<f64>> {
+    let line = |pair: &RayPair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
     let epipole = line(first).cross(&line(second));
     let f = cross_matrix(&epipole) * h;
     let norm = f.norm();

@@ -1,12 +1,14 @@
-//! The homography H: the one point of image B for each point of image A, where the scene is a plane or the camera only turned.
+//! The homography H: the one point of image B for each point of image A, where the scene is a plane or the camera only
+//! turned.
 //!
-//! x_b ~ H·x_a. Four matches determine it by the direct linear transform; more are fitted by the same equations, each divided by the depth that the last estimate gives it, which
-//! makes the algebraic error the distance in the image (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 4.1 and 4.2). The error of a match is the symmetric
+//! x_b ~ H·x_a. Four matches determine it by the direct linear transform; more are fitted by the same equations, each
+//! divided by the depth that the last estimate gives it, which makes the algebraic error the distance in the image
+//! (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 4.1 and 4.2). The error of a match is the symmetric
 //! transfer error: the root mean square of the distances in both images.
 
 use super::consensus::Problem;
-use super::linear::{Vector9, least_eigenvector, matrix_of, null_space};
-use super::points::PointPair;
+use super::linear::{Vector9, matrix_of, min_eigenvector, null_space};
+use super::points::RayPair;
 use nalgebra::{Matrix3, SMatrix};
 
 /// A homography and its inverse, with signs that put matches in front of the camera.
@@ -19,9 +21,10 @@ pub(super) struct Homography {
 }
 
 impl Homography {
-    /// With the sign for which the third coordinates of the mapped `pairs` are positive on the whole; `None` for a matrix that has no inverse.
-    pub(super) fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a PointPair>) -> Option<Self> {
-        let depth = |p: &PointPair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
+    /// With the sign for which the third coordinates of the mapped `pairs` are positive on the whole; `None` for a
+    /// matrix that has no inverse.
+    pub(super) fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a RayPair>) -> Option<Self> {
+        let depth = |p: &RayPair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
         let sign: f64 = pairs.map(|p| if depth(p) < 0.0 { -1.0 } else { 1.0 }).sum();
         let norm = h.norm();
         let forward = h * (if sign < 0.0 { -1.0 } else { 1.0 } / norm);
@@ -30,7 +33,8 @@ impl Homography {
         if !(norm > 0.0 && determinant.abs() > 1e-9) {
             return None;
         }
-        // A point that is mapped with a positive third coordinate w comes back with 1/w, so the inverse has the right sign too.
+        // A point that is mapped with a positive third coordinate w comes back with 1/w, so the inverse has the right
+        // sign too.
         Some(Self { forward, backward: forward.try_inverse()? })
     }
 }
@@ -42,7 +46,7 @@ pub(super) fn mapped(h: &Matrix3<f64>, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 /// The squared symmetric transfer error: the mean of the squared distances in A and in B. Infinite behind the cameras.
-pub(super) fn squared_error(h: &Homography, pair: &PointPair) -> f64 {
+pub(super) fn squared_error(h: &Homography, pair: &RayPair) -> f64 {
     let (Some(in_b), Some(in_a)) = (mapped(&h.forward, pair.a), mapped(&h.backward, pair.b)) else {
         return f64::INFINITY;
     };
@@ -52,7 +56,7 @@ pub(super) fn squared_error(h: &Homography, pair: &PointPair) -> f64 {
 
 /// Estimates H from matches in normalised coordinates.
 pub(super) struct HomographyProblem<'a> {
-    pub pairs: &'a [PointPair],
+    pub pairs: &'a [RayPair],
 }
 
 impl Problem for HomographyProblem<'_> {
@@ -64,7 +68,7 @@ impl Problem for HomographyProblem<'_> {
     }
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Homography>) {
-        let pairs: [&PointPair; 4] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        let pairs: [&RayPair; 4] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         if !keeps_orientation(&pairs) {
             return;
         }
@@ -98,19 +102,20 @@ impl Problem for HomographyProblem<'_> {
             return None;
         }
         normal.fill_upper_triangle_with_lower_triangle();
-        Homography::oriented(&matrix_of(&least_eigenvector(&normal)?), weighted().map(|(pair, _)| pair))
+        Homography::oriented(&matrix_of(&min_eigenvector(&normal)?), weighted().map(|(pair, _)| pair))
     }
 }
 
-/// The coefficients of H's elements, row by row, in the two equations of a match; they are the transfer's errors in u and v times its depth.
-fn transfer_rows(pair: &PointPair) -> [[f64; 9]; 2] {
+/// The coefficients of H's elements, row by row, in the two equations of a match; they are the transfer's errors in u
+/// and v times its depth.
+fn transfer_rows(pair: &RayPair) -> [[f64; 9]; 2] {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     [[-x, -y, -1.0, 0.0, 0.0, 0.0, u * x, u * y, u], [0.0, 0.0, 0.0, -x, -y, -1.0, v * x, v * y, v]]
 }
 
-/// Whether each three of the four points turn the same way in both images, and no three lie on a line. Planes in front of both cameras can be seen mirrored, from
-/// behind; then all turns are reversed.
-fn keeps_orientation(pairs: &[&PointPair; 4]) -> bool {
+/// Whether each three of the four points turn the same way in both images, and no three lie on a line. Planes in front
+/// of both cameras can be seen mirrored, from behind; then all turns are reversed.
+fn keeps_orientation(pairs: &[&RayPair; 4]) -> bool {
     let turn = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let mut sign = 0.0;
     for [i, j, k] in [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]] {

@@ -10,24 +10,25 @@ pub(super) fn matrix_of(vector: &Vector9) -> Matrix3<f64> {
     Matrix3::from_row_iterator(vector.iter().copied())
 }
 
-/// An orthonormal basis of the `D` dimensions of vectors that are perpendicular to all `9 − D` rows; `None` where the rows are (nearly) dependent, so that there are
-/// more such dimensions. Elimination with full pivoting, which for so small a system is as exact as a decomposition and much faster.
+/// An orthonormal basis of the `D` dimensions of vectors that are perpendicular to all `9 − D` rows; `None` where the
+/// rows are (nearly) dependent, so that there are more such dimensions. Elimination with full pivoting, which for so
+/// small a system is as exact as a decomposition and much faster.
 pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vector9; D]> {
     let count = rows.len();
     debug_assert_eq!(count + D, 9, "each row takes away one dimension");
     let mut columns: [usize; 9] = std::array::from_fn(|i| i);
-    let largest = rows.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+    let largest = rows.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
     for step in 0..count {
-        let (mut row, mut column, mut most) = (step, step, 0.0);
+        let (mut row, mut column, mut max) = (step, step, 0.0);
         for (r, values) in rows.iter().enumerate().skip(step) {
             for (c, &at) in columns.iter().enumerate().skip(step) {
-                if values[at].abs() > most {
-                    (row, column, most) = (r, c, values[at].abs());
+                if values[at].abs() > max {
+                    (row, column, max) = (r, c, values[at].abs());
                 }
             }
         }
         // Also false when something is not a number.
-        let is_independent = most > 1e-11 * largest;
+        let is_independent = max > 1e-11 * largest;
         if !is_independent {
             return None;
         }
@@ -61,13 +62,13 @@ pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vecto
 }
 
 /// The unit vector x for which xᵀ·`matrix`·x is least; `None` for a matrix that is not finite.
-pub(super) fn least_eigenvector(matrix: &SMatrix<f64, 9, 9>) -> Option<Vector9> {
+pub(super) fn min_eigenvector(matrix: &SMatrix<f64, 9, 9>) -> Option<Vector9> {
     if !matrix.iter().all(|x| x.is_finite()) {
         return None;
     }
     let eigen = SymmetricEigen::try_new(*matrix, f64::EPSILON, 500)?;
-    let least = (0..9).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
-    Some(eigen.eigenvectors.column(least).into_owned())
+    let min = (0..9).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
+    Some(eigen.eigenvectors.column(min).into_owned())
 }
 
 /// The unit vector x for which |`matrix`·x| is least: of a matrix of rank 2 its right null vector.
@@ -77,8 +78,8 @@ pub(super) fn null_vector(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
         return None;
     }
     let eigen = SymmetricEigen::try_new(normal, f64::EPSILON, 500)?;
-    let least = (0..3).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
-    Some(eigen.eigenvectors.column(least).into_owned())
+    let min = (0..3).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
+    Some(eigen.eigenvectors.column(min).into_owned())
 }
 
 /// [v]×, the matrix that takes the cross product with `v` from the left.
@@ -123,17 +124,17 @@ mod tests {
         rows[6][3] = f64::NAN;
         assert!(null_space::<2>(&mut rows).is_none());
         assert!(null_space::<2>(&mut [[0.0; 9]; 7]).is_none());
-        assert!(least_eigenvector(&SMatrix::from_element(f64::NAN)).is_none());
+        assert!(min_eigenvector(&SMatrix::from_element(f64::NAN)).is_none());
         assert!(null_vector(&Matrix3::from_element(f64::INFINITY)).is_none());
     }
 
     #[test]
-    fn least_eigenvectors_are_those_of_the_null_space() {
+    fn min_eigenvectors_are_those_of_the_null_space() {
         let mut number = numbers(3);
         let mut rows: [[f64; 9]; 8] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
         let normal: SMatrix<f64, 9, 9> =
             rows.iter().map(|row| Vector9::from_row_slice(row)).map(|row| row * row.transpose()).sum();
         let [exact] = null_space::<1>(&mut rows).expect("independent rows");
-        assert!((least_eigenvector(&normal).expect("finite").dot(&exact).abs() - 1.0).abs() < 1e-12);
+        assert!((min_eigenvector(&normal).expect("finite").dot(&exact).abs() - 1.0).abs() < 1e-12);
     }
 }

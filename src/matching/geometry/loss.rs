@@ -1,18 +1,22 @@
 //! How much a residual costs, and how much weight it has: marginalised over the unknown noise.
 //!
-//! A plain RANSAC counts residuals below a threshold, so its answer hangs on that threshold. MAGSAC++ (Barath, Noskova, Ivashechkin and Matas, "MAGSAC++, a Fast,
-//! Reliable and Accurate Robust Estimator", CVPR 2020) instead takes the noise's scale σ as uniformly distributed between 0 and σ_max and integrates it out: a
-//! residual's weight falls smoothly from zero error to the largest one, k·σ_max, and its cost rises from 0 to a constant. Residuals follow a χ distribution
-//! of four degrees of freedom, and k = 3.64 is its quantile of 99 %, as in the paper. Costs here are scaled to reach 1 at the threshold.
+//! A plain RANSAC counts residuals below a threshold, so its answer hangs on that threshold. MAGSAC++ (Barath, Noskova,
+//! Ivashechkin and Matas, "MAGSAC++, a Fast, Reliable and Accurate Robust Estimator", CVPR 2020) instead takes the
+//! noise's scale σ as uniformly distributed between 0 and σ_max and integrates it out: a residual's weight falls
+//! smoothly from zero error to the largest one, k·σ_max, and its cost rises from 0 to a constant. Residuals follow a χ
+//! distribution of four degrees of freedom, and k = 3.64 is its quantile of 99 %, as in the paper. Costs here are
+//! scaled to reach 1 at the threshold.
 //!
 //! For four degrees of freedom the incomplete gamma functions of the paper are elementary: with x = r²/(2σ²_max),
-//! Γ(3/2, x) = ½√π·erfc(√x) + √x·e⁻ˣ and γ(5/2, x) = ¾√π·erf(√x) − (x^½·3/2 + x^3/2)·e⁻ˣ. They are tabulated once over the squared residual.
+//! Γ(3/2, x) = ½√π·erfc(√x) + √x·e⁻ˣ and γ(5/2, x) = ¾√π·erf(√x) − (x^½·3/2 + x^3/2)·e⁻ˣ. They are tabulated once over
+//! the squared residual.
 
 use std::sync::LazyLock;
 
 /// The largest residual in units of σ_max: the 99 % quantile of χ with four degrees of freedom.
 const K: f64 = 3.64;
-/// Steps of the table over the squared residual, 0 … threshold². Linear interpolation between them is exact to about 10⁻⁵ of the cost.
+/// Steps of the table over the squared residual, 0 … threshold². Linear interpolation between them is exact to about
+/// 10⁻⁵ of the cost.
 const STEPS: usize = 2048;
 
 /// Cost and weight at the steps of the squared residual.
@@ -44,15 +48,15 @@ fn lower_gamma_5_2(x: f64) -> f64 {
 
 /// The weight, but for a factor, at r² = `fraction`·(k·σ_max)².
 fn raw_weight(fraction: f64) -> f64 {
-    let most = 0.5 * K * K;
-    upper_gamma_3_2(fraction * most) - upper_gamma_3_2(most)
+    let max = 0.5 * K * K;
+    upper_gamma_3_2(fraction * max) - upper_gamma_3_2(max)
 }
 
 /// The cost, but for a factor, at r² = `fraction`·(k·σ_max)²: the integral of r·weight.
 fn raw_cost(fraction: f64) -> f64 {
-    let most = 0.5 * K * K;
-    let x = fraction * most;
-    0.5 * lower_gamma_5_2(x) + 0.5 * x * (upper_gamma_3_2(x) - upper_gamma_3_2(most))
+    let max = 0.5 * K * K;
+    let x = fraction * max;
+    0.5 * lower_gamma_5_2(x) + 0.5 * x * (upper_gamma_3_2(x) - upper_gamma_3_2(max))
 }
 
 /// The loss of residuals below a threshold.

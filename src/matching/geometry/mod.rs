@@ -1,11 +1,12 @@
 //! Geometric verification: which putative matches agree on one geometry of the two views.
 //!
-//! The way of the data: matched points → `points` (normalised coordinates) → samples that are solved exactly (`fundamental`, `essential`,
-//! `homography`) and weighed against all matches (`consensus`, `loss`, `sampling`) → a [`TwoViewModel`] in pixels, each match's error
-//! under it, and which matches are inliers. [`verify`] is the composition. [`pose`] turns an essential matrix into the relative pose of the cameras.
+//! The way of the data: matched points → `points` (normalised coordinates) → samples that are solved exactly
+//! (`fundamental`, `essential`, `homography`) and weighed against all matches (`consensus`, `loss`, `sampling`) → a
+//! [`TwoViewModel`] in pixels, each match's error under it, and which matches are inliers. [`verify`] is the
+//! composition. [`pose`] turns an essential matrix into the relative pose of the cameras.
 //!
-//! Why not a library: of the estimators that are written for Rust none has what has been learnt since RANSAC (local optimisation, marginal cost, degenerate samples) and is
-//! maintained, and bindings to C++ would need its toolchain.
+//! Why not a library: of the estimators that are written for Rust none has what has been learnt since RANSAC (local
+//! optimisation, marginal cost, degenerate samples) and is maintained, and bindings to C++ would need its toolchain.
 
 mod consensus;
 mod essential;
@@ -29,16 +30,18 @@ use super::camera::Camera;
 use super::params::{Geometry, MatchParams};
 use crate::monitor::{Cancelled, Monitor};
 use consensus::{Consensus, Settings, estimate};
-use points::{Normalisation, PointPair};
+use points::{Normalisation, RayPair};
 
 /// What the matches agree on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
     /// The geometry; `None` where fewer than [`MatchParams::min_inliers`] matches agree on any.
     pub model: Option<TwoViewModel>,
-    /// For each match whether it is an inlier: its error is at most [`MatchParams::max_error_px`]. None is without a model.
+    /// For each match whether it is an inlier: its error is at most [`MatchParams::max_error_px`]. None is without a
+    /// model.
     pub inlier: Vec<bool>,
-    /// For each match its error in pixels, see [`TwoViewModel::error_px`]; infinite where it has none, and without a model.
+    /// For each match its error in pixels, see [`TwoViewModel::error_px`]; infinite where it has none, and without a
+    /// model.
     pub error_px: Vec<f32>,
     /// Samples that were drawn.
     pub iterations: usize,
@@ -62,7 +65,8 @@ pub struct PointPair {
     pub rank: f32,
 }
 
-/// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] asks for none. Both images are from [`MatchParams::camera`].
+/// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] asks for none. Both images
+/// are from [`MatchParams::camera`].
 ///
 /// # Errors
 /// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
@@ -72,7 +76,7 @@ pub fn verify(
     monitor: &Monitor,
 ) -> Result<Option<Verification>, MatchError> {
     params.validate()?;
-    let points: Vec<PointPair> = pairs.iter().map(|p| PointPair { a: p.a, b: p.b }).collect();
+    let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
     let mut order: Vec<usize> = (0..pairs.len()).collect();
     order.sort_by(|&i, &j| pairs[i].rank.total_cmp(&pairs[j].rank));
     let (model, iterations) = match (params.geometry, &params.camera) {
@@ -111,18 +115,18 @@ fn settings(params: &MatchParams, units_per_pixel: f64) -> Settings {
 
 type ModelFound = Result<(Option<TwoViewModel>, usize), Cancelled>;
 
-fn fundamental_of(points: &[PointPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
+fn fundamental_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
     let normalisation = Normalisation::of(points);
-    let normalised: Vec<PointPair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
+    let normalised: Vec<RayPair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
     let problem = fundamental::FundamentalProblem { pairs: &normalised };
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, normalisation.scale), monitor)?;
     let in_pixels = |f| TwoViewModel::Fundamental { fundamental: normalisation.fundamental_in_pixels(&f).normalize() };
     Ok((model.map(in_pixels), iterations))
 }
 
-fn homography_of(points: &[PointPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
+fn homography_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
     let normalisation = Normalisation::of(points);
-    let normalised: Vec<PointPair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
+    let normalised: Vec<RayPair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
     let problem = homography::HomographyProblem { pairs: &normalised };
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, normalisation.scale), monitor)?;
     let in_pixels =
@@ -130,9 +134,15 @@ fn homography_of(points: &[PointPair], order: Vec<usize>, params: &MatchParams, 
     Ok((model.and_then(in_pixels), iterations))
 }
 
-fn essential_of(points: &[PointPair], order: Vec<usize>, camera: &Camera, params: &MatchParams, monitor: &Monitor) -> ModelFound {
-    let directions: Vec<PointPair> =
-        points.iter().map(|p| PointPair { a: camera.direction_of(p.a), b: camera.direction_of(p.b) }).collect();
+fn essential_of(
+    points: &[RayPair],
+    order: Vec<usize>,
+    camera: &Camera,
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> ModelFound {
+    let directions: Vec<RayPair> =
+        points.iter().map(|p| RayPair { a: camera.direction_of(p.a), b: camera.direction_of(p.b) }).collect();
     let focal = camera.focal_px();
     let problem = essential::EssentialProblem { pairs: &directions, focal_a: focal, focal_b: focal };
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, 1.0), monitor)?;

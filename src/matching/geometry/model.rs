@@ -2,12 +2,13 @@
 
 use super::fundamental::sampson_squared;
 use super::homography::{Homography, mapped, squared_error};
-use super::points::PointPair;
+use super::points::RayPair;
 use super::pose::{RelativePose, pose_in_front};
 use crate::matching::camera::Camera;
 use nalgebra::{Matrix3, Vector3};
 
-/// What relates the points of image A with those of image B. Pixels are in Burstscope's convention: the centre of the first one is (0, 0).
+/// What relates the points of image A with those of image B. Pixels are in Burstscope's convention: the centre of the
+/// first one is (0, 0).
 #[derive(Debug, Clone, PartialEq)]
 pub enum TwoViewModel {
     /// Any scene, cameras of which nothing is known: x_bᵀ·F·x_a = 0 for pixels x = (u, v, 1).
@@ -40,25 +41,27 @@ impl TwoViewModel {
         Some(Self::Homography { forward: *h, backward: h.try_inverse()? })
     }
 
-    /// How far the match of `a` in image A with `b` in image B is from the model, in pixels. For epipolar geometry the Sampson distance (to first order, the
-    /// distance by which both points together must move to satisfy it), with the lens's distortion removed; for a homography the root mean square of the transfers'
-    /// distances in A and in B. Infinite where there is none: at the epipoles, or behind the camera.
+    /// How far the match of `a` in image A with `b` in image B is from the model, in pixels. For epipolar geometry the
+    /// Sampson distance (to first order, the distance by which both points together must move to satisfy it), with the
+    /// lens's distortion removed; for a homography the root mean square of the transfers' distances in A and in B.
+    /// Infinite where there is none: at the epipoles, or behind the camera.
     pub fn error_px(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let squared = match self {
-            Self::Fundamental { fundamental } => sampson_squared(fundamental, &PointPair { a, b }),
+            Self::Fundamental { fundamental } => sampson_squared(fundamental, &RayPair { a, b }),
             Self::Essential { essential, camera } => {
-                let pair = PointPair { a: straightened(camera, a), b: straightened(camera, b) };
+                let pair = RayPair { a: straightened(camera, a), b: straightened(camera, b) };
                 sampson_squared(&straight_fundamental(essential, camera), &pair)
             }
             Self::Homography { forward, backward } => {
-                squared_error(&Homography { forward: *forward, backward: *backward }, &PointPair { a, b })
+                squared_error(&Homography { forward: *forward, backward: *backward }, &RayPair { a, b })
             }
         };
         if squared.is_nan() { f64::INFINITY } else { squared.sqrt() }
     }
 
-    /// Where in image B, of `size` (columns, rows), the point `a` of image A can be, as a line through (u, v) points: a straight piece of the epipolar line, a curve
-    /// where the lens bends it, the single point of a homography. Empty where that is outside the image.
+    /// Where in image B, of `size` (columns, rows), the point `a` of image A can be, as a line through (u, v) points: a
+    /// straight piece of the epipolar line, a curve where the lens bends it, the single point of a homography. Empty
+    /// where that is outside the image.
     pub fn locus_in_b(&self, a: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
         self.locus(a, size, false)
     }
@@ -91,13 +94,14 @@ impl TwoViewModel {
         }
     }
 
-    /// The relative pose of the cameras, for which most of `pairs` (of matched pixels, as a rule the inliers) lie in front of both, and how many do. `None` but for an essential matrix.
+    /// The relative pose of the cameras, for which most of `pairs` (of matched pixels, as a rule the inliers) lie in
+    /// front of both, and how many do. `None` but for an essential matrix.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
         let Self::Essential { essential, camera } = self else {
             return None;
         };
-        let directions: Vec<PointPair> =
-            pairs.iter().map(|(a, b)| PointPair { a: camera.direction_of(*a), b: camera.direction_of(*b) }).collect();
+        let directions: Vec<RayPair> =
+            pairs.iter().map(|(a, b)| RayPair { a: camera.direction_of(*a), b: camera.direction_of(*b) }).collect();
         pose_in_front(essential, directions.iter())
     }
 }

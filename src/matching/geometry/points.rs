@@ -1,21 +1,22 @@
 //! Matched points, and the coordinates in which models are estimated.
 //!
-//! Pixels are numbers of hundreds, so that the terms of an epipolar equation differ by factors of 10⁵ and linear fits lose digits. Estimation therefore happens in
-//! coordinates around the points' centre and of about unit size (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997). Both images share one scale,
-//! so that an error in these coordinates is one in pixels but for a factor.
+//! Pixels are numbers of hundreds, so that the terms of an epipolar equation differ by factors of 10⁵ and linear fits
+//! lose digits. Estimation therefore happens in coordinates around the points' centre and of about unit size (Hartley,
+//! "In Defense of the Eight-Point Algorithm", PAMI 1997). Both images share one scale, so that an error in these
+//! coordinates is one in pixels but for a factor.
 
 use nalgebra::{Matrix3, Vector3};
 
 /// A matched pair of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PointPair {
+pub(super) struct RayPair {
     /// In image A.
     pub a: [f64; 2],
     /// In image B.
     pub b: [f64; 2],
 }
 
-impl PointPair {
+impl RayPair {
     pub(super) fn a_homogeneous(&self) -> Vector3<f64> {
         Vector3::new(self.a[0], self.a[1], 1.0)
     }
@@ -36,9 +37,9 @@ pub(super) struct Normalisation {
 
 impl Normalisation {
     /// That of these pairs: their centre becomes 0, and their mean squared distance from it 2.
-    pub(super) fn of(pairs: &[PointPair]) -> Self {
+    pub(super) fn of(pairs: &[RayPair]) -> Self {
         let count = pairs.len().max(1) as f64;
-        let mean = |point: fn(&PointPair) -> [f64; 2]| {
+        let mean = |point: fn(&RayPair) -> [f64; 2]| {
             let sum = pairs.iter().map(point).fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
             sum.map(|x| x / count)
         };
@@ -49,9 +50,9 @@ impl Normalisation {
         Self { centre_a, centre_b, scale }
     }
 
-    pub(super) fn apply(&self, pair: &PointPair) -> PointPair {
+    pub(super) fn apply(&self, pair: &RayPair) -> RayPair {
         let to = |p: [f64; 2], c: [f64; 2]| [(p[0] - c[0]) * self.scale, (p[1] - c[1]) * self.scale];
-        PointPair { a: to(pair.a, self.centre_a), b: to(pair.b, self.centre_b) }
+        RayPair { a: to(pair.a, self.centre_a), b: to(pair.b, self.centre_b) }
     }
 
     fn matrix(&self, centre: [f64; 2]) -> Matrix3<f64> {
@@ -79,21 +80,21 @@ mod tests {
 
     #[test]
     fn matrices_follow_the_points() {
-        let pairs: Vec<PointPair> = (0..9)
+        let pairs: Vec<RayPair> = (0..9)
             .map(|i| f64::from(i * i % 7))
-            .map(|x| PointPair { a: [100.0 + x, 50.0 - 2.0 * x * x], b: [x * 30.0, 9.0 + x] })
+            .map(|x| RayPair { a: [100.0 + x, 50.0 - 2.0 * x * x], b: [x * 30.0, 9.0 + x] })
             .collect();
         let normalisation = Normalisation::of(&pairs);
         let h = Matrix3::new(1.0, 0.2, 3.0, -0.1, 0.9, 4.0, 0.001, -0.002, 1.0);
         let f = Matrix3::new(0.1, 0.2, 0.3, -0.4, 0.5, 0.6, 0.7, -0.8, 0.9);
-        let normalised: Vec<PointPair> = pairs.iter().map(|p| normalisation.apply(p)).collect();
+        let normalised: Vec<RayPair> = pairs.iter().map(|p| normalisation.apply(p)).collect();
         let mean: f64 = normalised.iter().map(|p| p.a[0] + p.a[1] + p.b[0] + p.b[1]).sum();
         assert!(mean.abs() < 1e-12);
         for (pixels, normal) in pairs.iter().zip(&normalised) {
             let mapped = normalisation.homography_in_pixels(&h) * pixels.a_homogeneous();
             let expected = h * normal.a_homogeneous();
             let expected = normalisation
-                .apply(&PointPair { a: [0.0; 2], b: [mapped.x / mapped.z, mapped.y / mapped.z] })
+                .apply(&RayPair { a: [0.0; 2], b: [mapped.x / mapped.z, mapped.y / mapped.z] })
                 .b
                 .map(|x| x * expected.z);
             let got = h * normal.a_homogeneous();
@@ -105,8 +106,8 @@ mod tests {
 
     #[test]
     fn equal_points_are_no_division_by_zero() {
-        let pairs = [PointPair { a: [3.0, 4.0], b: [5.0, 6.0] }; 4];
-        assert_eq!(Normalisation::of(&pairs).apply(&pairs[0]), PointPair { a: [0.0; 2], b: [0.0; 2] });
+        let pairs = [RayPair { a: [3.0, 4.0], b: [5.0, 6.0] }; 4];
+        assert_eq!(Normalisation::of(&pairs).apply(&pairs[0]), RayPair { a: [0.0; 2], b: [0.0; 2] });
         assert!(Normalisation::of(&[]).scale.is_finite());
     }
 }

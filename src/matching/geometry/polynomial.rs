@@ -1,8 +1,10 @@
-//! The real roots of polynomials in one unknown, as the minimal solvers need them: the cubic of seven points, the tenth degree of five.
+//! The real roots of polynomials in one unknown, as the minimal solvers need them: the cubic of seven points, the tenth
+//! degree of five.
 //!
-//! Between two neighbouring extrema a polynomial crosses zero at most once. So the roots of the derivative, found in the same way, separate
-//! those of the polynomial, and each is then closed in by Newton's method with bisection as its safety net. This needs no complex arithmetic, finds
-//! roots to the last digits that the coefficients allow, and never fails to end. A double root may be found or missed, as rounding has it.
+//! Between two neighbouring extrema a polynomial crosses zero at most once. So the roots of the derivative, found in
+//! the same way, separate those of the polynomial, and each is then closed in by Newton's method with bisection as its
+//! safety net. This needs no complex arithmetic, finds roots to the last digits that the coefficients allow, and never
+//! fails to end. A double root may be found or missed, as rounding has it.
 
 /// Most steps for one root: bisection alone needs about 64 for the digits of an `f64`.
 const MAX_STEPS: usize = 100;
@@ -12,9 +14,10 @@ fn value(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
-/// The real roots of the polynomial Σ `coefficients[k]`·xᵏ, in ascending order. Empty for a constant, and where a coefficient is not finite.
+/// The real roots of the polynomial Σ `coefficients[k]`·xᵏ, in ascending order. Empty for a constant, and where a
+/// coefficient is not finite.
 pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
-    let largest = coefficients.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+    let largest = coefficients.iter().fold(0.0, |max: f64, c| max.max(c.abs()));
     if !(largest.is_finite() && largest > 0.0) || coefficients.iter().any(|c| c.is_nan()) {
         return Vec::new();
     }
@@ -28,8 +31,7 @@ pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     }
     let derivative: Vec<f64> = coefficients.iter().enumerate().skip(1).map(|(k, c)| k as f64 * c).collect();
     // Cauchy's bound on the magnitude of the roots.
-    let bound =
-        1.0 + coefficients[..degree].iter().fold(0.0, |most: f64, c| most.max((c / coefficients[degree]).abs()));
+    let bound = 1.0 + coefficients[..degree].iter().fold(0.0, |max: f64, c| max.max((c / coefficients[degree]).abs()));
     let mut borders = vec![-bound];
     borders.extend(real_roots(&derivative).into_iter().filter(|x| x.abs() < bound));
     borders.push(bound);

@@ -1,14 +1,15 @@
 //! The relative pose of two cameras, from the essential matrix.
 //!
-//! `E = [t]×·R` has four solutions: two rotations, and both signs of the translation. Only in one of them do points lie in front of both cameras (Hartley and
-//! Zisserman, "Multiple View Geometry", 2nd ed., 9.6.2; the decomposition here is Horn's, "Recovering Baseline and Orientation from 'Essential' Matrix", 1990,
-//! which needs no singular values).
+//! `E = [t]×·R` has four solutions: two rotations, and both signs of the translation. Only in one of them do points lie
+//! in front of both cameras (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 9.6.2; the decomposition here is
+//! Horn's, "Recovering Baseline and Orientation from 'Essential' Matrix", 1990, which needs no singular values).
 
 use super::linear::cross_matrix;
-use super::points::PointPair;
+use super::points::RayPair;
 use nalgebra::{Matrix3, Vector3};
 
-/// Where camera B is, seen from camera A: a point X in A's frame is at R·X + t in B's. The length of t is unknown and set to 1.
+/// Where camera B is, seen from camera A: a point X in A's frame is at R·X + t in B's. The length of t is unknown and
+/// set to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelativePose {
     /// R, from A's frame to B's.
@@ -28,8 +29,9 @@ impl RelativePose {
         angle_of(&self.rotation)
     }
 
-    /// The depths along A's and B's axes of the point that is seen in the directions (x, y, 1) of `pair`, for which the two lines come closest. `None` for parallel directions.
-    fn depths(&self, pair: &PointPair) -> Option<(f64, f64)> {
+    /// The depths along A's and B's axes of the point that is seen in the directions (x, y, 1) of `pair`, for which the
+    /// two lines come closest. `None` for parallel directions.
+    fn depths(&self, pair: &RayPair) -> Option<(f64, f64)> {
         // depth_b·d_b = depth_a·R·d_a + t, in the least squares.
         let (a, b) = (self.rotation * pair.a_homogeneous(), pair.b_homogeneous());
         let (aa, ab, bb) = (a.norm_squared(), a.dot(&b), b.norm_squared());
@@ -40,7 +42,7 @@ impl RelativePose {
     }
 
     /// Whether the point that is seen in these directions is in front of both cameras.
-    fn is_in_front(&self, pair: &PointPair) -> bool {
+    fn is_in_front(&self, pair: &RayPair) -> bool {
         self.depths(pair).is_some_and(|(in_a, in_b)| in_a > 0.0 && in_b > 0.0)
     }
 }
@@ -86,10 +88,11 @@ fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (r.iter().all(|x| x.is_finite()) && r.determinant() > 0.0).then_some(r)
 }
 
-/// The pose of an essential matrix for which most of `pairs`, matched directions, lie in front of both cameras, and how many do.
+/// The pose of an essential matrix for which most of `pairs`, matched directions, lie in front of both cameras, and how
+/// many do.
 pub(super) fn pose_in_front<'a>(
     e: &Matrix3<f64>,
-    pairs: impl Iterator<Item = &'a PointPair> + Clone,
+    pairs: impl Iterator<Item = &'a RayPair> + Clone,
 ) -> Option<(RelativePose, usize)> {
     let counted = poses_of(e)?.map(|pose| (pose, pairs.clone().filter(|pair| pose.is_in_front(pair)).count()));
     // The first of several with as many.

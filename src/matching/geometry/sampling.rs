@@ -1,13 +1,15 @@
 //! Which matches are tried together: the most promising first.
 //!
-//! PROSAC (Chum and Matas, "Matching with PROSAC", CVPR 2005) draws from the best few matches at first and lets that set grow, until after [`UNIFORM_AFTER`] samples it
-//! draws from all matches alike, as plain RANSAC does. If the order by quality is of any use, good samples come early; if it is of none, nothing is lost.
-//! The stream of random numbers is ChaCha's, which a seed fixes for ever.
+//! PROSAC (Chum and Matas, "Matching with PROSAC", CVPR 2005) draws from the best few matches at first and lets that
+//! set grow, until after [`UNIFORM_AFTER`] samples it draws from all matches alike, as plain RANSAC does. If the order
+//! by quality is of any use, good samples come early; if it is of none, nothing is lost. The stream of random numbers
+//! is ChaCha's, which a seed fixes for ever.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-/// After this many samples the whole set is open. The paper takes ten times as many, more than are drawn here by default.
+/// After this many samples the whole set is open. The paper takes ten times as many, more than are drawn here by
+/// default.
 const UNIFORM_AFTER: f64 = 20_000.0;
 
 /// Draws samples of `M` different matches.
@@ -19,14 +21,16 @@ pub(super) struct Sampler {
     open: usize,
     /// Samples drawn so far.
     drawn: f64,
-    /// The paper's T_n and T'_n: samples that plain RANSAC would have drawn from the open set, and when the set grows next.
+    /// The paper's T_n and T'_n: samples that plain RANSAC would have drawn from the open set, and when the set grows
+    /// next.
     expected: f64,
     grows_after: f64,
     size: usize,
 }
 
 impl Sampler {
-    /// Samples of `size` out of the matches `order`, which begins with the most promising and is not shorter than `size`.
+    /// Samples of `size` out of the matches `order`, which begins with the most promising and is not shorter than
+    /// `size`.
     pub(super) fn new(order: Vec<usize>, size: usize, seed: u64) -> Self {
         let count = order.len();
         // The samples among the first `size` that UNIFORM_AFTER uniform samples of all matches would hold.

@@ -40,8 +40,8 @@ fn pose() -> RelativePose {
     RelativePose { rotation, translation: Vector3::new(0.9, 0.1, -0.3).normalize() }
 }
 
-/// `inliers` points seen by a camera that moves by `pose`, with `sigma` pixels of noise in both images, and `outliers` pairs of random places.
-/// `depth` is the depth of a point from its direction.
+/// `inliers` points seen by a camera that moves by `pose`, with `sigma` pixels of noise in both images, and `outliers`
+/// pairs of random places. `depth` is the depth of a point from its direction.
 fn scene(
     random: &mut Random,
     camera: Camera,

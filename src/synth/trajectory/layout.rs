@@ -103,7 +103,8 @@ struct Frame {
 }
 
 impl Frame {
-    /// The part of the plane that is seen from the stations, with a margin, in its pixels from the centre: `[left, top, right, bottom]`.
+    /// The part of the plane that is seen from the stations, with a margin, in its pixels from the centre: `[left, top,
+    /// right, bottom]`.
     fn seen_from(
         &self,
         lens: &Lens,
@@ -160,7 +161,8 @@ fn points_seen(planes: &[ScenePlane], lens: &Lens, camera: &Isometry3<f64>) -> V
     grid.filter_map(|(i, j)| nearest_point(planes, lens, camera, place(i, lens.width), place(j, lens.height))).collect()
 }
 
-/// The apparent motions of `points`, as means over each half of the burst, pixels per frame; none for a burst of one frame.
+/// The apparent motions of `points`, as means over each half of the burst, pixels per frame; none for a burst of one
+/// frame.
 fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span: f64) -> Vec<[f64; 2]> {
     let halves = points.iter().flat_map(|point| [-half_span, half_span].map(|dt| (point, dt)));
     let motion = |(point, dt): (&Point3<f64>, f64)| {
@@ -170,8 +172,8 @@ fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span:
     halves.filter_map(motion).collect()
 }
 
-/// The camera of a burst at that speed at which the largest apparent motion on an axis is `max_slope` pixels per frame; and the least and largest motion on each axis,
-/// `[[u min, u max], [v min, v max]]`.
+/// The camera of a burst at that speed at which the largest apparent motion on an axis is `max_slope` pixels per frame;
+/// and the least and largest motion on each axis, `[[u min, u max], [v min, v max]]`.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -187,13 +189,13 @@ pub(super) fn burst_camera(
     let half_span = 0.5 * (params.frames - 1) as f64;
     let points = points_seen(planes, lens, &world_from_camera);
     let at_speed = |speed: f64| BurstCamera { world_from_camera, step: world_from_camera.rotation * (speed * heading) };
-    let largest = |motions: &[[f64; 2]]| motions.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+    let largest = |motions: &[[f64; 2]]| motions.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
     let mut speed = if half_span > 0.0 && params.max_slope > 0.0 { 1e-4 } else { 0.0 };
     // Apparent motion is nearly proportional to speed, so a few corrections settle it.
     for _ in 0..6 {
-        let most = largest(&motions(&at_speed(speed), lens, &points, half_span));
-        if most > 0.0 {
-            speed *= params.max_slope / most;
+        let max = largest(&motions(&at_speed(speed), lens, &points, half_span));
+        if max > 0.0 {
+            speed *= params.max_slope / max;
         }
     }
     let camera = at_speed(speed);

@@ -30,13 +30,15 @@ impl Lens {
         Vector3::new((u - cu) / self.focal_px, (v - cv) / self.focal_px, 1.0)
     }
 
-    /// Where a point in the camera's axes is seen: column and row, the centre of the first pixel is (0, 0). `None` behind the camera.
+    /// Where a point in the camera's axes is seen: column and row, the centre of the first pixel is (0, 0). `None`
+    /// behind the camera.
     pub fn pixel(&self, point: &Point3<f64>) -> Option<[f64; 2]> {
         let [cu, cv] = self.centre();
         (point.z > 1e-9).then(|| [cu + self.focal_px * point.x / point.z, cv + self.focal_px * point.y / point.z])
     }
 
-    /// The model's parameters in COLMAP's order and convention (fx, fy, cx, cy; the centre of the first pixel is (0.5, 0.5)).
+    /// The model's parameters in COLMAP's order and convention (fx, fy, cx, cy; the centre of the first pixel is (0.5,
+    /// 0.5)).
     pub fn colmap_params(&self) -> [f64; 4] {
         [self.focal_px, self.focal_px, 0.5 * self.width as f64, 0.5 * self.height as f64]
     }
@@ -79,7 +81,8 @@ impl BurstCamera {
     }
 }
 
-/// A turn by `yaw` to the right, then `pitch` up, then `roll` clockwise, radians. Sine and cosine are `libm`'s, which round alike everywhere.
+/// A turn by `yaw` to the right, then `pitch` up, then `roll` clockwise, radians. Sine and cosine are `libm`'s, which
+/// round alike everywhere.
 pub(super) fn turn(yaw: f64, pitch: f64, roll: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, axis: Vector3<f64>| {
         let imaginary = axis * libm::sin(0.5 * angle);

@@ -1,10 +1,14 @@
-//! Trajectories: bursts that a camera takes along its way past a scene, with everything known that a reconstruction is to find.
+//! Trajectories: bursts that a camera takes along its way past a scene, with everything known that a reconstruction is
+//! to find.
 //!
-//! The scene is a wall and, before it at several depths, boards: [`plane`]s with textures that have structure at every scale. A pinhole camera ([`lens`]) goes past
-//! it and takes a burst at each of its stations, moving on at constant speed while it does. Every frame is drawn from the pose that the camera has in it, so the
-//! apparent motion of each point follows from its depth, and nothing in the picture knows of slopes. Then a [`Camera`] captures the frames in as much light as is asked for.
+//! The scene is a wall and, before it at several depths, boards: [`plane`]s with textures that have structure at every
+//! scale. A pinhole camera ([`lens`]) goes past it and takes a burst at each of its stations, moving on at constant
+//! speed while it does. Every frame is drawn from the pose that the camera has in it, so the apparent motion of each
+//! point follows from its depth, and nothing in the picture knows of slopes. Then a [`Camera`] captures the frames in
+//! as much light as is asked for.
 //!
-//! What is known: the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at mid-burst without noise, the gold standard.
+//! What is known: the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at mid-burst
+//! without noise, the gold standard.
 
 mod layout;
 pub mod lens;
@@ -28,8 +32,8 @@ use serde::{Deserialize, Serialize};
 /// How much light there is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
-    /// So much that a pixel of a frame has this signal-to-noise ratio: the standard deviation of all pixels of the scene over that of the noise at their mean, as
-    /// [`super::noisy`] defines it; infinite for no noise.
+    /// So much that a pixel of a frame has this signal-to-noise ratio: the standard deviation of all pixels of the
+    /// scene over that of the noise at their mean, as [`super::noisy`] defines it; infinite for no noise.
     Snr(f64),
     /// So much that scene white, the brightest that is painted, makes this many electrons; infinite for no noise.
     Electrons(f64),
@@ -48,9 +52,11 @@ pub struct TrajectoryParams {
     pub frames: usize,
     /// Number of planes, 1 … 16; the farthest one is a wall that fills the frame.
     pub planes: usize,
-    /// How the camera goes: in one dimension sideways, so that everything moves horizontally; in two forward and sideways, so that motion spreads in all directions.
+    /// How the camera goes: in one dimension sideways, so that everything moves horizontally; in two forward and
+    /// sideways, so that motion spreads in all directions.
     pub motion: Motion,
-    /// The largest apparent motion on an axis, pixels per frame, as the mean over half a burst; the camera's speed is chosen for it.
+    /// The largest apparent motion on an axis, pixels per frame, as the mean over half a burst; the camera's speed is
+    /// chosen for it.
     pub max_slope: f64,
     /// How much light there is.
     pub light: Light,
@@ -63,7 +69,8 @@ pub struct TrajectoryParams {
 }
 
 impl Default for TrajectoryParams {
-    /// Eight bursts of ten frames of 640×480, a wall and boards at three depths, motion to the side up to 3 px/frame, SNR 0.3.
+    /// Eight bursts of ten frames of 640×480, a wall and boards at three depths, motion to the side up to 3 px/frame,
+    /// SNR 0.3.
     fn default() -> Self {
         Self {
             width: 640,
@@ -83,7 +90,8 @@ impl Default for TrajectoryParams {
 
 /// Focal length over the image's width.
 const FOCAL_SHARE: f64 = 0.9;
-/// Electrons at full scale at the highest gain that is of use, as of a camera in the dark: 8 levels of 12 bits an electron. In more light the gain is lower.
+/// Electrons at full scale at the highest gain that is of use, as of a camera in the dark: 8 levels of 12 bits an
+/// electron. In more light the gain is lower.
 const DARK_FULL_SCALE_ELECTRONS: f64 = 512.0;
 /// Noise is kept this many standard deviations away from black and white.
 const CLEARANCE_SIGMAS: f64 = 5.0;
@@ -151,18 +159,18 @@ impl TrajectoryParams {
 
     /// The sensor for `electrons` at scene white.
     fn exposure(&self, electrons: f64, levels: &FrameLevels) -> NoisyExposure {
-        let least_black = 1.0 / 64.0;
+        let min_black = 1.0 / 64.0;
         if electrons.is_infinite() {
             let gain = GOLD_WHITE;
-            return NoisyExposure { gain, camera: Camera::noiseless(least_black), mean_signal: gain * levels.mean() };
+            return NoisyExposure { gain, camera: Camera::noiseless(min_black), mean_signal: gain * levels.mean() };
         }
         let brightest = levels.max() * electrons;
         let sigmas = (brightest + self.read_noise.powi(2)).sqrt() + self.read_noise;
-        let needed = (brightest + CLEARANCE_SIGMAS * sigmas) / (1.0 - least_black);
+        let needed = (brightest + CLEARANCE_SIGMAS * sigmas) / (1.0 - min_black);
         let full_scale_electrons = needed.max(DARK_FULL_SCALE_ELECTRONS);
         let (read_noise_electrons, bits) = (self.read_noise, Some(self.bits));
         let mut camera = Camera { full_scale_electrons, read_noise_electrons, black_level: 0.0, bits };
-        camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(least_black);
+        camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(min_black);
         let gain = electrons / full_scale_electrons;
         NoisyExposure { gain, camera, mean_signal: gain * levels.mean() }
     }
@@ -213,7 +221,8 @@ impl Trajectory {
         Ok(view)
     }
 
-    /// Burst `index` as the camera takes it. Each frame of all bursts takes its noise from a stream of its own, so the result does not depend on the threads.
+    /// Burst `index` as the camera takes it. Each frame of all bursts takes its noise from a stream of its own, so the
+    /// result does not depend on the threads.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -267,7 +276,8 @@ impl Trajectory {
     }
 }
 
-/// What is known of a trajectory beside pictures, poses and lens: the content of its `trajectory.json`. Lengths are metres, slopes pixels per frame.
+/// What is known of a trajectory beside pictures, poses and lens: the content of its `trajectory.json`. Lengths are
+/// metres, slopes pixels per frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryTruth {

@@ -1,8 +1,9 @@
 //! A textured plane in space, and how it is seen through a pinhole.
 //!
-//! A plane carries a painted [`Sheet`]. A camera sees it through a homography: the plane's coordinates of what lies in a pixel's direction are a quotient of
-//! linear functions of the pixel. The texture is averaged over a pixel's area once, at the resolution of the sheet, and is then a fixed smooth function that every
-//! frame samples at the pixels' centres: what moves is geometry alone, to any fraction of a pixel.
+//! A plane carries a painted [`Sheet`]. A camera sees it through a homography: the plane's coordinates of what lies in
+//! a pixel's direction are a quotient of linear functions of the pixel. The texture is averaged over a pixel's area
+//! once, at the resolution of the sheet, and is then a fixed smooth function that every frame samples at the pixels'
+//! centres: what moves is geometry alone, to any fraction of a pixel.
 
 use super::lens::Lens;
 use crate::monitor::{Cancelled, Monitor};
@@ -108,7 +109,8 @@ impl ScenePlane {
         self.origin + p * self.right + q * self.down
     }
 
-    /// The matrix G for which G·(x, y, 1) = (p, q, 1) / depth where the direction (x, y, 1) of the camera meets the plane; `None` where the camera lies in the plane.
+    /// The matrix G for which G·(x, y, 1) = (p, q, 1) / depth where the direction (x, y, 1) of the camera meets the
+    /// plane; `None` where the camera lies in the plane.
     fn plane_from_direction(&self, world_from_camera: &Isometry3<f64>) -> Option<Matrix3<f64>> {
         let turn = world_from_camera.rotation.inverse();
         let origin = world_from_camera.inverse_transform_point(&self.origin).coords;
@@ -116,14 +118,15 @@ impl ScenePlane {
     }
 }
 
-/// The sheet's place (p, q) and the inverse depth (1/m) where a direction meets a plane, given its matrix; `None` where it does not, in front of the camera.
+/// The sheet's place (p, q) and the inverse depth (1/m) where a direction meets a plane, given its matrix; `None` where
+/// it does not, in front of the camera.
 fn meet(matrix: &Matrix3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64, f64)> {
     let met = matrix * direction;
     (met.z > 1e-9).then(|| (met.x / met.z, met.y / met.z, met.z))
 }
 
-/// The picture of `planes` without noise from a camera in the world: signal at each pixel, as painted. Where several lie in a pixel's direction the nearer ones are over
-/// the farther ones; where there is none, it is 0.
+/// The picture of `planes` without noise from a camera in the world: signal at each pixel, as painted. Where several
+/// lie in a pixel's direction the nearer ones are over the farther ones; where there is none, it is 0.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -154,7 +157,8 @@ pub fn render(
     Ok(picture)
 }
 
-/// The nearest point of the world that is seen at the pixel (u, v), among what at least half covers it; `None` where nothing does.
+/// The nearest point of the world that is seen at the pixel (u, v), among what at least half covers it; `None` where
+/// nothing does.
 pub fn nearest_point(
     planes: &[ScenePlane],
     lens: &Lens,

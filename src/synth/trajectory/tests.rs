@@ -26,8 +26,8 @@ fn centroid(picture: &Plane) -> [f64; 2] {
 #[test]
 fn a_known_point_is_where_the_picture_has_it() {
     let lens = Lens { width: 200, height: 150, focal_px: 180.0 };
-    // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the picture of its centre is 0.02 px from the
-    // centre of gravity of its picture, and without edges, whose pixels would draw it aside.
+    // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the picture of its centre is
+    // 0.02 px from the centre of gravity of its picture, and without edges, whose pixels would draw it aside.
     let slant = lens::turn(0.2, -0.2, 0.1);
     let pixel = 4.0 / lens.focal_px;
     let mut sheet = Sheet::new(220, 180, 2, 2);
@@ -87,8 +87,8 @@ fn apparent_motion_follows_from_depth_and_reaches_the_largest_that_was_asked_for
     for motion in [Motion::OneD, Motion::TwoD] {
         let trajectory = made(&TrajectoryParams { motion, ..small() });
         for (camera, [u, v]) in trajectory.cameras.iter().zip(&trajectory.slopes) {
-            let most = [u, v].into_iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
-            assert!((most - 2.0).abs() < 1e-6, "{most}");
+            let max = [u, v].into_iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
+            assert!((max - 2.0).abs() < 1e-6, "{max}");
             match motion {
                 // To the right with the camera is to the left in the picture, by focal length × step / depth.
                 Motion::OneD => {

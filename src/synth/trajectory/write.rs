@@ -12,9 +12,10 @@ const ENTRIES: [&str; 5] = ["bursts", "gold", "poses.txt", "lens.toml", TRUTH_FI
 /// The file that says what the folder is.
 const TRUTH_FILE: &str = "trajectory.json";
 
-/// Writes a trajectory into the folder `dir`, which is made: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png` (the views at mid-burst without noise, 16 bit),
-/// `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's number, the camera in the world at mid-burst), `lens.toml` (the camera) and `trajectory.json`
-/// (the truth). An earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left alone.
+/// Writes a trajectory into the folder `dir`, which is made: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
+/// (the views at mid-burst without noise, 16 bit), `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's
+/// number, the camera in the world at mid-burst), `lens.toml` (the camera) and `trajectory.json` (the truth). An
+/// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left alone.
 ///
 /// # Errors
 /// See [`WriteBurstError`]; the folder is then as it was before.

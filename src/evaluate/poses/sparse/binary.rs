@@ -1,6 +1,7 @@
 //! Models in binary: little-endian numbers without padding, counts before lists.
 //!
-//! Every count is checked against the bytes that are left before it is believed, so that a damaged file takes neither memory nor time.
+//! Every count is checked against the bytes that are left before it is believed, so that a damaged file takes neither
+//! memory nor time.
 
 use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::PoseError;

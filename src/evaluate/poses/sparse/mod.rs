@@ -1,8 +1,8 @@
 //! COLMAP's sparse models: which images were registered, where their cameras stand, and what they see in common.
 //!
-//! A model is a folder of files, all in binary or all in text. Of these only what tells about poses and points is read: `images` (pose, name,
-//! which of its keypoints became points) and `points3D` (reprojection error, length of the track); intrinsics, places of keypoints and
-//! colours are passed over. Format: <https://colmap.github.io/format.html>.
+//! A model is a folder of files, all in binary or all in text. Of these only what tells about poses and points is read:
+//! `images` (pose, name, which of its keypoints became points) and `points3D` (reprojection error, length of the
+//! track); intrinsics, places of keypoints and colours are passed over. Format: <https://colmap.github.io/format.html>.
 
 mod binary;
 mod text;
@@ -65,7 +65,8 @@ pub struct ModelSummary {
 }
 
 impl SparseModel {
-    /// The poses of its images. Their order is their id less 1, for ids count up from 1 in the order in which images came into the database.
+    /// The poses of its images. Their order is their id less 1, for ids count up from 1 in the order in which images
+    /// came into the database.
     pub fn poses(&self) -> Vec<Pose> {
         let pose = |image: &SparseImage| Pose {
             label: image.name.clone(),
@@ -99,8 +100,9 @@ pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
     path.parent().filter(|_| of_model).map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p })
 }
 
-/// Reads the sparse model in `folder`; binary files are preferred to text. If there is none in the folder itself but some in its subfolders (COLMAP's mapper
-/// writes `0`, `1`, … for parts that it could not join), the one with the most registered images is the answer.
+/// Reads the sparse model in `folder`; binary files are preferred to text. If there is none in the folder itself but
+/// some in its subfolders (COLMAP's mapper writes `0`, `1`, … for parts that it could not join), the one with the most
+/// registered images is the answer.
 ///
 /// # Errors
 /// [`PoseError`] when there is no model, a file of it cannot be read or is damaged, or no image is registered.
