@@ -14,6 +14,7 @@ mod colmap;
 pub mod colmap_args;
 mod console;
 mod detect;
+mod detect_line;
 mod evaluate;
 pub mod evaluate_args;
 pub mod evaluate_matches;
@@ -45,6 +46,7 @@ pub mod trajectory_args;
 #[cfg(feature = "app")]
 mod window;
 
+pub use detect_line::detect_line;
 pub use failure::Failure;
 
 use args::{Cli, Command};

@@ -10,12 +10,16 @@
 //!
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
+mod against;
 mod cache;
+#[cfg(feature = "colmap")]
+mod colmap;
 mod compare;
 mod dataset;
 mod fault;
 mod keyed;
 mod lane;
+mod losses;
 mod pair;
 mod picture;
 mod picture_lane;
@@ -23,7 +27,10 @@ mod poses;
 mod source;
 mod task;
 
+pub use against::{Against, AgainstRequest, AgainstWorker, ComparedWith, Reference};
 pub use cache::PictureCache;
+#[cfg(feature = "colmap")]
+pub use colmap::{ColmapDone, ColmapRequest};
 pub use compare::{CompareRequest, Compared, Comparer};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
@@ -31,6 +38,7 @@ pub use dataset::{
 pub use fault::JobError;
 pub use keyed::KeyedLane;
 pub use lane::{Answer, JobId, Lane};
+pub use losses::{FoundLosses, LossWorkers, LossesRequest};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use picture_lane::PictureSlot;
@@ -120,6 +128,16 @@ pub struct Running {
     pub progress: Option<Progress>,
 }
 
+impl Running {
+    /// How long it still takes if it goes on as it went so far; `None` while that cannot be told.
+    pub fn time_left(&self) -> Option<Duration> {
+        let fraction = self.progress?.fraction;
+        let gone = self.started.elapsed();
+        let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
+        can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))
+    }
+}
+
 /// The workers of one window.
 pub struct Engine {
     open: Lane<BurstSource, OpenBurst>,
@@ -128,6 +146,10 @@ pub struct Engine {
     detect: Lane<DetectRequest, Detected>,
     pair: PairWorkers,
     comparer: Comparer,
+    /// Where features of a pair were lost.
+    pub losses: LossWorkers,
+    /// Comparisons of features with others.
+    pub against: AgainstWorker,
     /// Work on many bursts.
     pub datasets: DatasetWorkers,
     /// Work on trajectories.
@@ -154,6 +176,8 @@ impl Engine {
             detect: detect_lane("detect", &on_update),
             pair: PairWorkers::new(&cache, &on_update),
             comparer: Comparer::new(&on_update),
+            losses: LossWorkers::new(&cache, &on_update),
+            against: AgainstWorker::new(&on_update),
             datasets: DatasetWorkers::new(&on_update),
             poses: PoseWorker::new(&on_update),
             tasks: task::Tasks::new(on_update),
@@ -252,6 +276,8 @@ impl Engine {
             && self.detect.is_idle()
             && self.pair.is_idle()
             && self.comparer.is_idle()
+            && self.losses.is_idle()
+            && self.against.is_idle()
             && self.datasets.is_idle()
             && self.poses.is_idle()
             && self.tasks.is_idle()
