@@ -1,10 +1,11 @@
 //! The worker that compares the features of a burst with others: an earlier result, somebody else's, what is really there.
 
+use super::Running;
 use super::fault::JobError;
-use super::lane::{Answer, JobId, Lane};
+use super::jobs::{JobAnswer, Jobs};
 use super::picture::job_error;
+use super::queue::{JobId, JobQueue, Priority};
 use super::source::OpenBurst;
-use super::{OnUpdate, Running};
 use crate::detector::{Detection, DetectorParams};
 use crate::inspect::ProbeCache;
 use crate::inspect::changes::{Changes, Spot, compare};
@@ -92,11 +93,11 @@ pub struct ComparedWith {
 }
 
 /// The worker.
-pub struct AgainstWorker(Lane<AgainstRequest, ComparedWith>);
+pub struct AgainstWorker(Jobs<AgainstRequest, ComparedWith>);
 
 impl AgainstWorker {
-    pub(super) fn new(on_update: &OnUpdate) -> Self {
-        Self(Lane::new("against", Duration::ZERO, on_update.clone(), work))
+    pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
+        Self(Jobs::new(queue, Priority::Search, Duration::ZERO, work))
     }
 
     /// Starts a comparison; the one that runs is cancelled.
@@ -104,9 +105,9 @@ impl AgainstWorker {
         self.0.submit(request)
     }
 
-    /// What came of it, if it ended since the last call. Never waits.
-    pub fn poll(&self) -> Option<Answer<ComparedWith>> {
-        self.0.take_answer()
+    /// What came of those that ended since the last call. Never waits.
+    pub fn poll(&self) -> impl Iterator<Item = JobAnswer<ComparedWith>> {
+        self.0.take_answers()
     }
 
     /// What it is doing now, if anything.
@@ -117,11 +118,6 @@ impl AgainstWorker {
     /// Cancels what it is doing.
     pub fn cancel(&self) {
         self.0.cancel();
-    }
-
-    /// Whether nothing runs and nothing waits.
-    pub fn is_idle(&self) -> bool {
-        self.0.is_idle()
     }
 }
 

@@ -1,11 +1,12 @@
 //! Where the features of a pair were lost on the way to a match, and the pictures of what they were compared with.
 
+use super::Running;
 use super::fault::JobError;
-use super::lane::{Answer, Lane};
+use super::jobs::{JobAnswer, Jobs};
 use super::pair::MatchRequest;
 use super::picture::{Picture, PictureRequest};
-use super::picture_lane::SharedCache;
-use super::{OnUpdate, PICTURE_GRACE, Running};
+use super::picture_jobs::{PICTURE_GRACE, SharedCache};
+use super::queue::{JobQueue, Priority};
 use crate::inspect::unmatched::{Losses, Lost, NearestOfBoth, Pair};
 use crate::matching::MatchResult;
 use std::sync::Arc;
@@ -50,25 +51,25 @@ pub struct FoundLosses {
 
 /// The workers.
 pub struct LossWorkers {
-    losses: Lane<LossesRequest, FoundLosses>,
-    pictures: Lane<Vec<PictureRequest>, Vec<Picture>>,
+    losses: Jobs<LossesRequest, FoundLosses>,
+    pictures: Jobs<Vec<PictureRequest>, Vec<Picture>>,
 }
 
 impl LossWorkers {
-    pub(super) fn new(cache: &SharedCache, on_update: &OnUpdate) -> Self {
+    pub(super) fn new(queue: &Arc<JobQueue>, cache: &SharedCache) -> Self {
         let its = cache.clone();
         Self {
-            losses: Lane::new("losses", Duration::ZERO, on_update.clone(), |request: LossesRequest, monitor| {
+            losses: Jobs::new(queue, Priority::Search, Duration::ZERO, |request: LossesRequest, monitor| {
                 let losses = Losses::new(request.pair(), monitor)?;
                 let counts = losses.counts(monitor)?;
                 let lost = (0..request.request.a.features.len()).map(|index| losses.lost(index)).collect();
                 let nearest = losses.nearest();
                 Ok(FoundLosses { request, lost, counts, nearest })
             }),
-            pictures: Lane::new(
-                "candidates",
+            pictures: Jobs::new(
+                queue,
+                Priority::Picture,
                 PICTURE_GRACE,
-                on_update.clone(),
                 move |requests: Vec<PictureRequest>, monitor| {
                     requests.iter().map(|request| its.get_or_make(request, monitor)).collect::<Result<_, JobError>>()
                 },
@@ -87,23 +88,17 @@ impl LossWorkers {
     }
 
     /// Where they were lost, if that is known since the last call. Never waits.
-    pub fn poll(&self) -> Option<Answer<FoundLosses>> {
-        self.losses.take_answer()
+    pub fn poll(&self) -> impl Iterator<Item = JobAnswer<FoundLosses>> {
+        self.losses.take_answers()
     }
 
     /// The pictures, if they are there since the last call. Never waits.
-    pub fn poll_pictures(&self) -> Option<Answer<Vec<Picture>>> {
-        self.pictures.enforce_grace();
-        self.pictures.take_answer()
+    pub fn poll_pictures(&self) -> impl Iterator<Item = JobAnswer<Vec<Picture>>> {
+        self.pictures.take_answers()
     }
 
     /// How far it is, if anything is done.
     pub fn running(&self) -> Option<Running> {
         self.losses.running()
-    }
-
-    /// Whether nothing runs and nothing waits.
-    pub fn is_idle(&self) -> bool {
-        self.losses.is_idle() && self.pictures.is_idle()
     }
 }

@@ -218,7 +218,7 @@ fn change_model(model: &mut Model, id: ActionId) {
         A::NextFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(true),
         A::PreviousFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(false),
         A::StrongestFeature if model.workspace == Workspace::Pair => {
-            model.pair.selected = model.pair.listed.first().copied()
+            model.pair.selected = model.pair.listed.first().copied();
         }
         A::ClearSelection if model.workspace == Workspace::Pair => model.ask_feature(None),
         A::NextFeature => model.select_neighbour(true),

@@ -13,7 +13,7 @@ pub(in crate::app) struct AgainstAsked {
 impl BurstscopeApp {
     /// Takes what the worker published.
     pub(in crate::app) fn take_against_updates(&mut self) {
-        if let Some(answer) = self.engine.against.poll() {
+        for answer in self.engine.against.poll().filter(|answer| !answer.is_superseded()) {
             match answer.result {
                 Ok(compared) => self.model.take_comparison(compared),
                 Err(JobError::Cancelled) => self.against_asked.failed = true,

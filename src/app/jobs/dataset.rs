@@ -9,7 +9,7 @@ use crate::app::session::{SavedDataset, SavedTrajectories};
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
 use crate::engine::{
-    Answer, BurstSource, ComparedPoses, DatasetAnswer, DatasetRequest, DatasetUpdate, JobError, OpenDataset,
+    BurstSource, ComparedPoses, DatasetAnswer, DatasetRequest, DatasetUpdate, JobAnswer, JobError, OpenDataset,
     PosesRequest, TrajectorySource,
 };
 use crate::inspect::words::counted;
@@ -219,7 +219,10 @@ impl BurstscopeApp {
         }
     }
 
-    fn take_dataset_answer(&mut self, answer: Answer<DatasetAnswer>) {
+    fn take_dataset_answer(&mut self, answer: JobAnswer<DatasetAnswer>) {
+        if answer.is_superseded() {
+            return;
+        }
         let work = self.model.datasets.work.take();
         if let Some(dataset) = &mut self.model.datasets.open {
             dataset.stop();
@@ -332,8 +335,11 @@ impl BurstscopeApp {
         self.engine.poses.submit(self.model.trajectories.request());
     }
 
-    pub(in crate::app) fn take_compared(&mut self, answer: Answer<ComparedPoses>) {
+    pub(in crate::app) fn take_compared(&mut self, answer: JobAnswer<ComparedPoses>) {
         const TITLE: &str = "Trajectories";
+        if answer.is_superseded() {
+            return;
+        }
         match answer.result {
             Ok(compared) => {
                 self.model.messages.resolved(TITLE);

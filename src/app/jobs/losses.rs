@@ -20,10 +20,10 @@ impl BurstscopeApp {
     /// Takes what the workers published.
     pub(in crate::app) fn take_losses(&mut self) {
         // What was cancelled or failed is asked for again with the next matches.
-        if let Some(found) = self.engine.losses.poll().and_then(|answer| answer.result.ok()) {
+        for found in self.engine.losses.poll().filter_map(|answer| answer.result.ok()) {
             self.model.pair.lost.found = Some(found);
         }
-        if let Some(pictures) = self.engine.losses.poll_pictures().and_then(|answer| answer.result.ok()) {
+        for pictures in self.engine.losses.poll_pictures().filter_map(|answer| answer.result.ok()) {
             self.model.pair.lost.pictures = pictures;
         }
         self.model.pair.lost.busy = self.engine.losses.running();

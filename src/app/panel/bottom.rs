@@ -29,12 +29,12 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
             BottomTab::Table => crate::app::panel::filter_bar::filter_bar_ui(ui, model, queue),
             BottomTab::Tally => {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    crate::app::panel::tally::summary_ui(ui, model)
+                    crate::app::panel::tally::summary_ui(ui, model);
                 });
             }
             BottomTab::Noise => {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    crate::app::panel::noise::summary_ui(ui, model)
+                    crate::app::panel::noise::summary_ui(ui, model);
                 });
             }
             BottomTab::Profile | BottomTab::Region => {}
