@@ -15,6 +15,7 @@ pub mod colmap_args;
 pub mod commands;
 mod console;
 mod detect;
+mod detect_line;
 mod evaluate;
 pub mod evaluate_args;
 pub mod evaluate_matches;
@@ -48,6 +49,7 @@ pub mod trajectory_args;
 #[cfg(feature = "app")]
 mod window;
 
+pub use detect_line::detect_line;
 pub use failure::Failure;
 
 use clap::Parser;

@@ -70,6 +70,14 @@ pub enum DatasetRequest {
         /// How they are matched.
         matching: MatchParams,
     },
+    /// Write what COLMAP's mapper takes.
+    #[cfg(feature = "colmap")]
+    Colmap {
+        /// The bursts.
+        bursts: Bursts,
+        /// What is made, and where.
+        request: Box<super::colmap::ColmapRequest>,
+    },
 }
 
 /// A dataset that was looked at.
@@ -105,6 +113,9 @@ pub enum DatasetAnswer {
         /// Pairs left out.
         left_out: usize,
     },
+    /// What COLMAP's mapper takes is written.
+    #[cfg(feature = "colmap")]
+    Colmap(Box<super::colmap::ColmapDone>),
 }
 
 /// What happens on the way.
@@ -230,6 +241,10 @@ fn run(request: DatasetRequest, tell: &dyn Fn(DatasetEvent), monitor: &Monitor) 
         DatasetRequest::Match { bursts, keeping, pairs, matching } => {
             match_all(&bursts, &keeping, &pairs, &matching, tell, monitor)
         }
+        #[cfg(feature = "colmap")]
+        DatasetRequest::Colmap { bursts, request } => {
+            super::colmap::run(&bursts, &request, tell, monitor).map(|done| DatasetAnswer::Colmap(Box::new(done)))
+        }
     }
 }
 
@@ -330,7 +345,7 @@ fn match_all(
     Ok(DatasetAnswer::Matched { left_out: pairs.len() - indices.len() })
 }
 
-fn job_error(error: DatasetError) -> JobError {
+pub(super) fn job_error(error: DatasetError) -> JobError {
     match error {
         DatasetError::Cancelled(cancelled) => cancelled.into(),
         error => JobError::Failed(error.to_string()),

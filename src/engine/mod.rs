@@ -8,11 +8,15 @@
 //!
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
+mod against;
 mod cache;
+#[cfg(feature = "colmap")]
+mod colmap;
 mod compare;
 mod dataset;
 mod fault;
 mod jobs;
+mod losses;
 mod pair;
 mod picture;
 mod picture_jobs;
@@ -21,13 +25,17 @@ mod queue;
 mod source;
 mod task;
 
+pub use against::{Against, AgainstRequest, AgainstWorker, ComparedWith, Reference};
 pub use cache::PictureCache;
+#[cfg(feature = "colmap")]
+pub use colmap::{ColmapDone, ColmapRequest};
 pub use compare::{CompareRequest, Compared, Comparer};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
 };
 pub use fault::JobError;
 pub use jobs::{JobAnswer, Jobs};
+pub use losses::{FoundLosses, LossWorkers, LossesRequest};
 pub use pair::{MatchRequest, Matched, PairJobs, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use picture_jobs::PictureSlot;
@@ -114,6 +122,16 @@ pub struct Running {
     pub progress: Option<Progress>,
 }
 
+impl Running {
+    /// How long it still takes if it goes on as it went so far; `None` while that cannot be told.
+    pub fn time_left(&self) -> Option<Duration> {
+        let fraction = self.progress?.fraction;
+        let gone = self.started.elapsed();
+        let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
+        can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))
+    }
+}
+
 /// The workers of one window. Dropping it cancels what runs, finishes the files that are being written, and returns
 /// when all threads have ended.
 pub struct Engine {
@@ -123,6 +141,10 @@ pub struct Engine {
     detect: Jobs<DetectRequest, Detected>,
     pair: PairWorkers,
     comparer: Comparer,
+    /// Where features of a pair were lost.
+    pub losses: LossWorkers,
+    /// Comparisons of features with others.
+    pub against: AgainstWorker,
     /// Work on many bursts.
     pub datasets: DatasetWorkers,
     /// Work on trajectories.
@@ -154,6 +176,8 @@ impl Engine {
             detect: detect_jobs(&queue),
             pair: PairWorkers::new(&queue, &cache),
             comparer: Comparer::new(&queue),
+            losses: LossWorkers::new(&queue, &cache),
+            against: AgainstWorker::new(&queue),
             datasets: DatasetWorkers::new(&queue),
             poses: PoseWorker::new(&queue),
             tasks: task::Tasks::new(&queue),

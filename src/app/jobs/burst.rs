@@ -120,6 +120,7 @@ impl BurstscopeApp {
             self.engine.pair().cancel(kind);
         }
         self.engine.comparer().cancel();
+        self.engine.against.cancel();
     }
 
     /// Whether features of the present parameters are missing, and were not looked for in vain.
@@ -174,6 +175,8 @@ impl BurstscopeApp {
         }
         self.request_for_pair(dragging);
         self.request_for_compare(dragging);
+        self.request_comparison();
+        self.request_losses();
         self.thumbnails.request(&self.engine.datasets);
     }
 }

@@ -22,6 +22,8 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
             .on_hover_text("The values along a line: draw one with Q");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Region, "Region")
             .on_hover_text("The values in a rectangle: draw one with Shift+Q");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Compared, "Compared")
+            .on_hover_text("What changed since a pinned result, what others found, what is really there");
         ui.separator();
         match model.bottom_tab {
             BottomTab::Table => crate::app::panel::filter_bar::filter_bar_ui(ui, model, queue),
@@ -36,6 +38,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
                 });
             }
             BottomTab::Profile | BottomTab::Region => {}
+            BottomTab::Compared => crate::app::panel::against::summary_ui(ui, model, queue),
         }
     });
     ui.separator();
@@ -48,6 +51,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         BottomTab::Noise => crate::app::panel::noise::noise_ui(ui, model),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
+        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets),
     }
 }
 

@@ -3,6 +3,7 @@
 //! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what is wanted with
 //! what is there and asks the engine for the difference.
 
+pub mod against;
 mod checking;
 pub mod compare;
 pub mod cursor;
@@ -72,6 +73,8 @@ pub enum BottomTab {
     Profile,
     /// The values in a rectangle.
     Region,
+    /// The features beside others.
+    Compared,
 }
 
 /// What the engine is doing, as of this pass.
@@ -136,6 +139,8 @@ pub struct Model {
     pub pair: Pair,
     /// Several methods on the same burst.
     pub compare: Compare,
+    /// The features of the burst beside others.
+    pub against: against::Against,
     /// Errors and the last note.
     pub messages: Messages,
     /// What figures show.

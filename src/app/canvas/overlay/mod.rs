@@ -5,11 +5,13 @@
 //! dashed circle: their true motion may lie outside.
 
 mod colour_by;
+mod compared;
 mod hit;
 mod match_lines;
 mod strokes;
 
 pub use colour_by::{ColourBy, ColourScale};
+pub use compared::{ComparedMark, draw_compared, mark_at};
 pub use hit::feature_at;
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 

@@ -3,10 +3,12 @@
 mod columns;
 mod found;
 mod look;
+mod lost;
 
 pub use columns::MatchColumn;
 pub use found::{MatchRow, Matches, SavedMatch};
 pub use look::MatchLook;
+pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
 
 use crate::app::pane::{Content, Link, PaneId};
 use crate::app::project::cursor::Cursor;
@@ -79,6 +81,8 @@ pub struct Pair {
     pub param_error: Option<ParamError>,
     /// The matches, with what they were made from.
     pub matches: Option<Matches>,
+    /// Features of A on the way to a match.
+    pub lost: LostFeatures,
     /// How matches look, and which are shown.
     pub look: MatchLook,
     /// The table's order.
