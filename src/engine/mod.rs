@@ -20,6 +20,7 @@ mod pair;
 mod picture;
 mod picture_lane;
 mod poses;
+mod probe;
 mod source;
 mod task;
 
@@ -34,13 +35,14 @@ pub use lane::{Answer, JobId, Lane};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use picture_lane::PictureSlot;
+pub use probe::{ProbeQuestion, ProbeRequest, ProbeWorker, Probed, Traced};
 pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
 use crate::baseline::{Searched, search};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
-use crate::monitor::Progress;
+use crate::monitor::{Monitor, Progress};
 use picture_lane::{PictureBoard, PictureLane, SharedCache};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -125,7 +127,8 @@ pub struct Engine {
     open: Lane<BurstSource, OpenBurst>,
     pictures: PictureBoard,
     patch: PictureLane,
-    detect: Lane<DetectRequest, Detected>,
+    detect: Lane<(DetectRequest, probe::KeepTrail), Detected>,
+    probe: ProbeWorker,
     pair: PairWorkers,
     comparer: Comparer,
     /// Work on many bursts.
@@ -147,11 +150,13 @@ impl Engine {
     /// pictures are kept up to `cache_bytes`.
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let cache = SharedCache::new(cache_bytes);
+        let probe = ProbeWorker::new(&on_update);
         Self {
             open: open_lane("open", &on_update),
             pictures: PictureBoard::new(&cache, on_update.clone()),
             patch: PictureLane::new("patch", &cache, on_update.clone()),
-            detect: detect_lane("detect", &on_update),
+            detect: probe.detect_lane("detect", &on_update),
+            probe,
             pair: PairWorkers::new(&cache, &on_update),
             comparer: Comparer::new(&on_update),
             datasets: DatasetWorkers::new(&on_update),
@@ -198,7 +203,17 @@ impl Engine {
 
     /// Starts a detection; the one that runs is cancelled.
     pub fn detect(&self, request: DetectRequest) -> JobId {
-        self.detect.submit(request)
+        self.detect.submit((request, false))
+    }
+
+    /// The same with the trail kept, which [`ProbeWorker::poll_trail`] gives once the detection has ended.
+    pub fn detect_with_trail(&self, request: DetectRequest) -> JobId {
+        self.detect.submit((request, true))
+    }
+
+    /// The workers of the probe. What they publish is polled there.
+    pub fn probe(&self) -> &ProbeWorker {
+        &self.probe
     }
 
     /// Runs `work` (writing a file, say) on a thread of its own. `label` says what it does, for messages.
@@ -250,6 +265,7 @@ impl Engine {
             && self.pictures.lane.is_idle()
             && self.patch.lane.is_idle()
             && self.detect.is_idle()
+            && self.probe.is_idle()
             && self.pair.is_idle()
             && self.comparer.is_idle()
             && self.datasets.is_idle()
@@ -282,11 +298,13 @@ fn open_lane(name: &str, on_update: &OnUpdate) -> Lane<BurstSource, OpenBurst> {
 
 /// A lane that finds features.
 fn detect_lane(name: &str, on_update: &OnUpdate) -> Lane<DetectRequest, Detected> {
-    Lane::new(name, Duration::ZERO, on_update.clone(), |request: DetectRequest, monitor| {
-        let found = search(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
-        let Searched { detection, params, finding, .. } = found;
-        Ok(Detected { burst: request.burst.id, asked: request.params, params, finding, detection: Arc::new(detection) })
-    })
+    Lane::new(name, Duration::ZERO, on_update.clone(), detect_now)
+}
+
+fn detect_now(request: DetectRequest, monitor: &Monitor) -> Result<Detected, JobError> {
+    let found = search(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
+    let Searched { detection, params, finding, .. } = found;
+    Ok(Detected { burst: request.burst.id, asked: request.params, params, finding, detection: Arc::new(detection) })
 }
 
 #[cfg(test)]
