@@ -15,6 +15,8 @@ use super::settings::Settings;
 use crate::app::jobs::compare::CompareAsked;
 use crate::app::jobs::pair::PairAsked;
 use crate::app::jobs::panes::CursorsBefore;
+use crate::app::jobs::probe::ProbeAsked;
+use crate::app::panel::probe::ProbePanel;
 use crate::app::panel::selection::SelectionState;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
@@ -75,6 +77,7 @@ pub(super) struct Asked {
     pub detecting: Option<SearchParams>,
     /// What was looked for in vain.
     pub failed: Option<SearchParams>,
+    pub probe: ProbeAsked,
 }
 
 /// Where playing through the slopes is.
@@ -98,6 +101,7 @@ pub struct BurstscopeApp {
     /// What the workspace of methods keeps.
     pub compare_pictures: ComparePictures,
     pub(super) selection: SelectionState,
+    pub(super) probe: ProbePanel,
     /// What was computed of the rectangle that is measured.
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
@@ -138,6 +142,7 @@ impl BurstscopeApp {
             pair_panels: PairPanels::default(),
             compare_pictures: ComparePictures::default(),
             selection: SelectionState::default(),
+            probe: ProbePanel::default(),
             regions: RegionCache::default(),
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
@@ -177,6 +182,7 @@ impl BurstscopeApp {
             && !self.thumbnails.is_waiting()
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
+            && self.probe_is_settled()
             && self.compare_is_settled()
     }
 
@@ -186,6 +192,7 @@ impl BurstscopeApp {
         ctx.set_theme(self.model.theme);
         let cursors_before = CursorsBefore::of(&self.model);
         self.take_updates(&ctx);
+        self.take_probe_updates();
         self.take_pair_updates();
         self.take_compare_updates();
         self.take_answers();

@@ -14,7 +14,7 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
-use crate::engine::BurstSource;
+use crate::engine::{BurstSource, ProbeQuestion};
 use crate::synth::Example;
 
 impl BurstscopeApp {
@@ -112,6 +112,14 @@ impl BurstscopeApp {
                 self.model.history = history;
                 // Every pane goes to where it was, and none follows another.
                 (self.cursors_set, self.history_set) = (true, true);
+            }
+            A::ProbePlace => self.probe_here(),
+            A::ProbeFeature => self.model.selected.into_iter().for_each(|index| self.model.probe_feature(index)),
+            A::ProbeStrongest => self.model.ask_probe(ProbeQuestion::Strongest),
+            A::ProbeFollow => self.follow_with_probe(),
+            A::CloseProbe => {
+                self.forget_probe();
+                self.model.probe.clear();
             }
             A::CopyRow => self.copy_row(ctx),
             A::CopyPicture => {
