@@ -100,6 +100,7 @@ impl BurstscopeApp {
             A::LayoutFiveSlopes => self.lay_out(Preset::Slopes(5)),
             A::LayoutSevenSlopes => self.lay_out(Preset::Slopes(7)),
             A::LayoutNineSlopes => self.lay_out(Preset::Slopes(9)),
+            A::LayoutSlice => self.lay_out(Preset::Slice),
             A::LayoutScales => self.lay_out(Preset::Scales),
             A::LayoutTwoByTwo => self.lay_out(Preset::TwoByTwo),
             A::Undo | A::Redo => {

@@ -12,6 +12,7 @@ mod menu;
 mod pane_ui;
 mod picture_menu;
 mod probe_marks;
+mod slice_ui;
 mod widgets;
 
 pub use header::compact_description;

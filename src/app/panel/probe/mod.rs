@@ -9,6 +9,8 @@ mod shares;
 mod suspicions;
 mod texture;
 
+pub use texture::PlaneTexture;
+
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
@@ -21,11 +23,9 @@ use egui::{Label, ProgressBar, RichText, ScrollArea, Ui};
 /// What the panel keeps from pass to pass: its pictures as textures.
 #[derive(Default)]
 pub struct ProbePanel {
-    response: texture::PlaneTexture,
-    plane: texture::PlaneTexture,
-    patches: texture::PlaneTexture,
-    /// The slices that panes show: along the motion and across it.
-    pub(in crate::app) slices: [texture::PlaneTexture; 2],
+    response: PlaneTexture,
+    plane: PlaneTexture,
+    patches: PlaneTexture,
 }
 
 /// The two things that the panel on the right can show.
