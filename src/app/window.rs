@@ -16,6 +16,8 @@ use crate::app::jobs::compare::CompareAsked;
 use crate::app::jobs::losses::LossesAsked;
 use crate::app::jobs::pair::PairAsked;
 use crate::app::jobs::panes::CursorsBefore;
+use crate::app::jobs::probe::ProbeAsked;
+use crate::app::panel::probe::ProbePanel;
 use crate::app::panel::selection::SelectionState;
 use crate::app::project::Model;
 use crate::app::project::history;
@@ -77,6 +79,7 @@ pub(super) struct Asked {
     pub detecting: Option<SearchParams>,
     /// What was looked for in vain.
     pub failed: Option<SearchParams>,
+    pub probe: ProbeAsked,
 }
 
 /// Where playing through the slopes is.
@@ -100,6 +103,7 @@ pub struct BurstscopeApp {
     /// What the workspace of methods keeps.
     pub compare_pictures: ComparePictures,
     pub(super) selection: SelectionState,
+    pub(super) probe: ProbePanel,
     /// What was computed of the rectangle that is measured.
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
@@ -142,6 +146,7 @@ impl BurstscopeApp {
             pair_panels: PairPanels::default(),
             compare_pictures: ComparePictures::default(),
             selection: SelectionState::default(),
+            probe: ProbePanel::default(),
             regions: RegionCache::default(),
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
@@ -183,6 +188,7 @@ impl BurstscopeApp {
             && !self.thumbnails.is_waiting()
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
+            && self.probe_is_settled()
             && self.compare_is_settled()
             && self.comparison_is_settled()
     }
@@ -193,6 +199,7 @@ impl BurstscopeApp {
         ctx.set_theme(self.model.theme);
         let cursors_before = CursorsBefore::of(&self.model);
         self.take_updates(&ctx);
+        self.take_probe_updates();
         self.take_pair_updates();
         self.take_compare_updates();
         self.take_against_updates();

@@ -53,6 +53,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::LayoutSevenSlopes
         | A::LayoutNineSlopes
         | A::LayoutScales
+        | A::LayoutSlice
         | A::LayoutTwoByTwo => has_burst && in_inspect,
         A::ShowMerge => has_burst,
         A::CompareAgain => in_methods,
@@ -93,6 +94,11 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
         A::ClearSelection => model.selected_feature().is_some() || model.against.selected.is_some(),
         A::GoToFeature => model.selected_feature().is_some(),
+        A::ProbePlace | A::ProbeFollow | A::ProbeStrongest => {
+            has_burst && in_inspect && (model.found.is_some() || model.param_error.is_none())
+        }
+        A::ProbeFeature => in_inspect && model.selected_feature().is_some(),
+        A::CloseProbe => model.probe.is_on() || model.probe.answer.is_some(),
         A::ClearFilter => !model.filter.is_open(),
         A::DetectAll => model.datasets.can_detect(model.asked().validate().is_ok()),
         A::CancelDataset => model.datasets.work.is_some(),
@@ -158,6 +164,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
         A::ShowTruth => Some(model.against.with == Some(With::Truth)),
+        A::ProbeFollow => Some(model.probe.follows),
         A::Play => Some(model.playing),
         A::MeasureLine => Some(model.measure.tool == Tool::Line),
         A::MeasureRegion => Some(model.measure.tool == Tool::Region),

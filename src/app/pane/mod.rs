@@ -59,6 +59,41 @@ pub enum Content {
     Merge,
     /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
+    /// A slice through the frames at the place that is probed.
+    Slice(SliceAxis),
+}
+
+/// Which way a slice through the frames runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SliceAxis {
+    /// Along the motion of what is probed: the x–t slice where that is to the side.
+    Along,
+    /// Across it: the y–t slice then.
+    Across,
+}
+
+impl SliceAxis {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Along, Self::Across];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Along => "Slice along the motion",
+            Self::Across => "Slice across the motion",
+        }
+    }
+
+    /// What it shows.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Along => {
+                "A row for each frame through the probed place, along its motion (x–t): what moves is slanted"
+            }
+            Self::Across => "A row for each frame through the probed place, across its motion (y–t)",
+        }
+    }
 }
 
 /// Another pane's picture in the same place, to compare the two.
@@ -146,6 +181,11 @@ impl Pane {
         (self.content, self.cursor.kind) = (Content::Cursor, kind);
     }
 
+    /// Shows a slice through the frames, which is no picture of the image plane.
+    pub fn show_slice(&mut self, axis: SliceAxis) {
+        (self.content, self.over, self.picture) = (Content::Slice(axis), None, None);
+    }
+
     /// Whether it shows this kind of picture.
     pub fn shows(&self, kind: ViewKind) -> bool {
         self.content == Content::Cursor && self.cursor.kind == kind
@@ -154,6 +194,10 @@ impl Pane {
     /// A slope was moved, which cannot be seen in a frame: shows the motion stack then.
     pub fn show_slope(&mut self) {
         self.slope_chosen = true;
+        if matches!(self.content, Content::Slice(_)) {
+            // There the slope is a line.
+            return;
+        }
         if self.content != Content::Cursor || self.cursor.kind == ViewKind::Frame {
             self.show(ViewKind::Stack);
         }
@@ -164,12 +208,12 @@ impl Pane {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
 
-    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures.
+    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures, and a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = match self.content {
             Content::Cursor => self.cursor_within(burst, params).picture_kind(),
             Content::Merge => PictureKind::Merge,
-            Content::Difference(..) => return None,
+            Content::Difference(..) | Content::Slice(_) => return None,
         };
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
     }
@@ -178,7 +222,7 @@ impl Pane {
     pub fn others(&self) -> Vec<PaneId> {
         let mut others = match self.content {
             Content::Difference(a, b) => vec![a, b],
-            Content::Cursor | Content::Merge => Vec::new(),
+            Content::Cursor | Content::Merge | Content::Slice(_) => Vec::new(),
         };
         others.extend(self.over.map(Over::other));
         others

@@ -15,6 +15,7 @@ pub mod parameter_rows;
 pub mod parameters;
 pub mod patch;
 pub mod picture;
+pub mod probe;
 pub mod selection;
 pub mod slope_pad;
 pub mod sorted_table;

@@ -1,5 +1,6 @@
 //! The tally: how many candidates each test rejected, as bars that can be read.
 
+use crate::app::actions::Queue;
 use crate::app::project::Model;
 use crate::detector::advice::grouped;
 use crate::detector::{NoiseGate, Test};
@@ -28,7 +29,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 }
 
 /// Draws the bars.
-pub fn tally_ui(ui: &mut Ui, model: &Model) {
+pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let Some(found) = &model.found else {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to see what each test rejects"));
         return;
@@ -44,7 +45,7 @@ pub fn tally_ui(ui: &mut Ui, model: &Model) {
         line_ui(ui, "Kept: keypoints", tally.kept, Some((most, true)));
         crate::app::panel::noise::warnings_ui(ui, found);
         ui.add_space(4.0);
-        crate::app::panel::bottom::advice_ui(ui, model);
+        crate::app::panel::bottom::advice_ui(ui, model, queue);
     });
 }
 

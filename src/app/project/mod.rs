@@ -16,6 +16,7 @@ pub mod messages;
 pub mod order;
 pub mod pair;
 mod pictures;
+pub mod probe;
 pub mod side;
 pub mod workspace;
 
@@ -35,6 +36,7 @@ use look::Look;
 use messages::Messages;
 use order::Order;
 use pair::Pair;
+use probe::ProbeModel;
 use serde::{Deserialize, Serialize};
 use workspace::Workspace;
 
@@ -149,6 +151,8 @@ pub struct Model {
     pub history: History,
     /// A line and a rectangle on a picture.
     pub measure: Measure,
+    /// The place that is probed.
+    pub probe: ProbeModel,
     /// What the engine is doing.
     pub busy: Busy,
     /// Many bursts.
