@@ -18,6 +18,8 @@ mod finding_ones_way;
 mod keeping;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/maps.rs"]
+mod maps;
 #[path = "window/measuring.rs"]
 mod measuring;
 #[path = "window/methods.rs"]

@@ -108,6 +108,7 @@ mod tests {
             value: -0.25,
             full_scale: 255.0,
             image_from_picture_scale: 1.0,
+            quantity: Default::default(),
         };
         assert_eq!((value_text(&readout), place_text(&readout)), ("-0.25".to_owned(), "12.35, 6.00".to_owned()));
     }

@@ -2,7 +2,7 @@
 //! neighbours.
 
 use super::actions::{self, ActionId, Queue};
-use super::canvas::{Readout, number};
+use super::canvas::Readout;
 use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, SystemDialogs};
 use super::history;
@@ -275,7 +275,7 @@ impl BurstscopeApp {
     pub(super) fn readout(&self) -> Option<String> {
         if self.model.workspace == Workspace::Inspect && self.model.panes.are_many() {
             let (first, rest) = self.widgets.values.split_first()?;
-            let value = |v: &PlaceValue| format!("{}: {}", v.number, number(v.readout.value, 4));
+            let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
             let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
             return Some(format!("u {:.1}  v {:.1}   {}", first.readout.u, first.readout.v, values.join("  ")));
         }

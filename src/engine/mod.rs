@@ -13,9 +13,11 @@
 mod cache;
 mod compare;
 mod dataset;
+mod explain;
 mod fault;
 mod keyed;
 mod lane;
+mod map;
 mod pair;
 mod picture;
 mod picture_lane;
@@ -28,9 +30,11 @@ pub use compare::{CompareRequest, Compared, Comparer};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
 };
+pub use explain::{ExplainQuestion, ExplainRequest, ExplainSubject, Explained, Explainer, Explanation};
 pub use fault::JobError;
 pub use keyed::KeyedLane;
 pub use lane::{Answer, JobId, Lane};
+pub use map::MapKind;
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use picture_lane::PictureSlot;
@@ -128,6 +132,7 @@ pub struct Engine {
     detect: Lane<DetectRequest, Detected>,
     pair: PairWorkers,
     comparer: Comparer,
+    explainer: Explainer,
     /// Work on many bursts.
     pub datasets: DatasetWorkers,
     /// Work on trajectories.
@@ -147,6 +152,7 @@ impl Engine {
     /// pictures are kept up to `cache_bytes`.
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let cache = SharedCache::new(cache_bytes);
+        let trails = explain::Trails::default();
         Self {
             open: open_lane("open", &on_update),
             pictures: PictureBoard::new(&cache, on_update.clone()),
@@ -154,6 +160,7 @@ impl Engine {
             detect: detect_lane("detect", &on_update),
             pair: PairWorkers::new(&cache, &on_update),
             comparer: Comparer::new(&on_update),
+            explainer: Explainer::new(&trails, &on_update),
             datasets: DatasetWorkers::new(&on_update),
             poses: PoseWorker::new(&on_update),
             tasks: task::Tasks::new(on_update),
@@ -169,6 +176,11 @@ impl Engine {
     /// The worker that compares methods. What it publishes is polled there.
     pub fn comparer(&self) -> &Comparer {
         &self.comparer
+    }
+
+    /// The worker that explains a detection as a whole. What it publishes is polled there.
+    pub fn explainer(&self) -> &Explainer {
+        &self.explainer
     }
 
     /// Opens a burst in the background.
@@ -252,6 +264,7 @@ impl Engine {
             && self.detect.is_idle()
             && self.pair.is_idle()
             && self.comparer.is_idle()
+            && self.explainer.is_idle()
             && self.datasets.is_idle()
             && self.poses.is_idle()
             && self.tasks.is_idle()

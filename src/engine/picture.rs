@@ -1,7 +1,8 @@
-//! What can be shown of a burst: a frame, a motion-stack image, a DoG response, the merged frames, or the difference of
+//! What can be shown of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the difference of
 //! two of these.
 
 use super::fault::JobError;
+use super::map::MapKind;
 use super::source::{BurstId, OpenBurst};
 use crate::baseline::{merge_burst, prepare};
 use crate::detector::view::{dog_view, stack_view};
@@ -9,6 +10,7 @@ use crate::detector::{DetectError, DetectorParams, Interpolation, Method, Slope}
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::sample::difference;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 /// Which picture.
@@ -32,6 +34,17 @@ pub enum PictureKind {
     },
     /// The frames that are used, aligned tile by tile and merged into one.
     Merge,
+    /// What decides in the search, by place.
+    Map {
+        /// Which map.
+        map: MapKind,
+        /// Octave; −1 is the doubled image.
+        octave: i32,
+        /// Level within the octave.
+        level: i32,
+        /// Pixels per frame.
+        slope: Slope,
+    },
 }
 
 impl PictureKind {
@@ -39,7 +52,8 @@ impl PictureKind {
     pub fn input_px_per_pixel(self) -> f32 {
         match self {
             Self::Dog { octave, .. } => (octave as f32).exp2(),
-            Self::Frame(_) | Self::Stack { .. } | Self::Merge => 1.0,
+            Self::Map { map, octave, .. } if map.is_of_octave() => (octave as f32).exp2(),
+            Self::Frame(_) | Self::Stack { .. } | Self::Merge | Self::Map { .. } => 1.0,
         }
     }
 }
@@ -68,8 +82,24 @@ pub(super) struct PictureKey {
 enum KindKey {
     Frame(usize),
     Stack(StackKey),
-    Dog { stack: StackKey, octave: i32, level: i32, levels: u32, first_octave: i32, kernel_cut_bits: u32 },
-    Merge { frames: (usize, usize) },
+    Dog {
+        stack: StackKey,
+        octave: i32,
+        level: i32,
+        levels: u32,
+        first_octave: i32,
+        kernel_cut_bits: u32,
+    },
+    Merge {
+        frames: (usize, usize),
+    },
+    /// Nearly all parameters decide a map, those of the noise among them; their text stands for them.
+    Map {
+        map: MapKind,
+        at: Option<(i32, i32)>,
+        stack: StackKey,
+        params: u64,
+    },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -133,6 +163,12 @@ impl PictureRequest {
                 kernel_cut_bits: self.params.kernel_cut.to_bits(),
             },
             PictureKind::Merge => KindKey::Merge { frames: (used.start, used.end) },
+            PictureKind::Map { map, octave, level, slope } => KindKey::Map {
+                map,
+                at: map.is_of_octave().then_some((octave, level)),
+                stack: stack(slope),
+                params: hash_of(&self.params),
+            },
         }
     }
 
@@ -171,9 +207,19 @@ impl PictureRequest {
                 }
                 merge_burst(burst, used, monitor)?.frames[0].clone()
             }
+            PictureKind::Map { map, octave, level, slope } => {
+                Arc::new(map.compute(burst, &self.params, (slope, octave, level), monitor)?)
+            }
         };
         Ok(Picture { request: self.clone(), plane })
     }
+}
+
+/// A number that differs, for all practical purposes, where the parameters differ.
+fn hash_of(params: &DetectorParams) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    format!("{params:?}").hash(&mut hasher);
+    hasher.finish()
 }
 
 /// The engine's error for one of the detector's.

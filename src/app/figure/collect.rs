@@ -7,6 +7,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::describe;
 use crate::app::project::Model;
+use crate::app::project::look::RangeClass;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature, Slope};
 use crate::export::{ColourBar, Drawing, FigureMark, FigureOptions, FigurePanel, LegendEntry, lay_out};
@@ -113,7 +114,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
         marks: layer.map(|layer| marks(model, &layer)).unwrap_or_default(),
         title: choice.titles.then(|| describe(picture)),
         legend,
-        bar: choice.colour_bar.then(|| colour_bar(&display)),
+        bar: choice.colour_bar.then(|| colour_bar(&display, model.range_class(id))),
     })
 }
 
@@ -143,14 +144,17 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
     order.into_iter().map(mark).collect()
 }
 
-fn colour_bar(display: &Display) -> ColourBar {
+fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
     const STEPS: usize = 64;
     let colours = display.colours();
     let value = |i: usize| display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
     ColourBar {
         colors: (0..STEPS).map(|i| colours.colour(value(i))).collect(),
         low: number(display.min, 3),
-        high: format!("{} of full scale", number(display.max, 3)),
+        high: match class {
+            RangeClass::Share => format!("{} of the frames", number(display.max, 3)),
+            _ => format!("{} of full scale", number(display.max, 3)),
+        },
     }
 }
 

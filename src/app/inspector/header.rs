@@ -12,6 +12,7 @@ use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::style;
+use crate::engine::MapKind;
 use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Ui, vec2};
 
 /// Headers narrower than this, in points, have the links on a line of their own.
@@ -50,6 +51,9 @@ fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
     let what = match (pane.content, cursor.kind) {
         (Content::Merge, _) if tiny => "Merged".to_owned(),
         (Content::Merge, _) => "Merged frames".to_owned(),
+        (Content::Map(MapKind::Noise), _) => format!("σ {}/{} {slope}", cursor.octave, cursor.level),
+        (Content::Map(map), _) if tiny => map.label().to_owned(),
+        (Content::Map(map), _) => format!("{} {slope}", map.label()),
         (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),
         (Content::Cursor, ViewKind::Frame) => format!("Frame {}", cursor.frame),
         (Content::Cursor, ViewKind::Stack) if tiny => slope,

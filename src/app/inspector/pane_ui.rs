@@ -1,11 +1,13 @@
 //! The picture of one pane, and another one over it.
 
 use super::widgets::PaneWidgets;
-use crate::app::canvas::{self, Canvas, CanvasOutput};
+use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId};
 use crate::app::panel::features::{FeatureOptions, features_ui};
+use crate::app::panel::picture::readout_of;
 use crate::app::project::Model;
+use crate::app::project::look::RangeClass;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
@@ -48,8 +50,9 @@ pub fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut Pane
         .primary_pans(model.workspace != Workspace::Inspect || model.measure.tool == Tool::Pan)
         .show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;
-    state.readout = match (state.shown(), output.hover_image) {
-        (Some(shown), Some(pos)) => canvas::readout(shown, pos, full_scale(model, id)),
+    let picture = model.panes.get(shown).and_then(|pane| pane.picture.as_ref());
+    state.readout = match (picture, state.shown(), output.hover_image) {
+        (Some(picture), Some(canvas), Some(pos)) => readout_of(picture, canvas, pos, full_scale(model, shown)),
         _ => None,
     };
     let visible = state.shown().is_some().then_some(output.visible_image);
@@ -103,8 +106,11 @@ fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
     Canvas::new(name).display(&model.display_of(id)).dim(!model.is_current(id)).full_scale(full_scale(model, id))
 }
 
-/// The file's value of 1.0 of the burst of `id`.
+/// The file's value of 1.0 of the burst of `id`; 1 where the picture has no values of the file.
 pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
+    if model.range_class(id) == RangeClass::Share {
+        return 1.0;
+    }
     let side = model.panes.get(id).map_or(Side::A, |pane| pane.side);
     model.burst_of(side).map_or(1.0, |open| open.burst.full_scale)
 }

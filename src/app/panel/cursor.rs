@@ -102,20 +102,20 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     };
     let a = row(
         "Octave",
-        "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG.",
+        "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG, unless a map of it is on show.",
         octaves,
     )
     .ui(ui, &mut octave);
     let b = row(
         "Level",
-        "Level within the octave. Features come from levels 0 and up; the outermost two only take part in comparisons. Moving it shows the DoG.",
+        "Level within the octave. Features come from levels 0 and up; the outermost two only take part in comparisons. Moving it shows the DoG, unless a map of it is on show.",
         levels,
     )
     .ui(ui, &mut level);
     if a || b {
         let pane = model.focused_mut();
         (pane.cursor.octave, pane.cursor.level) = (octave as i32, level as i32);
-        pane.show(ViewKind::Dog);
+        pane.show_scale();
     }
     let space = ScaleSpace::of(model.cursor_params());
     let sigma = space.sigma_image(model.cursor().octave, f64::from(model.cursor().level));

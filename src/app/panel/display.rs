@@ -14,6 +14,8 @@ pub struct DisplayState {
     intensity: HistogramPanel,
     response: HistogramPanel,
     difference: HistogramPanel,
+    noise: HistogramPanel,
+    share: HistogramPanel,
 }
 
 /// Draws the section.
@@ -44,6 +46,8 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
         RangeClass::Intensity => &mut state.intensity,
         RangeClass::Response => &mut state.response,
         RangeClass::Difference => &mut state.difference,
+        RangeClass::Noise => &mut state.noise,
+        RangeClass::Share => &mut state.share,
     };
     panel.ui(ui, pictures.shown(), pictures.visible_image, model.hand_ranges_mut().display_mut(class));
 }

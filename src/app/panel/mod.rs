@@ -3,6 +3,7 @@
 pub mod about;
 pub mod bottom;
 pub mod chooser;
+pub mod colour_bar;
 pub mod cursor;
 pub mod descriptor;
 pub mod display;

@@ -1,7 +1,8 @@
 //! A pane's picture as the canvas knows it, in words, and the warning over it where its features are stale.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::{self, Readout, overlay};
+use crate::app::canvas::{self, Quantity, Readout, overlay};
+use crate::app::project::look::RangeClass;
 use crate::app::project::{Model, Stale};
 use crate::app::style;
 use crate::detector::Detection;
@@ -61,8 +62,29 @@ pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
         PictureKind::Dog { octave, .. } => {
             canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
         }
-        PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => canvas::Picture::new(plane, label),
+        PictureKind::Map { map, octave, .. } if map.is_of_octave() => {
+            canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
+        }
+        PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge | PictureKind::Map { .. } => {
+            canvas::Picture::new(plane, label)
+        }
     }
+}
+
+/// The value of the picture `shown` of `picture` at `pos_image`, and what it is; `None` beside it.
+pub(in crate::app) fn readout_of(
+    picture: &Picture,
+    shown: &canvas::Picture,
+    pos_image: egui::Pos2,
+    full_scale: f32,
+) -> Option<Readout> {
+    let readout = canvas::readout(shown, pos_image, full_scale)?;
+    let quantity = match RangeClass::of(&picture.request) {
+        RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => Quantity::Value,
+        RangeClass::Noise => Quantity::Sigma,
+        RangeClass::Share => Quantity::FramesShare,
+    };
+    Some(Readout { quantity, ..readout })
 }
 
 /// What a picture shows, in one line.
@@ -90,6 +112,10 @@ fn describe_request(request: &PictureRequest) -> String {
         PictureKind::Merge => {
             let used = request.params.used_frames(burst.len());
             format!("Merged frames  ·  {} … {}", used.start, used.end - 1)
+        }
+        PictureKind::Map { map, octave, level, slope } => {
+            let at = if map.is_of_octave() { format!("octave {octave}, level {level}  ·  ") } else { String::new() };
+            format!("{}  ·  {at}slope ({:.2}, {:.2}) px/frame", map.label(), slope.u, slope.v)
         }
     }
 }

@@ -97,7 +97,7 @@ impl Model {
                 let [a, b] = [a, b].map(|id| self.wanted_alone(id));
                 Some(a?.less(&b?))
             }
-            Content::Cursor | Content::Merge => self.wanted_alone(id),
+            Content::Cursor | Content::Merge | Content::Map(_) => self.wanted_alone(id),
         }
     }
 
@@ -174,7 +174,9 @@ impl Model {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
         match picture.request.kind {
             PictureKind::Frame(_) | PictureKind::Merge => None,
-            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } => Some(slope),
+            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } | PictureKind::Map { slope, .. } => {
+                Some(slope)
+            }
         }
     }
 
@@ -186,7 +188,7 @@ impl Model {
         };
         let fits = match pane.content {
             Content::Difference(..) => is_open(&picture.request.burst),
-            Content::Cursor | Content::Merge => {
+            Content::Cursor | Content::Merge | Content::Map(_) => {
                 self.burst_of(pane.side).is_some_and(|open| open.id == picture.request.burst.id)
             }
         };
