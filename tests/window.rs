@@ -6,6 +6,8 @@ mod common;
 #[path = "window/support.rs"]
 mod support;
 
+#[path = "window/candidates.rs"]
+mod candidates;
 #[path = "window/dataset_matches.rs"]
 mod dataset_matches;
 #[path = "window/datasets.rs"]
@@ -24,6 +26,8 @@ mod maps;
 mod measuring;
 #[path = "window/methods.rs"]
 mod methods;
+#[path = "window/noise.rs"]
+mod noise;
 #[path = "window/opening.rs"]
 mod opening;
 #[path = "window/pairs.rs"]
@@ -34,6 +38,8 @@ mod panes;
 mod scrubbing;
 #[path = "window/slopes.rs"]
 mod slopes;
+#[path = "window/spectrum.rs"]
+mod spectrum;
 #[path = "window/steps_back.rs"]
 mod steps_back;
 #[path = "window/trajectories.rs"]

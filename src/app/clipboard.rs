@@ -8,7 +8,6 @@ use crate::app::project::pair::{MatchColumn, MatchRow};
 use crate::app::project::workspace::Workspace;
 use crate::detector::Feature;
 use crate::export::{COLUMNS, FeatureRow};
-use crate::plane::display::to_rgba8;
 
 /// The features' columns and one feature's numbers, tabs between them: what a spreadsheet takes as two rows.
 pub fn feature_text(feature: &Feature) -> String {
@@ -37,7 +36,7 @@ pub fn place_text(readout: &Readout) -> String {
 pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
     let picture = model.panes.get(id)?.picture.as_ref()?;
     let (width, height) = picture.plane.size();
-    let rgba = to_rgba8(&picture.plane, &model.display_of(id));
+    let rgba = picture.rgba(&model.display_of(id));
     Some(egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw()))
 }
 

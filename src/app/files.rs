@@ -76,6 +76,7 @@ impl BurstscopeApp {
                 let of_picture = match (self.model.focused().content, self.model.cursor().kind) {
                     (Content::Map(MapKind::Noise), _) => "noise",
                     (Content::Map(MapKind::Coverage), _) => "coverage",
+                    (Content::Map(MapKind::Motion), _) => "winning-slopes",
                     (Content::Merge, _) => "merge",
                     (Content::Difference(..), _) => "difference",
                     (Content::Cursor, ViewKind::Frame) => "frame",

@@ -13,6 +13,7 @@ use super::pane::PaneId;
 use super::session::Session;
 use super::settings::Settings;
 use crate::app::jobs::compare::CompareAsked;
+use crate::app::jobs::explain::ExplainAsked;
 use crate::app::jobs::pair::PairAsked;
 use crate::app::jobs::panes::CursorsBefore;
 use crate::app::panel::selection::SelectionState;
@@ -105,6 +106,7 @@ pub struct BurstscopeApp {
     pub(super) asked: Asked,
     pub(super) pair_asked: PairAsked,
     pub(super) compare_asked: CompareAsked,
+    pub(super) explain_asked: ExplainAsked,
     pub(super) play: Play,
     /// Whether cursors were set on purpose, each to its own place, so that none follows another.
     pub(super) cursors_set: bool,
@@ -144,6 +146,7 @@ impl BurstscopeApp {
             asked: Asked::default(),
             pair_asked: PairAsked::default(),
             compare_asked: CompareAsked::default(),
+            explain_asked: ExplainAsked::default(),
             play: Play::default(),
             cursors_set: false,
             history_set: false,
@@ -178,6 +181,7 @@ impl BurstscopeApp {
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
             && self.compare_is_settled()
+            && self.explanations_are_settled()
     }
 
     /// Draws the window and answers what happened since the last time.
@@ -188,6 +192,7 @@ impl BurstscopeApp {
         self.take_updates(&ctx);
         self.take_pair_updates();
         self.take_compare_updates();
+        self.take_explanations();
         self.take_answers();
         self.take_dropped_files(&ctx);
         let before = history::Settings::of(&self.model);

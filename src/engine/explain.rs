@@ -4,12 +4,12 @@
 //! All answers come from one [`ProbeCache`], which repeats the detection with all that it leaves behind. It is made
 //! once for a burst and its parameters, and kept until another one is asked about.
 
+use super::OnUpdate;
 use super::fault::JobError;
 use super::keyed::KeyedLane;
 use super::lane::Answer;
 use super::picture::job_error;
 use super::source::{BurstId, OpenBurst};
-use super::OnUpdate;
 use crate::detector::{DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
 use crate::inspect::candidates::{Survey, SurveyOptions, survey};
@@ -145,13 +145,8 @@ impl Explainer {
     }
 
     /// What was answered since the last call. Never waits.
-    pub fn poll(&self) -> Vec<Answer<Explained>> {
-        self.0.take_answers().into_iter().map(|(_, answer)| answer).collect()
-    }
-
-    /// Nobody wants to know any more.
-    pub fn cancel(&self) {
-        [ExplainSubject::Slopes, ExplainSubject::Candidates].into_iter().for_each(|subject| self.0.forget(subject));
+    pub fn poll(&self) -> Vec<(ExplainSubject, Answer<Explained>)> {
+        self.0.take_answers()
     }
 
     /// Nobody wants to know this any more.

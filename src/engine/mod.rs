@@ -34,7 +34,7 @@ pub use explain::{ExplainQuestion, ExplainRequest, ExplainSubject, Explained, Ex
 pub use fault::JobError;
 pub use keyed::KeyedLane;
 pub use lane::{Answer, JobId, Lane};
-pub use map::MapKind;
+pub use map::{MapKind, MotionMap};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use picture_lane::PictureSlot;
@@ -152,7 +152,6 @@ impl Engine {
     /// pictures are kept up to `cache_bytes`.
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let cache = SharedCache::new(cache_bytes);
-        let trails = explain::Trails::default();
         Self {
             open: open_lane("open", &on_update),
             pictures: PictureBoard::new(&cache, on_update.clone()),
@@ -160,7 +159,7 @@ impl Engine {
             detect: detect_lane("detect", &on_update),
             pair: PairWorkers::new(&cache, &on_update),
             comparer: Comparer::new(&on_update),
-            explainer: Explainer::new(&trails, &on_update),
+            explainer: Explainer::new(cache.trails(), &on_update),
             datasets: DatasetWorkers::new(&on_update),
             poses: PoseWorker::new(&on_update),
             tasks: task::Tasks::new(on_update),

@@ -1,15 +1,18 @@
 //! What can be shown of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the difference of
 //! two of these.
 
+use super::explain::Trails;
 use super::fault::JobError;
-use super::map::MapKind;
+use super::map::{MapKind, MotionMap};
 use super::source::{BurstId, OpenBurst};
 use crate::baseline::{merge_burst, prepare};
 use crate::detector::view::{dog_view, stack_view};
 use crate::detector::{DetectError, DetectorParams, Interpolation, Method, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
+use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::difference;
+use image::RgbaImage;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
@@ -166,7 +169,7 @@ impl PictureRequest {
             PictureKind::Map { map, octave, level, slope } => KindKey::Map {
                 map,
                 at: map.is_of_octave().then_some((octave, level)),
-                stack: stack(slope),
+                stack: stack(if map.is_of_slope() { slope } else { Slope::default() }),
                 params: hash_of(&self.params),
             },
         }
@@ -182,9 +185,16 @@ impl PictureRequest {
     /// # Errors
     /// [`JobError::Failed`] for a frame that the burst has not, [`JobError::Cancelled`] once `monitor` was cancelled.
     pub fn compute(&self, monitor: &Monitor) -> Result<Picture, JobError> {
+        self.compute_with(&Trails::default(), monitor)
+    }
+
+    /// The same, where a trail that is needed may be there already.
+    pub(super) fn compute_with(&self, trails: &Trails, monitor: &Monitor) -> Result<Picture, JobError> {
         if let Some(minus) = self.minus() {
-            return Ok(self.alone().compute(monitor)?.minus(&minus.compute(monitor)?));
+            let picture = self.alone().compute_with(trails, monitor)?;
+            return Ok(picture.minus(&minus.compute_with(trails, monitor)?));
         }
+        let mut motion = None;
         let burst = &self.burst.burst;
         let plane = match self.kind {
             PictureKind::Frame(index) => burst.frames.get(index).cloned().ok_or_else(|| {
@@ -208,10 +218,13 @@ impl PictureRequest {
                 merge_burst(burst, used, monitor)?.frames[0].clone()
             }
             PictureKind::Map { map, octave, level, slope } => {
-                Arc::new(map.compute(burst, &self.params, (slope, octave, level), monitor)?)
+                let at = (slope, octave, level);
+                let (plane, colours) = map.compute(&self.burst, &self.params, at, (trails, monitor))?;
+                motion = colours.map(Arc::new);
+                Arc::new(plane)
             }
         };
-        Ok(Picture { request: self.clone(), plane })
+        Ok(Picture { request: self.clone(), plane, motion })
     }
 }
 
@@ -237,12 +250,22 @@ pub struct Picture {
     pub request: PictureRequest,
     /// Its pixels; fraction of full scale.
     pub plane: Arc<Plane>,
+    /// Of a map of winning slopes: which they are, and the colours in which they are shown.
+    pub motion: Option<Arc<MotionMap>>,
 }
 
 impl Picture {
     /// Bytes of its pixels.
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.plane.data())
+        let pixels = std::mem::size_of_val(self.plane.data());
+        // Three planes and the colours, a number for each pixel.
+        if self.motion.is_some() { 5 * pixels } else { pixels }
+    }
+
+    /// The picture as it is shown: one opaque pixel for each value, in `display`'s range and colours unless it has its
+    /// own.
+    pub fn rgba(&self, display: &Display) -> RgbaImage {
+        self.motion.as_ref().map_or_else(|| to_rgba8(&self.plane, display), |motion| motion.colours.clone())
     }
 
     /// This picture minus `other`, on this picture's pixels: between its pixels `other` is taken linearly; beside it
@@ -252,6 +275,7 @@ impl Picture {
         Self {
             request: self.request.alone().less(&other.request),
             plane: Arc::new(difference(&self.plane, &other.plane, step / step_other)),
+            motion: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Lanes that make pictures and keep them: what is still in the cache is answered at once.
 
 use super::cache::PictureCache;
+use super::explain::Trails;
 use super::fault::JobError;
 use super::keyed::KeyedLane;
 use super::lane::{JobId, Lane};
@@ -11,11 +12,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The cache that all lanes of an engine share. Cheap to clone.
 #[derive(Debug, Clone)]
-pub(super) struct SharedCache(Arc<Mutex<PictureCache>>);
+pub(super) struct SharedCache(Arc<Mutex<PictureCache>>, Trails);
 
 impl SharedCache {
     pub(super) fn new(budget_bytes: usize) -> Self {
-        Self(Arc::new(Mutex::new(PictureCache::new(budget_bytes))))
+        Self(Arc::new(Mutex::new(PictureCache::new(budget_bytes))), Trails::default())
+    }
+
+    /// The trail from which some pictures are made.
+    pub(super) fn trails(&self) -> &Trails {
+        &self.1
     }
 
     pub(super) fn lock(&self) -> MutexGuard<'_, PictureCache> {
@@ -29,7 +35,7 @@ impl SharedCache {
             return Ok(picture);
         }
         let picture = match request.minus() {
-            None => request.compute(monitor)?,
+            None => request.compute_with(&self.1, monitor)?,
             // Both pictures are kept too: they are mostly on show beside their difference.
             Some(minus) => {
                 let picture = self.get_or_make(&request.alone(), monitor)?;

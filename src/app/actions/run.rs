@@ -272,6 +272,7 @@ fn move_hand(model: &mut Model, id: ActionId) {
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
         A::ShowMerge => pane.content = Content::Merge,
         A::ShowNoise => pane.content = Content::Map(MapKind::Noise),
+        A::ShowMotion => pane.content = Content::Map(MapKind::Motion),
         A::ShowCoverage => pane.content = Content::Map(MapKind::Coverage),
         _ => {}
     }

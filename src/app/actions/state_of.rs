@@ -46,7 +46,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::LayoutNineSlopes
         | A::LayoutScales
         | A::LayoutTwoByTwo => has_burst && in_inspect,
-        A::ShowMerge | A::ShowNoise | A::ShowCoverage => has_burst,
+        A::ShowMerge | A::ShowNoise | A::ShowCoverage | A::ShowMotion => has_burst,
         A::CompareAgain => in_methods,
         A::OpenGoldA => has_burst,
         A::OpenGoldB => has_burst && has_second,
@@ -126,6 +126,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ShowDog => kind(ViewKind::Dog),
         A::ShowMerge => Some(model.focused().content == Content::Merge),
         A::ShowNoise => Some(model.focused().content == Content::Map(MapKind::Noise)),
+        A::ShowMotion => Some(model.focused().content == Content::Map(MapKind::Motion)),
         A::ShowCoverage => Some(model.focused().content == Content::Map(MapKind::Coverage)),
         A::LinkCursors => Some(links.cursor),
         A::LinkViews => Some(links.views),

@@ -1,10 +1,11 @@
 //! The value under the pointer, for the status bar.
 
 use super::Picture;
+use crate::detector::Slope;
 use egui::Pos2;
 
 /// What a value is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Quantity {
     /// A brightness, or a difference of such.
     #[default]
@@ -13,6 +14,13 @@ pub enum Quantity {
     Sigma,
     /// The share of the frames that see the place, 0 … 1.
     FramesShare,
+    /// The response of the slope that wins there, over its noise.
+    Slope {
+        /// The slope, px/frame.
+        slope: Slope,
+        /// How far all others stay behind, 0 … 1; 0 where nothing reaches the gate.
+        confidence: f32,
+    },
 }
 
 /// A place of the image and the value that a picture has there.
@@ -60,6 +68,16 @@ impl Readout {
             Quantity::Value => number(self.value, 4),
             Quantity::Sigma => format!("σ {}", number(self.value, 3)),
             Quantity::FramesShare => format!("{} % of the frames", number(100.0 * self.value, 3)),
+            Quantity::Slope { confidence, .. } if confidence <= 0.0 => {
+                format!("below the gate ({} σ)", number(self.value, 2))
+            }
+            Quantity::Slope { slope: Slope { u, v }, confidence } => format!(
+                "({}, {}) px/frame, {} σ, sure {} %",
+                number(u, 3),
+                number(v, 3),
+                number(self.value, 3),
+                number(100.0 * confidence, 2)
+            ),
         }
     }
 }
@@ -75,7 +93,7 @@ impl std::fmt::Display for Readout {
         if self.quantity == Quantity::Sigma && self.full_scale == 1.0 {
             write!(f, " of full scale")?;
         }
-        if self.full_scale != 1.0 && self.quantity != Quantity::FramesShare {
+        if self.full_scale != 1.0 && matches!(self.quantity, Quantity::Value | Quantity::Sigma) {
             write!(f, " = {} of {}", number(self.file_value(), 4), number(self.full_scale, 6))?;
         }
         Ok(())

@@ -100,6 +100,14 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     let display = model.display_of(id);
     let part =
         Plane::from_fn(region.u.len(), region.v.len(), |u, v| shown.plane.at(region.u.start + u, region.v.start + v));
+    let rgba = match &picture.motion {
+        Some(motion) => {
+            let (u, v) = (region.u.start as u32, region.v.start as u32);
+            let (width, height) = (region.u.len() as u32, region.v.len() as u32);
+            image::imageops::crop_imm(&motion.colours, u, v, width, height).to_image()
+        }
+        None => to_rgba8(&part, &display),
+    };
     let step = shown.image_from_picture_scale;
     let layer = FeatureLayer::of(model, id);
     let legend = match &layer {
@@ -108,13 +116,13 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     };
     Some(FigurePanel {
         size: part.size(),
-        rgba: Arc::new(to_rgba8(&part, &display).into_raw()),
+        rgba: Arc::new(rgba.into_raw()),
         origin_image: [(region.u.start as f32 - 0.5) * step, (region.v.start as f32 - 0.5) * step],
         image_px_per_px: step,
         marks: layer.map(|layer| marks(model, &layer)).unwrap_or_default(),
         title: choice.titles.then(|| describe(picture)),
         legend,
-        bar: choice.colour_bar.then(|| colour_bar(&display, model.range_class(id))),
+        bar: (choice.colour_bar && picture.motion.is_none()).then(|| colour_bar(&display, model.range_class(id))),
     })
 }
 

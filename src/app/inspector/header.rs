@@ -52,6 +52,7 @@ fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
         (Content::Merge, _) if tiny => "Merged".to_owned(),
         (Content::Merge, _) => "Merged frames".to_owned(),
         (Content::Map(MapKind::Noise), _) => format!("σ {}/{} {slope}", cursor.octave, cursor.level),
+        (Content::Map(MapKind::Motion), _) => format!("Winning slope {}/{}", cursor.octave, cursor.level),
         (Content::Map(map), _) if tiny => map.label().to_owned(),
         (Content::Map(map), _) => format!("{} {slope}", map.label()),
         (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),

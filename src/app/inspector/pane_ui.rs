@@ -51,6 +51,7 @@ pub fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut Pane
         .show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;
     let picture = model.panes.get(shown).and_then(|pane| pane.picture.as_ref());
+    state.paint_colours(ui, picture, &output);
     state.readout = match (picture, state.shown(), output.hover_image) {
         (Some(picture), Some(canvas), Some(pos)) => readout_of(picture, canvas, pos, full_scale(model, shown)),
         _ => None,
@@ -72,6 +73,7 @@ pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut 
     state.refresh(picture);
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
     let over = canvas_of(model, other, "Wipe, right side").picture(state.shown()).show_over(ui, &drawn.output, right);
+    state.paint_colours(ui, picture, &over);
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     features_ui(ui, model, other, &mut widgets.of(other).picture, &over, FeatureOptions { legend: false });
     drawn.right = Some((other, over));
@@ -108,7 +110,7 @@ fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
 
 /// The file's value of 1.0 of the burst of `id`; 1 where the picture has no values of the file.
 pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
-    if model.range_class(id) == RangeClass::Share {
+    if matches!(model.range_class(id), RangeClass::Share | RangeClass::Motion) {
         return 1.0;
     }
     let side = model.panes.get(id).map_or(Side::A, |pane| pane.side);

@@ -171,6 +171,7 @@ impl BurstscopeApp {
         }
         self.request_for_pair(dragging);
         self.request_for_compare(dragging);
+        self.request_explanations();
         self.thumbnails.request(&self.engine.datasets);
     }
 }

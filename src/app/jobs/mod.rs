@@ -6,6 +6,7 @@
 pub(super) mod burst;
 pub(super) mod compare;
 pub(super) mod dataset;
+pub(super) mod explain;
 pub(super) mod pair;
 pub(super) mod panes;
 pub(super) mod writing;

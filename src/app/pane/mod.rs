@@ -158,7 +158,7 @@ impl Pane {
         self.slope_chosen = true;
         let is_seen = match self.content {
             Content::Cursor => self.cursor.kind != ViewKind::Frame,
-            Content::Map(_) => true,
+            Content::Map(map) => map.is_of_slope(),
             Content::Merge | Content::Difference(..) => false,
         };
         if !is_seen {

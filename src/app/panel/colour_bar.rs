@@ -1,11 +1,12 @@
 //! What the colours of a map mean, in the lower right corner of its picture.
 
 use crate::app::canvas::number;
+use crate::app::canvas::overlay::{ColourBy, ColourScale};
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::app::project::look::RangeClass;
 use crate::plane::display::Display;
-use egui::{Align2, Color32, Mesh, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
+use egui::{Align2, Color32, Mesh, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2};
 
 /// Size of the key with its ground, points.
 const SIZE: egui::Vec2 = vec2(196.0, 50.0);
@@ -18,6 +19,7 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
         RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => return,
         RangeClass::Noise => "σ of the noise in D, of full scale",
         RangeClass::Share => "Share of the frames",
+        RangeClass::Motion => return motion_key_ui(ui, model, id, rect),
     };
     let has_picture = model.panes.get(id).is_some_and(|pane| pane.picture.is_some());
     if !has_picture || rect.width() < ROOM.x || rect.height() < ROOM.y {
@@ -40,6 +42,20 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let text = format!("Colour bar: {title}, from {low} to {high}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
     response.on_hover_text(format!("{text}; change it in the display panel"));
+}
+
+/// What the colours of winning slopes mean: a wheel of directions.
+fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
+    let motion = model.panes.get(id).and_then(|pane| pane.picture.as_ref()?.motion.as_ref());
+    let Some(motion) = motion.filter(|_| rect.width() >= ROOM.x && rect.height() >= ROOM.y) else { return };
+    let scale = ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.grid.max_magnitude());
+    let size = vec2(140.0, 66.0);
+    let ground = Rect::from_min_size(rect.right_bottom() - size - vec2(10.0, 10.0), size);
+    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
+    ui.painter().rect_filled(ground, 5.0, fill);
+    ui.scope_builder(UiBuilder::new().max_rect(ground.shrink2(vec2(8.0, 6.0))), |ui| {
+        scale.legend_ui(ui);
+    });
 }
 
 /// The colours of a display from its lowest to its highest value.

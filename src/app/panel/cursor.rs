@@ -2,6 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::slope_pad::slope_pad_ui;
+use crate::app::panel::slopes::strip_ui;
 use crate::app::panel::widgets::{CursorRow, section_ui};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
@@ -62,6 +63,7 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
         &marks_u,
     )
     .ui(ui, &mut slope.u);
+    strip_ui(ui, model, false);
     row(
         "Slope v",
         "Apparent motion downwards, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
@@ -69,6 +71,7 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
         &marks_v,
     )
     .ui(ui, &mut slope.v);
+    strip_ui(ui, model, true);
     if slope != before {
         model.playing = false;
         let pane = model.focused_mut();

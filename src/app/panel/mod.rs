@@ -2,6 +2,7 @@
 
 pub mod about;
 pub mod bottom;
+pub mod candidates;
 pub mod chooser;
 pub mod colour_bar;
 pub mod cursor;
@@ -17,6 +18,7 @@ pub mod patch;
 pub mod picture;
 pub mod selection;
 pub mod slope_pad;
+pub mod slopes;
 pub mod sorted_table;
 pub mod status;
 pub mod table;

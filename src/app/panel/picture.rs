@@ -5,8 +5,8 @@ use crate::app::canvas::{self, Quantity, Readout, overlay};
 use crate::app::project::look::RangeClass;
 use crate::app::project::{Model, Stale};
 use crate::app::style;
-use crate::detector::Detection;
-use crate::engine::{Picture, PictureKind, PictureRequest};
+use crate::detector::{Detection, Slope};
+use crate::engine::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
@@ -20,6 +20,8 @@ pub struct PictureState {
     /// From image pixels to points of the window, as last drawn.
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
+    /// The colours of a map that has its own, on the card.
+    colours: Option<(Arc<MotionMap>, egui::TextureHandle)>,
     scale: Option<(Arc<Detection>, overlay::ColourScale)>,
 }
 
@@ -40,6 +42,34 @@ impl PictureState {
     /// The picture on show.
     pub fn shown(&self) -> Option<&canvas::Picture> {
         self.shown.as_ref()
+    }
+
+    /// Draws the colours of a map that has its own over the picture of `output`.
+    pub(in crate::app) fn paint_colours(&mut self, ui: &Ui, picture: Option<&Picture>, output: &canvas::CanvasOutput) {
+        let Some(motion) = picture.and_then(|picture| picture.motion.as_ref()) else {
+            self.colours = None;
+            return;
+        };
+        let Some(rect_image) = self.shown.as_ref().map(canvas::Picture::rect_image) else { return };
+        if self.colours.as_ref().is_none_or(|(of, _)| !Arc::ptr_eq(of, motion)) {
+            // Every so many pixels, where the card holds no picture this large.
+            let most = ui.ctx().input(|i| i.max_texture_side).max(1) as u32;
+            let (width, height) = motion.colours.dimensions();
+            let every = width.max(height).div_ceil(most).max(1);
+            let size = [width.div_ceil(every) as usize, height.div_ceil(every) as usize];
+            let pixels = (0..size[0] * size[1]).map(|i| {
+                let (x, y) = ((i % size[0]) as u32 * every, (i / size[0]) as u32 * every);
+                let [r, g, b, _] = motion.colours.get_pixel(x, y).0;
+                egui::Color32::from_rgb(r, g, b)
+            });
+            let image = egui::ColorImage::new(size, pixels.collect());
+            let texture = ui.ctx().load_texture("winning slopes", image, egui::TextureOptions::NEAREST);
+            self.colours = Some((motion.clone(), texture));
+        }
+        if let Some((_, texture)) = &self.colours {
+            let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            output.painter.image(texture.id(), output.ui_from_image.rect(rect_image), whole, egui::Color32::WHITE);
+        }
     }
 
     /// The colours of the features of `detection`, the same until the next detection or another choice.
@@ -83,6 +113,13 @@ pub(in crate::app) fn readout_of(
         RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => Quantity::Value,
         RangeClass::Noise => Quantity::Sigma,
         RangeClass::Share => Quantity::FramesShare,
+        RangeClass::Motion => match &picture.motion {
+            Some(motion) => {
+                let (slope, confidence) = motion.at(readout.pixel);
+                Quantity::Slope { slope, confidence }
+            }
+            None => Quantity::Value,
+        },
     };
     Some(Readout { quantity, ..readout })
 }
@@ -114,8 +151,10 @@ fn describe_request(request: &PictureRequest) -> String {
             format!("Merged frames  ·  {} … {}", used.start, used.end - 1)
         }
         PictureKind::Map { map, octave, level, slope } => {
-            let at = if map.is_of_octave() { format!("octave {octave}, level {level}  ·  ") } else { String::new() };
-            format!("{}  ·  {at}slope ({:.2}, {:.2}) px/frame", map.label(), slope.u, slope.v)
+            let at = if map.is_of_octave() { format!("  ·  octave {octave}, level {level}") } else { String::new() };
+            let Slope { u, v } = slope;
+            let of = if map.is_of_slope() { format!("  ·  slope ({u:.2}, {v:.2}) px/frame") } else { String::new() };
+            format!("{}{at}{of}", map.label())
         }
     }
 }

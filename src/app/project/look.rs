@@ -22,6 +22,8 @@ pub enum RangeClass {
     Noise,
     /// Maps of shares, 0 … 1.
     Share,
+    /// Maps of winning slopes, which have colours of their own.
+    Motion,
 }
 
 impl RangeClass {
@@ -37,6 +39,7 @@ impl RangeClass {
             PictureKind::Dog { .. } => Self::Response,
             PictureKind::Map { map: MapKind::Noise, .. } => Self::Noise,
             PictureKind::Map { map: MapKind::Coverage, .. } => Self::Share,
+            PictureKind::Map { map: MapKind::Motion, .. } => Self::Motion,
         }
     }
 
@@ -48,6 +51,7 @@ impl RangeClass {
             Self::Difference => "differences",
             Self::Noise => "maps of the noise",
             Self::Share => "maps of shares",
+            Self::Motion => "maps of winning slopes",
         }
     }
 }
@@ -100,7 +104,7 @@ impl Ranges {
             RangeClass::Response => self.response,
             RangeClass::Difference => self.difference,
             RangeClass::Noise => self.noise,
-            RangeClass::Share => self.share,
+            RangeClass::Share | RangeClass::Motion => self.share,
         }
     }
 
@@ -111,7 +115,7 @@ impl Ranges {
             RangeClass::Response => &mut self.response,
             RangeClass::Difference => &mut self.difference,
             RangeClass::Noise => &mut self.noise,
-            RangeClass::Share => &mut self.share,
+            RangeClass::Share | RangeClass::Motion => &mut self.share,
         }
     }
 
@@ -129,7 +133,7 @@ impl Ranges {
             RangeClass::Response => &mut self.response_fixed,
             RangeClass::Difference => &mut self.difference_fixed,
             RangeClass::Noise => &mut self.noise_fixed,
-            RangeClass::Share => return,
+            RangeClass::Share | RangeClass::Motion => return,
         };
         if std::mem::replace(fixed, true) {
             return;

@@ -6,6 +6,7 @@
 mod checking;
 pub mod compare;
 pub mod cursor;
+pub mod explained;
 pub mod filter;
 mod found;
 mod listing;
@@ -27,6 +28,7 @@ use crate::app::pane::Panes;
 use crate::detector::{DetectorParams, ParamError, SearchParams, SlopeChoice};
 use crate::engine::{OpenBurst, Picture, Running};
 use compare::Compare;
+use explained::ExplainedState;
 use filter::{Column, Filter};
 use look::Look;
 use messages::Messages;
@@ -66,6 +68,8 @@ pub enum BottomTab {
     Tally,
     /// What is known of the noise.
     Noise,
+    /// Which slopes the burst needs.
+    Slopes,
     /// The values along a line.
     Profile,
     /// The values in a rectangle.
@@ -142,6 +146,8 @@ pub struct Model {
     pub history: History,
     /// A line and a rectangle on a picture.
     pub measure: Measure,
+    /// What is known of the detection as a whole.
+    pub explained: ExplainedState,
     /// What the engine is doing.
     pub busy: Busy,
     /// Many bursts.

@@ -172,6 +172,9 @@ impl Model {
     /// The slope by which the picture of `id` was shifted; `None` for a frame and for what has no single slope.
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
+        if matches!(picture.request.kind, PictureKind::Map { map, .. } if !map.is_of_slope()) {
+            return None;
+        }
         match picture.request.kind {
             PictureKind::Frame(_) | PictureKind::Merge => None,
             PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } | PictureKind::Map { slope, .. } => {

@@ -6,11 +6,13 @@
 
 mod colour_by;
 mod hit;
+mod marks;
 mod match_lines;
 mod strokes;
 
 pub use colour_by::{ColourBy, ColourScale};
 pub use hit::feature_at;
+pub use marks::{CircleMark, draw_marks, mark_at};
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};
