@@ -8,6 +8,8 @@ mod support;
 
 #[path = "window/candidates.rs"]
 mod candidates;
+#[path = "window/compared.rs"]
+mod compared;
 #[path = "window/dataset_matches.rs"]
 mod dataset_matches;
 #[path = "window/datasets.rs"]
@@ -18,8 +20,12 @@ mod detecting;
 mod finding_ones_way;
 #[path = "window/keeping.rs"]
 mod keeping;
+#[path = "window/long_films.rs"]
+mod long_films;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/lost_matches.rs"]
+mod lost_matches;
 #[path = "window/maps.rs"]
 mod maps;
 #[path = "window/measuring.rs"]
@@ -44,3 +50,5 @@ mod spectrum;
 mod steps_back;
 #[path = "window/trajectories.rs"]
 mod trajectories;
+#[path = "window/truth.rs"]
+mod truth;

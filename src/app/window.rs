@@ -5,19 +5,23 @@ use super::actions::{self, ActionId, Queue};
 use super::canvas::Readout;
 use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, SystemDialogs};
-use super::history;
 use super::inspector::{PaneWidgets, PlaceValue};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
 use super::pane::PaneId;
 use super::session::Session;
 use super::settings::Settings;
+use crate::app::jobs::against::AgainstAsked;
 use crate::app::jobs::compare::CompareAsked;
 use crate::app::jobs::explain::ExplainAsked;
+use crate::app::jobs::losses::LossesAsked;
 use crate::app::jobs::pair::PairAsked;
 use crate::app::jobs::panes::CursorsBefore;
+use crate::app::jobs::probe::ProbeAsked;
+use crate::app::panel::probe::ProbePanel;
 use crate::app::panel::selection::SelectionState;
 use crate::app::project::Model;
+use crate::app::project::history;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::workspace::compare::ComparePictures;
@@ -76,6 +80,7 @@ pub(super) struct Asked {
     pub detecting: Option<SearchParams>,
     /// What was looked for in vain.
     pub failed: Option<SearchParams>,
+    pub probe: ProbeAsked,
 }
 
 /// Where playing through the slopes is.
@@ -99,6 +104,7 @@ pub struct BurstscopeApp {
     /// What the workspace of methods keeps.
     pub compare_pictures: ComparePictures,
     pub(super) selection: SelectionState,
+    pub(super) probe: ProbePanel,
     /// What was computed of the rectangle that is measured.
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
@@ -107,6 +113,8 @@ pub struct BurstscopeApp {
     pub(super) pair_asked: PairAsked,
     pub(super) compare_asked: CompareAsked,
     pub(super) explain_asked: ExplainAsked,
+    pub(super) against_asked: AgainstAsked,
+    pub(super) losses_asked: LossesAsked,
     pub(super) play: Play,
     /// Whether cursors were set on purpose, each to its own place, so that none follows another.
     pub(super) cursors_set: bool,
@@ -140,6 +148,7 @@ impl BurstscopeApp {
             pair_panels: PairPanels::default(),
             compare_pictures: ComparePictures::default(),
             selection: SelectionState::default(),
+            probe: ProbePanel::default(),
             regions: RegionCache::default(),
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
@@ -147,6 +156,8 @@ impl BurstscopeApp {
             pair_asked: PairAsked::default(),
             compare_asked: CompareAsked::default(),
             explain_asked: ExplainAsked::default(),
+            against_asked: AgainstAsked::default(),
+            losses_asked: LossesAsked::default(),
             play: Play::default(),
             cursors_set: false,
             history_set: false,
@@ -180,8 +191,10 @@ impl BurstscopeApp {
             && !self.thumbnails.is_waiting()
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
+            && self.probe_is_settled()
             && self.compare_is_settled()
             && self.explanations_are_settled()
+            && self.comparison_is_settled()
     }
 
     /// Draws the window and answers what happened since the last time.
@@ -190,9 +203,12 @@ impl BurstscopeApp {
         ctx.set_theme(self.model.theme);
         let cursors_before = CursorsBefore::of(&self.model);
         self.take_updates(&ctx);
+        self.take_probe_updates();
         self.take_pair_updates();
         self.take_compare_updates();
         self.take_explanations();
+        self.take_against_updates();
+        self.take_losses();
         self.take_answers();
         self.take_dropped_files(&ctx);
         let before = history::Settings::of(&self.model);

@@ -4,18 +4,16 @@
 //! All answers come from one [`ProbeCache`], which repeats the detection with all that it leaves behind. It is made
 //! once for a burst and its parameters, and kept until another one is asked about.
 
-use super::OnUpdate;
-use super::fault::JobError;
-use super::keyed::KeyedLane;
-use super::lane::Answer;
-use super::picture::job_error;
+use super::fault::{JobError, job_error};
+use super::jobs::{JobAnswer, Jobs};
+use super::queue::{JobId, JobQueue, Priority};
 use super::source::{BurstId, OpenBurst};
 use crate::detector::{DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
 use crate::inspect::candidates::{Survey, SurveyOptions, survey};
 use crate::inspect::spectrum::{Spectrum, spectrum};
 use crate::monitor::Monitor;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 use std::time::Duration;
 
 /// What is asked about a detection. Of one subject the latest question wins.
@@ -91,9 +89,19 @@ pub struct Explained {
     pub explanation: Explanation,
 }
 
+/// How long somebody else's trail is waited for at once.
+const WAIT: Duration = Duration::from_millis(5);
+
 /// The detection that was asked about last, with all that it left behind. Cheap to clone.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Trails(Arc<Mutex<Option<Trail>>>);
+pub(super) struct Trails(Arc<Kept>);
+
+#[derive(Debug, Default)]
+struct Kept {
+    trail: Mutex<Option<Trail>>,
+    /// Held while one is made, so that none is made twice.
+    making: Mutex<()>,
+}
 
 #[derive(Debug)]
 struct Trail {
@@ -113,8 +121,20 @@ impl Trails {
         monitor: &Monitor,
     ) -> Result<Arc<ProbeCache>, JobError> {
         // Whole values go in and out, so a poisoned lock still guards whole values.
-        let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let lock = || self.0.trail.lock().unwrap_or_else(PoisonError::into_inner);
         let kept = |trail: &Trail| trail.burst == burst.id && trail.params == *params;
+        let _making = loop {
+            if let Some(trail) = lock().as_ref().filter(|trail| kept(trail)) {
+                return Ok(trail.cache.clone());
+            }
+            monitor.check()?;
+            match self.0.making.try_lock() {
+                Ok(guard) => break guard,
+                Err(TryLockError::Poisoned(poisoned)) => break poisoned.into_inner(),
+                Err(TryLockError::WouldBlock) => std::thread::sleep(WAIT),
+            }
+        };
+        // It may have been made since it was looked for.
         if let Some(trail) = lock().as_ref().filter(|trail| kept(trail)) {
             return Ok(trail.cache.clone());
         }
@@ -128,35 +148,35 @@ impl Trails {
 }
 
 /// The worker.
-pub struct Explainer(KeyedLane<ExplainSubject, ExplainRequest, Explained>);
+pub struct Explainer(Jobs<ExplainRequest, Explained>);
 
 impl Explainer {
-    pub(super) fn new(trails: &Trails, on_update: &OnUpdate) -> Self {
+    pub(super) fn new(queue: &Arc<JobQueue>, trails: &Trails) -> Self {
         let its = trails.clone();
-        Self(KeyedLane::new("explain", Duration::ZERO, on_update.clone(), move |request: ExplainRequest, monitor| {
+        let work = move |request: ExplainRequest, monitor: &Monitor| {
             let explanation = explain(&its, &request, monitor)?;
             Ok(Explained { request, explanation })
-        }))
+        };
+        Self(Jobs::new(queue, Priority::Search, Duration::ZERO, work))
     }
 
-    /// Asks; an earlier question of the same subject is overtaken, and cancelled.
-    pub fn ask(&self, request: ExplainRequest) {
-        self.0.submit(request.question.subject(), request);
+    /// Asks; an earlier question of the same subject is superseded, and cancelled.
+    pub fn ask(&self, request: ExplainRequest) -> JobId {
+        self.0.submit_for(request.question.subject() as u32, request)
     }
 
     /// What was answered since the last call. Never waits.
-    pub fn poll(&self) -> Vec<(ExplainSubject, Answer<Explained>)> {
-        self.0.take_answers()
+    pub fn poll(&self) -> Vec<(ExplainSubject, JobAnswer<Explained>)> {
+        let subject = |slot: u32| {
+            if slot == ExplainSubject::Slopes as u32 { ExplainSubject::Slopes } else { ExplainSubject::Candidates }
+        };
+        let answers = self.0.take_answers_for().into_iter().filter(|(_, answer)| !answer.is_superseded());
+        answers.map(|(slot, answer)| (subject(slot), answer)).collect()
     }
 
     /// Nobody wants to know this any more.
     pub fn forget(&self, subject: ExplainSubject) {
-        self.0.forget(subject);
-    }
-
-    /// Whether nothing runs and nothing waits.
-    pub fn is_idle(&self) -> bool {
-        self.0.is_idle()
+        self.0.cancel_for(subject as u32);
     }
 }
 

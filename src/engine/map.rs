@@ -1,8 +1,7 @@
 //! Maps: pictures of what decides in the search, by place.
 
 use super::explain::Trails;
-use super::fault::JobError;
-use super::picture::job_error;
+use super::fault::{JobError, job_error};
 use super::source::OpenBurst;
 use crate::baseline::prepare;
 use crate::detector::view::{coverage_view, gate_noise_map};

@@ -3,11 +3,12 @@
 
 use super::explain::Trails;
 use super::fault::JobError;
+pub(super) use super::fault::job_error;
 use super::map::{MapKind, MotionMap};
 use super::source::{BurstId, OpenBurst};
 use crate::baseline::{merge_burst, prepare};
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{DetectError, DetectorParams, Interpolation, Method, Slope};
+use crate::detector::{DetectorParams, Interpolation, Method, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
@@ -233,14 +234,6 @@ fn hash_of(params: &DetectorParams) -> u64 {
     let mut hasher = DefaultHasher::new();
     format!("{params:?}").hash(&mut hasher);
     hasher.finish()
-}
-
-/// The engine's error for one of the detector's.
-pub(super) fn job_error(error: DetectError) -> JobError {
-    match error {
-        DetectError::Cancelled(_) => JobError::Cancelled,
-        DetectError::Param(error) => JobError::Failed(error.to_string()),
-    }
 }
 
 /// A picture with what was asked for. Cheap to clone.

@@ -138,6 +138,7 @@ actions! {
     Undo, Edit 0, "Undo", [CTRL Z], "Take back the last change of a parameter or a slope";
     Redo, Edit 0, "Redo", [CTRL_SHIFT Z], "Make the change again that was taken back";
     CopyRow, Edit 1, "Copy row or value", [], "Copy the selected feature or match, or else the value under the pointer (also Ctrl+C)";
+    CopyCommand, Edit 1, "Copy as command", [CTRL_SHIFT C], "Copy the command that finds the features of this burst with these parameters";
     CopyPicture, Edit 1, "Copy picture", [], "Copy the picture in focus as it is shown, in its range and colours";
     MeasureLine, Edit 2, "Line profile", [NONE Q], "Let the pointer draw a line: the values along it, in all linked panes";
     MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Let the pointer draw a rectangle: mean, deviation, range and noise in it";
@@ -184,6 +185,7 @@ actions! {
     LayoutFiveSlopes, Panes 1, "Layout: strip of 5 slopes", [NONE Num8], "Show five neighbouring slopes of the grid, which move together";
     LayoutSevenSlopes, Panes 1, "Layout: strip of 7 slopes", [], "Show seven neighbouring slopes of the grid, which move together";
     LayoutNineSlopes, Panes 1, "Layout: strip of 9 slopes", [], "Show nine neighbouring slopes of the grid, which move together";
+    LayoutSlice, Panes 1, "Layout: stack and slice", [], "Show the motion stack above the slice of the frames through the probed place, in which motion is a slanted line";
     LayoutScales, Panes 1, "Layout: strip of scales", [], "Show the DoG responses of all levels of the octave";
     LayoutTwoByTwo, Panes 1, "Layout: 2 × 2", [NONE Num9], "Show frame, motion stack, DoG response and merged frames of the same place";
     NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one as a wipe, a flip or not at all; of methods: panes, a wipe, a flip, rows of matches";
@@ -220,7 +222,17 @@ actions! {
     StrongestFeature, Features 0, "First feature or match", [NONE Home], "Select the first feature (or match, with two bursts) of the table";
     GoToFeature, Features 0, "Go to the selection", [NONE Enter], "Show the motion stack at the slope of the selected feature or match, with it in the middle";
     ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match";
-    ClearFilter, Features 1, "Clear filter", [], "Show all features";
+    ProbePlace, Features 1, "Probe this place", [SHIFT P], "Say why there is a feature at the place under the pointer, or why there is none (also Shift+click)";
+    ProbeFeature, Features 1, "Why this feature?", [SHIFT W], "Probe the selected feature: its tests, its response, each frame's share, and what may be wrong with it";
+    ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not";
+    ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked";
+    CloseProbe, Features 1, "Clear probe", [], "Probe nothing, and forget what was kept for it";
+    ClearFilter, Features 2, "Clear filter", [], "Show all features";
+    PinResult, Features 3, "Pin this result", [SHIFT D], "Keep these features: what later detections gain, lose and move is shown against them";
+    UnpinResult, Features 3, "Unpin", [], "Forget the pinned result";
+    OpenFeatures, Features 3, "Open features…", [], "Lay somebody else's features over the burst: our CSV table, or the text that COLMAP imports";
+    CloseFeatures, Features 3, "Close opened features", [], "Forget the features that were opened";
+    ShowTruth, Features 3, "Compare with the truth", [], "Mark what was found, missed, found twice and found falsely, where that is known";
 
     OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst";
     OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst";
@@ -248,6 +260,7 @@ actions! {
     MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen";
     MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts that are chosen as A and B";
     ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Look at the two bursts that are chosen as A and B, with their matches";
+    ExportDatabase, Dataset 2, "Export COLMAP database…", [], "Write images, features, matches and verified geometries of all bursts as COLMAP's mapper takes them";
     OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file";
     OpenTruth, Dataset 3, "Open true trajectory…", [], "Open the true camera poses: a trajectory file, or a sparse model such as a gold standard's";
     CloseTrajectories, Dataset 3, "Close trajectories", [], "Forget the estimated and the true trajectory";

@@ -7,7 +7,7 @@ use crate::app::project::cursor::played;
 use crate::app::project::pair::Side;
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
-use crate::engine::{Answer as JobAnswer, BurstSource, DetectRequest, JobError, LaneKind, OpenBurst, PairLane, Update};
+use crate::engine::{BurstJobs, BurstSource, DetectRequest, JobAnswer, JobError, OpenBurst, PairJobs, Update};
 use std::time::{Duration, Instant};
 
 /// Pauses between slopes while they are played.
@@ -22,9 +22,10 @@ impl BurstscopeApp {
                 Update::Picture(slot, answer) => self.take_picture(PaneId(slot.0), answer),
                 Update::Patch(answer) => match answer.result {
                     Ok(patch) => self.model.patch = Some(patch),
-                    Err(JobError::Cancelled) => {}
+                    Err(JobError::Cancelled | JobError::Superseded) => {}
                     Err(error) => self.model.messages.error("Patch", error.to_string()),
                 },
+                Update::Detected(answer) if answer.is_superseded() => {}
                 Update::Detected(answer) => {
                     let asked = self.asked.detecting.take();
                     match answer.result {
@@ -51,8 +52,8 @@ impl BurstscopeApp {
             }
         }
         self.model.busy = Busy {
-            opening: self.engine.running(LaneKind::Open),
-            detecting: self.engine.running(LaneKind::Detect),
+            opening: self.engine.running(BurstJobs::Open),
+            detecting: self.engine.running(BurstJobs::Detect),
             picture: self.engine.makes_pictures(),
         };
         self.model.datasets.running = self.engine.datasets.running();
@@ -69,11 +70,14 @@ impl BurstscopeApp {
         };
         match answer.result {
             Ok(mut burst) => {
-                self.engine.cancel(LaneKind::Detect);
+                self.engine.cancel(BurstJobs::Detect);
                 self.remember(&mut burst);
                 self.model.messages.resolved("Open");
                 self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
+                let before = self.model.burst.as_ref().map(|open| open.source.clone());
                 self.model.take_burst(burst);
+                self.forget_probe();
+                self.model.start_probe(before.as_ref());
                 self.forget_asked();
                 (self.cursors_set, self.history_set) = (true, true);
                 self.model.history.clear();
@@ -92,6 +96,8 @@ impl BurstscopeApp {
                     self.restore_pair(session.pair, session.panes);
                 }
             }
+            // The one that took its place is being opened.
+            Err(JobError::Superseded) => {}
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
             Err(JobError::Several(_)) if session.is_none() => {
                 if let Some((_, BurstSource::Paths(paths))) = self.asked.opening.take_if(|(id, _)| *id == answer.id) {
@@ -111,12 +117,14 @@ impl BurstscopeApp {
 
     /// Stops what is being opened, detected and matched.
     pub(in crate::app) fn cancel_all(&self) {
-        self.engine.cancel(LaneKind::Detect);
-        self.engine.cancel(LaneKind::Open);
-        for lane in [PairLane::Open, PairLane::Detect, PairLane::Match] {
-            self.engine.pair().cancel(lane);
+        self.engine.cancel(BurstJobs::Detect);
+        self.engine.cancel(BurstJobs::Open);
+        for kind in [PairJobs::Open, PairJobs::Detect, PairJobs::Match] {
+            self.engine.pair().cancel(kind);
         }
         self.engine.comparer().cancel();
+        self.engine.against.cancel();
+        self.engine.probe().cancel();
     }
 
     /// Whether features of the present parameters are missing, and were not looked for in vain.
@@ -129,8 +137,14 @@ impl BurstscopeApp {
         if let Some(burst) = self.model.burst.clone() {
             let params = self.model.asked();
             self.asked.detecting = Some(params.clone());
-            self.engine.detect(DetectRequest { burst, params });
-            self.model.busy.detecting = self.engine.running(LaneKind::Detect);
+            let request = DetectRequest { burst, params };
+            self.asked.probe.keeps_trail = self.model.probe.is_on();
+            if self.asked.probe.keeps_trail {
+                self.engine.detect_with_trail(request);
+            } else {
+                self.engine.detect(request);
+            }
+            self.model.busy.detecting = self.engine.running(BurstJobs::Detect);
         }
     }
 
@@ -169,9 +183,12 @@ impl BurstscopeApp {
         if self.model.auto_detect && !dragging && !asked && self.wants_detection() {
             self.start_detection();
         }
+        self.request_for_probe(dragging);
         self.request_for_pair(dragging);
         self.request_for_compare(dragging);
         self.request_explanations();
+        self.request_comparison();
+        self.request_losses();
         self.thumbnails.request(&self.engine.datasets);
     }
 }

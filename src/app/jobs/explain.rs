@@ -3,11 +3,11 @@
 
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
-use crate::engine::{ExplainRequest, ExplainSubject, JobError};
+use crate::engine::{ExplainRequest, ExplainSubject, JobError, JobId};
 
 /// What was asked and is not answered yet.
 #[derive(Default)]
-pub(in crate::app) struct ExplainAsked(Vec<ExplainRequest>);
+pub(in crate::app) struct ExplainAsked(Vec<(JobId, ExplainRequest)>);
 
 impl BurstscopeApp {
     /// What is wanted about the detection on show and not there.
@@ -29,10 +29,9 @@ impl BurstscopeApp {
 
     /// Takes what was answered.
     pub(in crate::app) fn take_explanations(&mut self) {
-        for (subject, answer) in self.engine.explainer().poll() {
+        for (_, answer) in self.engine.explainer().poll() {
             let asked = &mut self.explain_asked.0;
-            let place = asked.iter().position(|request| request.question.subject() == subject);
-            let request = place.map(|place| asked.swap_remove(place));
+            let request = asked.iter().position(|(id, _)| *id == answer.id).map(|place| asked.swap_remove(place).1);
             match (answer.result, request) {
                 (Ok(explained), _) => self.model.explained.take(explained),
                 (Err(JobError::Cancelled), _) | (Err(_), None) => {}
@@ -47,21 +46,18 @@ impl BurstscopeApp {
     /// Asks for what is wanted and not there, and stops what is not wanted any more.
     pub(in crate::app) fn request_explanations(&mut self) {
         let missing = self.explanations_missing();
+        let is_of = |request: &ExplainRequest, subject| request.question.subject() == subject;
         for subject in [ExplainSubject::Slopes, ExplainSubject::Candidates] {
-            let wanted = missing.iter().find(|request| request.question.subject() == subject);
-            let asked = self.explain_asked.0.iter().find(|request| request.question.subject() == subject);
+            let wanted = missing.iter().find(|request| is_of(request, subject));
+            let asked = self.explain_asked.0.iter().position(|(_, request)| is_of(request, subject));
             match (wanted, asked) {
-                (Some(wanted), Some(asked)) if asked.same_answer(wanted) => {}
-                (Some(wanted), _) => {
-                    self.engine.explainer().ask(wanted.clone());
-                    self.explain_asked.0.retain(|request| request.question.subject() != subject);
-                    self.explain_asked.0.push(wanted.clone());
-                }
-                (None, Some(_)) => {
-                    self.engine.explainer().forget(subject);
-                    self.explain_asked.0.retain(|request| request.question.subject() != subject);
-                }
-                (None, None) => {}
+                (Some(wanted), Some(place)) if self.explain_asked.0[place].1.same_answer(wanted) => continue,
+                (None, Some(_)) => self.engine.explainer().forget(subject),
+                _ => {}
+            }
+            asked.into_iter().for_each(|place| drop(self.explain_asked.0.swap_remove(place)));
+            if let Some(wanted) = wanted {
+                self.explain_asked.0.push((self.engine.explainer().ask(wanted.clone()), wanted.clone()));
             }
         }
     }

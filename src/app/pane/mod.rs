@@ -26,7 +26,7 @@ pub use tiles::{arrangement_of, tree_of};
 use super::canvas::View;
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::Ranges;
-use crate::app::project::pair::Side;
+use crate::app::project::side::Side;
 use crate::detector::DetectorParams;
 use crate::engine::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
 use serde::{Deserialize, Serialize};
@@ -61,6 +61,41 @@ pub enum Content {
     Map(MapKind),
     /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
+    /// A slice through the frames at the place that is probed.
+    Slice(SliceAxis),
+}
+
+/// Which way a slice through the frames runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SliceAxis {
+    /// Along the motion of what is probed: the x–t slice where that is to the side.
+    Along,
+    /// Across it: the y–t slice then.
+    Across,
+}
+
+impl SliceAxis {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Along, Self::Across];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Along => "Slice along the motion",
+            Self::Across => "Slice across the motion",
+        }
+    }
+
+    /// What it shows.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Along => {
+                "A row for each frame through the probed place, along its motion (x–t): what moves is slanted"
+            }
+            Self::Across => "A row for each frame through the probed place, across its motion (y–t)",
+        }
+    }
 }
 
 /// Another pane's picture in the same place, to compare the two.
@@ -148,6 +183,11 @@ impl Pane {
         (self.content, self.cursor.kind) = (Content::Cursor, kind);
     }
 
+    /// Shows a slice through the frames, which is no picture of the image plane.
+    pub fn show_slice(&mut self, axis: SliceAxis) {
+        (self.content, self.over, self.picture) = (Content::Slice(axis), None, None);
+    }
+
     /// Whether it shows this kind of picture.
     pub fn shows(&self, kind: ViewKind) -> bool {
         self.content == Content::Cursor && self.cursor.kind == kind
@@ -159,6 +199,8 @@ impl Pane {
         let is_seen = match self.content {
             Content::Cursor => self.cursor.kind != ViewKind::Frame,
             Content::Map(map) => map.is_of_slope(),
+            // There the slope is a line.
+            Content::Slice(_) => true,
             Content::Merge | Content::Difference(..) => false,
         };
         if !is_seen {
@@ -178,7 +220,7 @@ impl Pane {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
 
-    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures.
+    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures, and a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = match self.content {
             Content::Cursor => self.cursor_within(burst, params).picture_kind(),
@@ -187,7 +229,7 @@ impl Pane {
                 let Cursor { octave, level, slope, .. } = self.cursor_within(burst, params);
                 PictureKind::Map { map, octave, level, slope }
             }
-            Content::Difference(..) => return None,
+            Content::Difference(..) | Content::Slice(_) => return None,
         };
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
     }
@@ -196,7 +238,7 @@ impl Pane {
     pub fn others(&self) -> Vec<PaneId> {
         let mut others = match self.content {
             Content::Difference(a, b) => vec![a, b],
-            Content::Cursor | Content::Merge | Content::Map(_) => Vec::new(),
+            Content::Cursor | Content::Merge | Content::Map(_) | Content::Slice(_) => Vec::new(),
         };
         others.extend(self.over.map(Over::other));
         others

@@ -1,6 +1,6 @@
 //! The candidates that one test took, over the picture: where they were, and by how much they failed it.
 
-use crate::app::canvas::overlay::{CircleMark, draw_marks, mark_at};
+use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::frames_from_middle;
@@ -42,7 +42,7 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     note_ui(ui, output, &text);
     let clip = output.painter.clip_rect();
     let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos) && model.hovered.is_none()) else { return };
-    let pointed = mark_at(shown.iter().map(|&index| circle(&survey.marks[index])), output.ui_from_image, pointer);
+    let pointed = circle_at(shown.iter().map(|&index| circle(&survey.marks[index])), output.ui_from_image, pointer);
     let pointed = pointed.map(|place| shown[place]);
     if output.response.clicked() {
         model.explained.selected = pointed;

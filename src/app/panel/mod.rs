@@ -1,6 +1,7 @@
 //! The parts of the window. Each draws from the model, changes the model, and puts the actions that were asked for into a queue.
 
 pub mod about;
+pub mod against;
 pub mod bottom;
 pub mod candidates;
 pub mod chooser;
@@ -16,6 +17,7 @@ pub mod parameter_rows;
 pub mod parameters;
 pub mod patch;
 pub mod picture;
+pub mod probe;
 pub mod selection;
 pub mod slope_pad;
 pub mod slopes;

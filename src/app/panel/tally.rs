@@ -1,5 +1,6 @@
 //! The tally: how many candidates each test rejected, as bars that can be read.
 
+use crate::app::actions::Queue;
 use crate::app::project::Model;
 use crate::detector::advice::grouped;
 use crate::detector::{NoiseGate, Test};
@@ -18,8 +19,8 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
         NoiseGate::Factor(k) => format!("{k} σ"),
     };
     let text = format!(
-        "Frame noise {:.4} of full scale  ·  noise gate {gate}  ·  {} slopes  ·  octaves {} … {}",
-        detection.frame_noise,
+        "Frame noise {} of full scale  ·  noise gate {gate}  ·  {} slopes  ·  octaves {} … {}",
+        crate::app::canvas::number(detection.frame_noise, 3),
         detection.slopes.len(),
         detection.octaves.start,
         detection.octaves.end - 1,
@@ -28,7 +29,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 }
 
 /// Draws the bars. Rows of tests that take candidates are switches: they show these in the picture.
-pub fn tally_ui(ui: &mut Ui, model: &mut Model) {
+pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let Some(found) = model.found.clone() else {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to see what each test rejects"));
         return;
@@ -59,7 +60,7 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model) {
         line_ui(ui, &row, None);
         crate::app::panel::noise::warnings_ui(ui, &found);
         ui.add_space(4.0);
-        crate::app::panel::bottom::advice_ui(ui, model);
+        crate::app::panel::bottom::advice_ui(ui, model, queue);
     });
 }
 

@@ -3,18 +3,22 @@
 //! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what is wanted with
 //! what is there and asks the engine for the difference.
 
+pub mod against;
 mod checking;
 pub mod compare;
 pub mod cursor;
 pub mod explained;
 pub mod filter;
 mod found;
+pub mod history;
 mod listing;
 pub mod look;
 pub mod messages;
 pub mod order;
 pub mod pair;
 mod pictures;
+pub mod probe;
+pub mod side;
 pub mod workspace;
 
 pub use found::{Found, SavedSelection, Stale};
@@ -22,9 +26,9 @@ pub use found::{Found, SavedSelection, Stale};
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::dataset::{Datasets, Trajectories};
 use crate::app::figure::FigureChoice;
-use crate::app::history::History;
 use crate::app::measure::Measure;
 use crate::app::pane::Panes;
+use crate::app::project::history::History;
 use crate::detector::{DetectorParams, ParamError, SearchParams, SlopeChoice};
 use crate::engine::{OpenBurst, Picture, Running};
 use compare::Compare;
@@ -34,6 +38,7 @@ use look::Look;
 use messages::Messages;
 use order::Order;
 use pair::Pair;
+use probe::ProbeModel;
 use serde::{Deserialize, Serialize};
 use workspace::Workspace;
 
@@ -74,6 +79,8 @@ pub enum BottomTab {
     Profile,
     /// The values in a rectangle.
     Region,
+    /// The features beside others.
+    Compared,
 }
 
 /// What the engine is doing, as of this pass.
@@ -138,6 +145,8 @@ pub struct Model {
     pub pair: Pair,
     /// Several methods on the same burst.
     pub compare: Compare,
+    /// The features of the burst beside others.
+    pub against: against::Against,
     /// Errors and the last note.
     pub messages: Messages,
     /// What figures show.
@@ -148,6 +157,8 @@ pub struct Model {
     pub measure: Measure,
     /// What is known of the detection as a whole.
     pub explained: ExplainedState,
+    /// The place that is probed.
+    pub probe: ProbeModel,
     /// What the engine is doing.
     pub busy: Busy,
     /// Many bursts.

@@ -98,6 +98,7 @@ impl Model {
                 Some(a?.less(&b?))
             }
             Content::Cursor | Content::Merge | Content::Map(_) => self.wanted_alone(id),
+            Content::Slice(_) => None,
         }
     }
 
@@ -191,6 +192,7 @@ impl Model {
         };
         let fits = match pane.content {
             Content::Difference(..) => is_open(&picture.request.burst),
+            Content::Slice(_) => false,
             Content::Cursor | Content::Merge | Content::Map(_) => {
                 self.burst_of(pane.side).is_some_and(|open| open.id == picture.request.burst.id)
             }

@@ -42,7 +42,7 @@ pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>
 
 /// Which of the circles (middle and radius, image pixels) is pointed at: the one whose middle is nearest, of those
 /// within reach.
-pub fn mark_at(
+pub fn circle_at(
     marks: impl Iterator<Item = (Pos2, f32)>,
     ui_from_image: RectTransform,
     pointer_ui: Pos2,
