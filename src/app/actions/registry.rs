@@ -153,6 +153,9 @@ actions! {
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
     ShowMerge, View 1, "Show merged frames", [NONE Num4], "Show the frames aligned tile by tile and merged into one image";
+    ShowNoise, View 1, "Show local noise", [SHIFT N], "Show how strong the noise is where, at the slope, octave and level, as the noise gate takes it";
+    ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show which share of the frames sees each place at the slope";
+    ShowMotion, View 1, "Show winning slope", [SHIFT W], "Show which slope answers most strongly where, at the octave and level: a picture of the motion";
     Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";

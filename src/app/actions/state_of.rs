@@ -10,7 +10,7 @@ use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams};
-use crate::engine::BurstSource;
+use crate::engine::{BurstSource, MapKind};
 use crate::matching::MatchParams;
 
 /// Whether the action can be done now.
@@ -55,7 +55,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::LayoutScales
         | A::LayoutSlice
         | A::LayoutTwoByTwo => has_burst && in_inspect,
-        A::ShowMerge => has_burst,
+        A::ShowMerge | A::ShowNoise | A::ShowCoverage | A::ShowMotion => has_burst,
         A::CompareAgain => in_methods,
         A::OpenGoldA => has_burst,
         A::OpenGoldB => has_burst && has_second,
@@ -144,6 +144,9 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ShowStack => kind(ViewKind::Stack),
         A::ShowDog => kind(ViewKind::Dog),
         A::ShowMerge => Some(model.focused().content == Content::Merge),
+        A::ShowNoise => Some(model.focused().content == Content::Map(MapKind::Noise)),
+        A::ShowMotion => Some(model.focused().content == Content::Map(MapKind::Motion)),
+        A::ShowCoverage => Some(model.focused().content == Content::Map(MapKind::Coverage)),
         A::LinkCursors => Some(links.cursor),
         A::LinkViews => Some(links.views),
         A::LinkRanges => Some(model.ranges_are_linked()),

@@ -186,6 +186,7 @@ impl BurstscopeApp {
         self.request_for_probe(dragging);
         self.request_for_pair(dragging);
         self.request_for_compare(dragging);
+        self.request_explanations();
         self.request_comparison();
         self.request_losses();
         self.thumbnails.request(&self.engine.datasets);

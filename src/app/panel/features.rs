@@ -127,7 +127,7 @@ pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &
             let used = &detection.frames_used;
             Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
         }
-        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge => None,
+        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge | PictureKind::Map { .. } => None,
     }
 }
 

@@ -70,6 +70,7 @@ impl Model {
             self.check_params();
         }
         self.found = Some(found);
+        self.explained.slopes_wanted = false;
         self.hovered = None;
         self.selected = keep.and_then(|saved| self.find_again(&saved));
         self.refresh_listed();
