@@ -35,8 +35,8 @@ pub use lane::{Answer, JobId, Lane};
 pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use picture_lane::PictureSlot;
-pub use probe::{ProbeQuestion, ProbeRequest, ProbeWorker, Probed, Traced};
 pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
+pub use probe::{ProbeQuestion, ProbeRequest, ProbeWorker, Probed, Traced};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 

@@ -170,12 +170,13 @@ fn probed(request: ProbeRequest, monitor: &Monitor) -> Result<Probed, JobError> 
             (mark.pos_image, Wanted::Candidate(mark.of_sample()))
         }
     };
-    let probe = probe(cache, place, &ProbeOptions { wanted, ..ProbeOptions::default() }, monitor).map_err(
-        |error| match error {
-            ProbeError::Cancelled(_) => JobError::Cancelled,
-            other => JobError::Failed(other.to_string()),
-        },
-    )?;
+    let probe =
+        probe(cache, place, &ProbeOptions { wanted, ..ProbeOptions::default() }, monitor).map_err(
+            |error| match error {
+                ProbeError::Cancelled(_) => JobError::Cancelled,
+                other => JobError::Failed(other.to_string()),
+            },
+        )?;
     Ok(Probed { request, probe: Arc::new(probe) })
 }
 

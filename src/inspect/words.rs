@@ -67,7 +67,8 @@ mod tests {
     #[test]
     fn features_are_counted_from_one_and_nothing_else_is() {
         let text = "the same blob as feature 9 at (3, 4); feature 0, which is stronger; 2 features, a feature here";
-        let expected = "the same blob as feature 10 at (3, 4); feature 1, which is stronger; 2 features, a feature here";
+        let expected =
+            "the same blob as feature 10 at (3, 4); feature 1, which is stronger; 2 features, a feature here";
         assert_eq!(counted_from_one(text), expected);
     }
 

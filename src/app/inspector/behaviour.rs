@@ -3,10 +3,10 @@
 use super::header::header_ui;
 use super::menu::Change;
 use super::pane_ui::{Drawn, over_names_ui, over_ui, picture_ui};
+use super::slice_ui::slice_ui;
 use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::measure::{draw_ui, measure_ui};
-use super::slice_ui::slice_ui;
 use crate::app::pane::{Content, PaneId};
 use crate::app::panel::features::{FeatureOptions, features_ui};
 use crate::app::panel::picture::stale_ui;

@@ -10,7 +10,9 @@ use crate::detector::Slope;
 use crate::engine::Probed;
 use crate::inspect::slices::Slice;
 use crate::inspect::words::number;
-use egui::{Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2};
+use egui::{
+    Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
+};
 
 /// Room for the frames' numbers on the left and the pixels below, points.
 const LEFT: f32 = 34.0;

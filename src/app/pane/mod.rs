@@ -88,7 +88,9 @@ impl SliceAxis {
     /// What it shows.
     pub fn help(self) -> &'static str {
         match self {
-            Self::Along => "A row for each frame through the probed place, along its motion (x–t): what moves is slanted",
+            Self::Along => {
+                "A row for each frame through the probed place, along its motion (x–t): what moves is slanted"
+            }
             Self::Across => "A row for each frame through the probed place, across its motion (y–t)",
         }
     }

@@ -146,7 +146,9 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, fate: &Fate, queue: &mut Queue) {
     let verdict = counted_from_one(&fate.verdict);
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {
-        let then = remedy.then_fails.map_or_else(String::new, |test| format!(" It would then be rejected as {}.", test.reason()));
+        let then = remedy
+            .then_fails
+            .map_or_else(String::new, |test| format!(" It would then be rejected as {}.", test.reason()));
         ui.add(Label::new(format!("{}{then}", sentence(&remedy.sentence))).wrap());
         ui.horizontal(|ui| {
             apply_ui(ui, model, &remedy.change, queue);
@@ -172,7 +174,8 @@ fn sentence(text: &str) -> String {
 }
 
 fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
-    let label = rival.feature.map_or_else(|| "Go to what beat it".to_owned(), |index| format!("Go to feature {}", index + 1));
+    let label =
+        rival.feature.map_or_else(|| "Go to what beat it".to_owned(), |index| format!("Go to feature {}", index + 1));
     let [u, v] = rival.pos_image;
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(rival.slope));
     if ui.button(label).on_hover_text(tip).clicked() {

@@ -40,9 +40,9 @@ impl Area {
     fn cell(&self, pos: Pos2) -> Option<(usize, usize)> {
         let at = |x: f32, span: f32, n: usize| ((x / span * n as f32).max(0.0) as usize).min(n - 1);
         let from = pos - self.rect.min;
-        self.rect.contains(pos).then(|| {
-            (at(from.x, self.rect.width(), self.cells.0), at(from.y, self.rect.height(), self.cells.1))
-        })
+        self.rect
+            .contains(pos)
+            .then(|| (at(from.x, self.rect.width(), self.cells.0), at(from.y, self.rect.height(), self.cells.1)))
     }
 }
 
@@ -62,10 +62,16 @@ pub(super) fn response_ui(
         ui.label(RichText::new(text).small()).on_hover_text("Click a row above to choose another scale");
         slopes_ui(ui, model, answer, plane, plane_texture);
     }
-    let unit = if map.is_noiseless { "D".to_owned() } else { format!("D in σ of its noise; line: gate {} σ", number(map.gate, 2)) };
+    let unit = if map.is_noiseless {
+        "D".to_owned()
+    } else {
+        format!("D in σ of its noise; line: gate {} σ", number(map.gate, 2))
+    };
     ui.add(
-        egui::Label::new(RichText::new(format!("{unit}; dashes: range searched; rings: candidates, bold: kept")).small().weak())
-            .wrap(),
+        egui::Label::new(
+            RichText::new(format!("{unit}; dashes: range searched; rings: candidates, bold: kept")).small().weak(),
+        )
+        .wrap(),
     );
 }
 
@@ -83,7 +89,13 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     let each = rows.div_ceil((height / 13.0) as usize).max(1);
     for (row, scale) in map.scales.iter().enumerate().step_by(each) {
         let at = pos2(area.rect.left() - 4.0, area.pos(0.0, row as f32).y);
-        ui.painter().text(at, Align2::RIGHT_CENTER, number(scale.sigma, 1), font.clone(), ui.visuals().weak_text_color());
+        ui.painter().text(
+            at,
+            Align2::RIGHT_CENTER,
+            number(scale.sigma, 1),
+            font.clone(),
+            ui.visuals().weak_text_color(),
+        );
     }
     ui.painter().text(
         pos2(area.rect.left() - 4.0, area.rect.bottom() + 8.0),

@@ -32,9 +32,8 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture
     let meaning = shares.meaning.trim();
     let mut letters = meaning.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
-    ui.add(Label::new(RichText::new(format!("{first}{}.", letters.as_str())).color(colour)).wrap()).on_hover_text(
-        "Coherence: 1 when all frames answer alike; when a part of them answers alone, that part",
-    );
+    ui.add(Label::new(RichText::new(format!("{first}{}.", letters.as_str())).color(colour)).wrap())
+        .on_hover_text("Coherence: 1 when all frames answer alike; when a part of them answers alone, that part");
 }
 
 /// The patches side by side, in time order. A click shows that frame.
@@ -102,7 +101,9 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
         .show_y(false)
         .x_axis_label("frame")
         .y_axis_formatter(|mark, _| number(mark.value as f32, 3))
-        .x_axis_formatter(|mark, _| if mark.value.fract() == 0.0 { format!("{:.0}", mark.value) } else { String::new() })
+        .x_axis_formatter(
+            |mark, _| if mark.value.fract() == 0.0 { format!("{:.0}", mark.value) } else { String::new() },
+        )
         .show(ui, |plot| {
             plot.hline(HLine::new("zero", 0.0).color(Color32::GRAY).width(1.0));
             plot.hline(
@@ -121,5 +122,7 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
         })
         .response;
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Answer of each frame"));
-    response.on_hover_text("D of each frame alone, fraction of full scale, ± its noise; dashes: their mean, D of the stack");
+    response.on_hover_text(
+        "D of each frame alone, fraction of full scale, ± its noise; dashes: their mean, D of the stack",
+    );
 }

@@ -13,7 +13,9 @@ fn title(kind: Kind) -> (&'static str, &'static str) {
     match kind {
         Kind::Duplicate => ("A duplicate?", "Another feature shows the same blob"),
         Kind::Ghost => ("A ghost?", "A blob of another motion shows in this slope's stack"),
-        Kind::AtLimit => ("At the limit?", "Its slope lies on the rim of those searched, and its response rises beyond"),
+        Kind::AtLimit => {
+            ("At the limit?", "Its slope lies on the rim of those searched, and its response rises beyond")
+        }
         Kind::Alias => ("An alias?", "The texture repeats itself, and another slope shows it as well"),
     }
 }

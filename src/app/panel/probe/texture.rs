@@ -29,9 +29,7 @@ impl PlaneTexture {
         plane: impl FnOnce() -> Plane,
     ) {
         let dark = ui.visuals().dark_mode;
-        let fits = |made: &Made| {
-            Arc::ptr_eq(&made.of, &answer.probe) && made.display == display && made.dark == dark
-        };
+        let fits = |made: &Made| Arc::ptr_eq(&made.of, &answer.probe) && made.display == display && made.dark == dark;
         if !self.0.as_ref().is_some_and(fits) {
             let plane = plane();
             let mut rgba = to_rgba8(&plane, &display);
