@@ -6,6 +6,8 @@ mod common;
 #[path = "window/support.rs"]
 mod support;
 
+#[path = "window/compared.rs"]
+mod compared;
 #[path = "window/dataset_matches.rs"]
 mod dataset_matches;
 #[path = "window/datasets.rs"]
@@ -16,8 +18,12 @@ mod detecting;
 mod finding_ones_way;
 #[path = "window/keeping.rs"]
 mod keeping;
+#[path = "window/long_films.rs"]
+mod long_films;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/lost_matches.rs"]
+mod lost_matches;
 #[path = "window/measuring.rs"]
 mod measuring;
 #[path = "window/methods.rs"]
@@ -38,3 +44,5 @@ mod slopes;
 mod steps_back;
 #[path = "window/trajectories.rs"]
 mod trajectories;
+#[path = "window/truth.rs"]
+mod truth;

@@ -7,6 +7,7 @@ use crate::app::project::Model;
 use crate::app::project::pair::{MatchColumn, MatchRow};
 use crate::app::project::workspace::Workspace;
 use crate::detector::Feature;
+use crate::engine::BurstSource;
 use crate::export::{COLUMNS, FeatureRow};
 use crate::plane::display::to_rgba8;
 
@@ -52,6 +53,20 @@ impl BurstscopeApp {
         if asked && !ctx.egui_wants_keyboard_input() && !text_is_selected {
             self.copy_row(ctx);
         }
+    }
+
+    /// Copies the command that finds what is seen.
+    pub(super) fn copy_command(&mut self, ctx: &egui::Context) {
+        let Some(burst) = &self.model.burst else { return };
+        let inputs = match &burst.source {
+            BurstSource::Demo => vec!["demo".to_owned()],
+            BurstSource::DemoLater => vec!["demo-later".to_owned()],
+            BurstSource::Example(example) => vec![example.name().to_owned()],
+            BurstSource::Paths(paths) => paths.iter().map(|path| path.display().to_string()).collect(),
+        };
+        let line = crate::cli::detect_line(&inputs, &self.model.asked());
+        self.model.messages.note(format!("Copied {line}"));
+        ctx.copy_text(line);
     }
 
     /// Copies the selected feature or match, or else the value under the pointer.

@@ -21,6 +21,8 @@ pub enum Purpose {
     OpenDataset,
     /// A folder that keeps a dataset's features.
     FeatureFolder,
+    /// A folder for what COLMAP's mapper takes.
+    ExportDatabase,
     /// An estimated trajectory.
     OpenEstimate,
     /// A true trajectory.
@@ -35,6 +37,8 @@ pub enum Purpose {
     OpenPathB,
     /// A sharp image of the view of a side: its gold standard.
     OpenGold(Side),
+    /// Somebody else's features.
+    OpenFeatures,
     /// A session file to restore.
     RestoreSession,
     /// A session file to write.
@@ -110,6 +114,7 @@ impl Purpose {
             Self::OpenFiles => "Open image files",
             Self::OpenDataset => "Open a folder of bursts, or a long sequence",
             Self::FeatureFolder => "Choose a folder for the dataset's features",
+            Self::ExportDatabase => "Choose a folder for COLMAP's database",
             Self::OpenEstimate => "Open an estimated trajectory",
             Self::OpenTruth => "Open a true trajectory",
             Self::OpenPath => "Open a path",
@@ -118,6 +123,7 @@ impl Purpose {
             Self::OpenPathB => "Open a path as B",
             Self::OpenGold(Side::A) => "Open the gold standard of A",
             Self::OpenGold(Side::B) => "Open the gold standard of B",
+            Self::OpenFeatures => "Open features",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
             Self::LoadParams => "Load parameters",
@@ -145,7 +151,11 @@ impl Purpose {
             Self::OpenEstimate | Self::OpenTruth => {
                 "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
             }
+            Self::ExportDatabase => {
+                "A new or an empty folder, or one that was written so before: its features are not found again"
+            }
             Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
+            Self::OpenFeatures => "A table of features (CSV), or the text that COLMAP imports",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
             Self::Export(_) => "The file to write",
@@ -158,6 +168,7 @@ impl Purpose {
             Self::OpenFolder
             | Self::OpenDataset
             | Self::FeatureFolder
+            | Self::ExportDatabase
             | Self::OpenEstimate
             | Self::OpenTruth
             | Self::OpenPath
@@ -165,6 +176,7 @@ impl Purpose {
             | Self::OpenPathB => Vec::new(),
             Self::OpenFiles | Self::OpenFilesB | Self::OpenGold(_) => crate::burst::supported_extensions().to_vec(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
+            Self::OpenFeatures => vec!["csv", "txt"],
             Self::Export(kind) => vec![kind.extension()],
         }
     }
@@ -202,9 +214,11 @@ impl FileDialogs for SystemDialogs {
             dialog = dialog.add_filter(question.purpose.title(), &extensions).add_filter("All files", &["*"]);
         }
         match question.purpose {
-            Purpose::OpenFolder | Purpose::OpenFolderB | Purpose::OpenDataset | Purpose::FeatureFolder => {
-                dialog.pick_folder().map(|p| vec![p])
-            }
+            Purpose::OpenFolder
+            | Purpose::OpenFolderB
+            | Purpose::OpenDataset
+            | Purpose::FeatureFolder
+            | Purpose::ExportDatabase => dialog.pick_folder().map(|p| vec![p]),
             Purpose::OpenFiles | Purpose::OpenFilesB => dialog.pick_files(),
             purpose if purpose.saves() => dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p]),
             _ => dialog.pick_file().map(|p| vec![p]),
@@ -312,6 +326,10 @@ impl PathField {
             crate::app::panel::widgets::name_field(&edit, "Path", &self.text);
             if std::mem::take(&mut self.fresh) {
                 edit.request_focus();
+                select_stem(ctx, edit.id, &self.text);
+            }
+            if let Some(folder) = self.purpose.saves().then(|| new_folder(&path_from_text(&self.text))).flatten() {
+                ui.weak(format!("The folder {} will be made.", folder.display()));
             }
             ui.add_space(6.0);
             let entered = edit.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
@@ -329,6 +347,24 @@ impl PathField {
         let stay = accepted.is_none() && !modal.should_close();
         (accepted, stay)
     }
+}
+
+/// Selects the name without its extension, so that typing gives another one and the kind of file stays.
+fn select_stem(ctx: &egui::Context, id: egui::Id, text: &str) {
+    let letters = |part: &str| part.chars().count();
+    let name = text.rfind('/').map_or(0, |slash| slash + 1);
+    // What has two extensions keeps both.
+    let end = text[name..].find('.').filter(|dot| *dot > 0).map_or(text.len(), |dot| name + dot);
+    let mut state = egui::TextEdit::load_state(ctx, id).unwrap_or_default();
+    let at = |place: usize| egui::text::CCursor::new(letters(&text[..place]));
+    state.cursor.set_char_range(Some(egui::text::CCursorRange::two(at(name), at(end))));
+    egui::TextEdit::store_state(ctx, id, state);
+}
+
+/// The folder that has to be made for a file at `path`; `None` where it is there.
+fn new_folder(path: &std::path::Path) -> Option<PathBuf> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
+    (!folder.exists()).then(|| folder.to_path_buf())
 }
 
 /// The path that a person typed or pasted: without blanks around it, quotes, or a `file://` in front; `~` is the home folder.
@@ -355,6 +391,14 @@ mod tests {
         if let Some(home) = std::env::home_dir() {
             assert_eq!(path_from_text("~/bursts"), home.join("bursts"));
         }
+    }
+
+    #[test]
+    fn a_folder_that_is_to_be_made_is_known_before() {
+        let home = tempfile::tempdir().expect("a folder");
+        assert_eq!(new_folder(&home.path().join("a.csv")), None);
+        assert_eq!(new_folder(&home.path().join("new/a.csv")), Some(home.path().join("new")));
+        assert_eq!(new_folder(std::path::Path::new("a.csv")), None);
     }
 
     struct Answers(Option<Vec<PathBuf>>);

@@ -4,6 +4,7 @@ use super::dataset::Which;
 use super::dialogs::{Answer, ExportKind, PathField, Purpose, Question};
 use super::session::Session;
 use super::window::BurstscopeApp;
+use crate::app::project::BottomTab;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
@@ -102,10 +103,19 @@ impl BurstscopeApp {
             Purpose::OpenEstimate => self.open_trajectory(Which::Estimate, first),
             Purpose::OpenTruth => self.open_trajectory(Which::Truth, first),
             Purpose::FeatureFolder => self.use_feature_folder(first),
+            #[cfg(feature = "colmap")]
+            Purpose::ExportDatabase => self.export_database(first),
+            // Without COLMAP's database nobody can ask for it.
+            #[cfg(not(feature = "colmap"))]
+            Purpose::ExportDatabase => {}
             Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
                 self.open_second(BurstSource::Paths(paths));
             }
             Purpose::OpenGold(side) => self.open_gold(BurstSource::Paths(paths), side),
+            Purpose::OpenFeatures => {
+                self.model.lay_over(first);
+                self.model.bottom_tab = BottomTab::Compared;
+            }
             Purpose::RestoreSession => self.restore_session(&first),
             Purpose::LoadParams => self.load_params(&first),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => self.write(purpose, first),

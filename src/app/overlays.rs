@@ -5,7 +5,7 @@ use super::dataset::CutDialog;
 use super::dialogs::PathField;
 use super::window::BurstscopeApp;
 use crate::app::project::pair::Side;
-use crate::engine::BurstSource;
+use crate::engine::{BurstId, BurstSource};
 
 /// What floats over the window.
 #[derive(Default)]
@@ -20,6 +20,10 @@ pub(super) struct Overlays {
     pub choice_side: Side,
     /// How a sequence is to be cut, while that is being asked.
     pub cut: Option<CutDialog>,
+    /// Whether features of other parameters may be replaced, while that is being asked.
+    pub replace_features: bool,
+    /// The burst that stays as long as it is, though it could be cut.
+    pub stays_whole: Option<BurstId>,
 }
 
 impl BurstscopeApp {
@@ -36,6 +40,7 @@ impl BurstscopeApp {
             || self.overlays.figure_open
             || self.overlays.path_field.is_some()
             || self.overlays.cut.is_some()
+            || self.overlays.replace_features
             || !self.overlays.choice.is_empty()
     }
 
@@ -68,6 +73,9 @@ impl BurstscopeApp {
             if let Some(source) = source {
                 self.open_dataset(source);
             }
+        }
+        if super::dataset::replace_features_ui(ctx, &mut self.overlays.replace_features, &self.model.datasets) {
+            self.detect_all();
         }
         crate::app::panel::messages::messages_ui(ctx, &mut self.model.messages);
     }

@@ -1,7 +1,7 @@
 //! Where everything is: menus and toolbar above, the open workspace in the middle, the status below.
 
-use super::actions::{Queue, menu::menu_bar_ui};
-use super::dataset::filmstrip;
+use super::actions::{ActionId, Queue, menu::menu_bar_ui};
+use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
 use super::settings::Recent;
 use super::window::BurstscopeApp;
 use crate::app::panel;
@@ -25,6 +25,16 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
         .frame(bar(ui))
         .show(ui, |ui| panel::status::status_ui(ui, &app.model, app.readout().as_deref(), queue));
 
+    if let Some(length) = app.offered_cut() {
+        let frames = app.model.frame_count();
+        let choice = Panel::top("cut offer").frame(bar(ui)).show(ui, |ui| cut_offer_ui(ui, frames, length)).inner;
+        match choice {
+            Some(CutChoice::Cut) => app.cut_open_burst(length),
+            Some(CutChoice::Ask) => queue.push(ActionId::CutSequence),
+            Some(CutChoice::Keep) => app.keep_burst_whole(),
+            None => {}
+        }
+    }
     if app.model.datasets.open.is_some() && app.model.panels.filmstrip {
         Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
             open_burst = filmstrip::filmstrip_ui(ui, &mut app.model, &mut app.thumbnails, queue).open;

@@ -5,9 +5,14 @@ use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, style
 /// The accent in both themes: a blue that is neither end of a diverging map.
 pub const ACCENT: Color32 = Color32::from_rgb(0x2f, 0x7f, 0xd6);
 
+/// Pressed for up to this long, a button counts as clicked.
+const SLOWEST_CLICK_SECS: f64 = 10.0;
+
 /// Gives a context this look, in light and dark.
 pub fn apply(ctx: &egui::Context) {
     ctx.all_styles_mut(common);
+    // A click that is held for long is a click all the same: people with slow hands press for more than a second.
+    ctx.options_mut(|options| options.input_options.max_click_duration = SLOWEST_CLICK_SECS);
     ctx.style_mut_of(Theme::Dark, dark);
     ctx.style_mut_of(Theme::Light, light);
 }

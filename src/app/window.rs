@@ -5,20 +5,22 @@ use super::actions::{self, ActionId, Queue};
 use super::canvas::{Readout, number};
 use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, SystemDialogs};
-use super::history;
 use super::inspector::{PaneWidgets, PlaceValue};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
 use super::pane::PaneId;
 use super::session::Session;
 use super::settings::Settings;
+use crate::app::jobs::against::AgainstAsked;
 use crate::app::jobs::compare::CompareAsked;
+use crate::app::jobs::losses::LossesAsked;
 use crate::app::jobs::pair::PairAsked;
 use crate::app::jobs::panes::CursorsBefore;
 use crate::app::jobs::probe::ProbeAsked;
 use crate::app::panel::probe::ProbePanel;
 use crate::app::panel::selection::SelectionState;
 use crate::app::project::Model;
+use crate::app::project::history;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::workspace::compare::ComparePictures;
@@ -109,6 +111,8 @@ pub struct BurstscopeApp {
     pub(super) asked: Asked,
     pub(super) pair_asked: PairAsked,
     pub(super) compare_asked: CompareAsked,
+    pub(super) against_asked: AgainstAsked,
+    pub(super) losses_asked: LossesAsked,
     pub(super) play: Play,
     /// Whether cursors were set on purpose, each to its own place, so that none follows another.
     pub(super) cursors_set: bool,
@@ -149,6 +153,8 @@ impl BurstscopeApp {
             asked: Asked::default(),
             pair_asked: PairAsked::default(),
             compare_asked: CompareAsked::default(),
+            against_asked: AgainstAsked::default(),
+            losses_asked: LossesAsked::default(),
             play: Play::default(),
             cursors_set: false,
             history_set: false,
@@ -184,6 +190,7 @@ impl BurstscopeApp {
             && self.pair_is_settled()
             && self.probe_is_settled()
             && self.compare_is_settled()
+            && self.comparison_is_settled()
     }
 
     /// Draws the window and answers what happened since the last time.
@@ -195,6 +202,8 @@ impl BurstscopeApp {
         self.take_probe_updates();
         self.take_pair_updates();
         self.take_compare_updates();
+        self.take_against_updates();
+        self.take_losses();
         self.take_answers();
         self.take_dropped_files(&ctx);
         let before = history::Settings::of(&self.model);

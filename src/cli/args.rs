@@ -1,86 +1,14 @@
-//! The arguments as they are written: names, kinds and help texts. What they mean together is checked elsewhere.
+//! Arguments that commands share, and those of the plain commands, as they are written: names, kinds and help texts. What they mean together is checked elsewhere.
 
-#[cfg(feature = "colmap")]
-use super::colmap_args::ColmapArgs;
-use super::evaluate_args::EvaluateArgs;
-use super::inspect_args::{ProbeArgs, SlopesArgs};
-use super::match_args::MatchArgs;
-#[cfg(feature = "app")]
-use super::render_args::RenderArgs;
-use super::search_options::{ParamsFileArg, SearchArgs};
-use super::synth_args::SynthArgs;
+use super::search_options::SearchArgs;
 use crate::detector::params::doc;
 use crate::detector::{FrameRange, Slope};
 use crate::export::ExportFormat;
-use clap::{Args, Parser, Subcommand};
+use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], 'demo', 'demo-later', or the examples 'demo-aliasing' and 'demo-low-contrast'";
-
-/// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
-///
-/// Without a command the window opens, on INPUT or on the built-in demo burst. Where there is no display it is drawn
-/// into a PNG file instead, and the strongest features are printed.
-#[derive(Debug, Parser)]
-#[command(
-    version,
-    args_conflicts_with_subcommands = true,
-    after_long_help = "Examples:\n  burstscope                                       open the window on the demo burst\n  \
-        burstscope night/                                open the window on a folder of frames\n  \
-        burstscope night/ later/                         two bursts side by side, with their matches\n  \
-        burstscope nights/                               a folder of bursts: a dataset\n  \
-        burstscope film/ --burst-length 7                a long sequence, cut into bursts\n  \
-        burstscope detect night/ --out found             features of a burst as CSV\n  \
-        burstscope detect nights/ --slopes-u -6:6:25 --out found --format csv,npz\n  \
-        burstscope stack night/ --slope -2.1,0 --out sign.tiff\n  \
-        burstscope slopes night/                         which slopes this burst needs\n  \
-        burstscope probe night/ --at 412,230             why there is a feature there, or none\n  \
-        burstscope match night/a night/b --out matched      two bursts, their matches, and a picture of them\n\n\
-        Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
-)]
-pub struct Cli {
-    /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'; two of
-    /// them side by side; or a folder of bursts, or several, as a dataset.
-    #[arg(value_name = "INPUT")]
-    pub inputs: Vec<PathBuf>,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub sequence: SequenceArgs,
-    /// The parameter file to begin with.
-    #[command(flatten)]
-    pub params: ParamsFileArg,
-    /// The command.
-    #[command(subcommand)]
-    pub command: Option<Command>,
-}
-
-/// The commands.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// Find the features of one or many bursts.
-    Detect(DetectArgs),
-    /// Match the features of two bursts, verify the matches, and draw them.
-    Match(MatchArgs),
-    /// Write the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
-    Stack(StackArgs),
-    /// Align the frames of a burst and average them into one image.
-    Merge(MergeArgs),
-    /// Say which slopes a burst needs: its spectrum, what lies at the limit, and what to change.
-    Slopes(SlopesArgs),
-    /// Say why there is a feature at a place, or why there is none.
-    Probe(ProbeArgs),
-    /// Make a burst with exactly known truth (16-bit PNG frames and truth.json), or noisy copies of real frames.
-    Synth(SynthArgs),
-    /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
-    Evaluate(EvaluateArgs),
-    /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
-    #[cfg(feature = "colmap")]
-    Colmap(ColmapArgs),
-    /// Draw the window into a PNG file, without a display.
-    #[cfg(feature = "app")]
-    Render(RenderArgs),
-}
 
 /// What is printed, and with how many threads the work is done.
 #[derive(Debug, Clone, Copy, Args)]
@@ -235,12 +163,6 @@ pub(super) fn parse_slope(text: &str) -> Result<Slope, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
-
-    #[test]
-    fn the_arguments_are_sound() {
-        Cli::command().debug_assert();
-    }
 
     #[test]
     fn small_parsers_refuse_nonsense() {

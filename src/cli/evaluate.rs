@@ -6,13 +6,12 @@ use super::evaluate_matches;
 use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
-use super::search_options::SearchArgs;
-use crate::detector::params::doc;
-use crate::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
+use super::study::{Document, Searched, once_each, searched, searched_by, slopes_of};
+use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
 use crate::evaluate::figure::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
-use crate::evaluate::{AccuracyStudy, BurstMethod, ChartStudy, NoiseStudy};
+use crate::evaluate::{AccuracyStudy, ChartStudy, NoiseStudy};
 use crate::export::write_whole;
 use crate::synth::NoiseCase;
 use serde::Serialize;
@@ -27,77 +26,6 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
         EvaluateStudy::Matches(args) => evaluate_matches::run(args),
         EvaluateStudy::Poses(args) => evaluate_poses::run(args),
     }
-}
-
-/// A report as a JSON document that says what it is.
-#[derive(Serialize)]
-pub(super) struct Document<'a, R> {
-    version: &'static str,
-    command: &'static str,
-    #[serde(flatten)]
-    report: &'a R,
-}
-
-impl<'a, R> Document<'a, R> {
-    pub fn new(command: &'static str, report: &'a R) -> Self {
-        Self { version: env!("CARGO_PKG_VERSION"), command, report }
-    }
-}
-
-/// What a study searches with.
-pub(super) struct Searched {
-    /// The detector's parameters.
-    pub detector: DetectorParams,
-    /// The slopes, if any were given.
-    pub slopes: Option<SlopeGrid>,
-    /// The direction in which slopes are to be found, degrees from +u towards +v.
-    pub direction_deg: Option<f32>,
-}
-
-/// What a study searches with that compares searches of known ranges of slopes.
-pub(super) fn searched(search: &SearchArgs) -> Result<Searched, Failure> {
-    let remedy = "this command compares searches of known ranges; give them with --slopes-u and --slopes-v";
-    checked_slopes(search, false, remedy)
-}
-
-/// What a study of `methods` searches with. One of them may find slopes by itself.
-pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<Searched, Failure> {
-    let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
-    checked_slopes(search, methods.contains(&BurstMethod::BuffAuto), remedy)
-}
-
-fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<Searched, Failure> {
-    let SearchParams { detector, slopes } = search.params()?;
-    let asked = [(search.slopes.is_some(), doc::SLOPES), (search.slope_direction.is_some(), doc::SLOPE_DIRECTION)];
-    if let Some((_, doc)) = asked.iter().find(|(given, _)| *given && slopes.is_auto() && !may_find) {
-        return Err(Failure::usage(format!("--{}: {remedy}", doc.name)));
-    }
-    let (slopes, direction_deg) = match slopes {
-        SlopeChoice::Given => (Some(detector.slopes), None),
-        SlopeChoice::Auto { direction_deg } => (None, direction_deg),
-    };
-    Ok(Searched { detector, slopes, direction_deg })
-}
-
-/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
-/// 2D has it on both axes.
-pub(super) fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
-    if slopes.is_plane() {
-        return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
-    }
-    let axis = if slopes.u.count > 1 { slopes.u } else { slopes.v };
-    (slopes, SlopeGrid { u: axis, v: axis, ..slopes })
-}
-
-/// The list without repetitions, in its order.
-pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
-    let mut once = Vec::with_capacity(list.len());
-    for item in list {
-        if !once.contains(item) {
-            once.push(*item);
-        }
-    }
-    once
 }
 
 fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {

@@ -4,7 +4,7 @@ use super::args::OutputArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
 use super::search_options::SearchArgs;
-use super::synth_args::{motions, parse_range, radius_laws};
+use super::synth_values::{motions, parse_range, radius_laws};
 use crate::evaluate::{BurstMethod, Ranking};
 use crate::synth::{ChartParams, Motion, NoiseCase, RadiusLaw};
 use clap::{Args, Subcommand};

@@ -2,11 +2,11 @@
 
 use super::args::{BiasArg, OutputArgs, SequenceArgs};
 use super::console::Console;
-use super::evaluate::{Document, Searched, once_each, searched_by, slopes_of};
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
 use super::search_options::SearchArgs;
+use super::study::{Document, Searched, once_each, searched_by, slopes_of};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;

@@ -3,8 +3,8 @@
 use super::args::OutputArgs;
 use super::choices::{ASSOCIATIONS, words};
 use super::console::Console;
-use super::evaluate::Document;
 use super::failure::Failure;
+use super::study::Document;
 use crate::evaluate::poses::{
     Association, ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory,
 };

@@ -12,8 +12,10 @@ mod choices;
 mod colmap;
 #[cfg(feature = "colmap")]
 pub mod colmap_args;
+pub mod commands;
 mod console;
 mod detect;
+mod detect_line;
 mod evaluate;
 pub mod evaluate_args;
 pub mod evaluate_matches;
@@ -37,18 +39,21 @@ mod report;
 pub mod search_options;
 mod slopes;
 mod stack;
+mod study;
 mod synth;
 pub mod synth_args;
+mod synth_values;
 #[cfg(feature = "app")]
 mod table;
 pub mod trajectory_args;
 #[cfg(feature = "app")]
 mod window;
 
+pub use detect_line::detect_line;
 pub use failure::Failure;
 
-use args::{Cli, Command};
 use clap::Parser;
+use commands::{Cli, Command};
 use std::process::ExitCode;
 
 /// Does what the program's arguments ask for, and answers with its exit code.

@@ -1,7 +1,7 @@
 //! The arguments of `synth trajectory` as they are written.
 
 use super::args::OutputArgs;
-use super::synth_args::motions;
+use super::synth_values::motions;
 use crate::synth::{Light, Motion, TrajectoryParams};
 use clap::Args;
 use std::path::PathBuf;

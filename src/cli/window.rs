@@ -1,6 +1,7 @@
 //! No command: the window. Where there is no display, the window as a picture and the table of features instead.
 
-use super::args::{Cli, OutputArgs};
+use super::args::OutputArgs;
+use super::commands::Cli;
 use super::console::{Console, print};
 use super::failure::Failure;
 use super::inputs::{DEMO, Input};

@@ -4,10 +4,11 @@
 //! Which piece comes next is for the asker to say, who sees what is missing whenever one is finished.
 
 use super::fault::JobError;
-use super::lane::{Answer, JobId, Lane};
+use super::jobs::{JobAnswer, Jobs};
 use super::pair::{MatchRequest, Matched, match_now};
+use super::queue::{JobId, JobQueue, Priority};
 use super::source::{BurstSource, OpenBurst};
-use super::{DetectRequest, Detected, OnUpdate, Running};
+use super::{DetectRequest, Detected, Running};
 use crate::baseline;
 use crate::detector::slopes::resolve;
 use crate::detector::{Method, detect};
@@ -44,11 +45,11 @@ pub enum Compared {
 }
 
 /// The worker.
-pub struct Comparer(Lane<CompareRequest, Compared>);
+pub struct Comparer(Jobs<CompareRequest, Compared>);
 
 impl Comparer {
-    pub(super) fn new(on_update: &OnUpdate) -> Self {
-        Self(Lane::new("compare", Duration::ZERO, on_update.clone(), work))
+    pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
+        Self(Jobs::new(queue, Priority::Search, Duration::ZERO, work))
     }
 
     /// Starts a piece of work; the one that runs is cancelled.
@@ -56,9 +57,9 @@ impl Comparer {
         self.0.submit(request)
     }
 
-    /// What came of the last piece, if it ended since the last call. Never waits.
-    pub fn poll(&self) -> Option<Answer<Compared>> {
-        self.0.take_answer()
+    /// What came of the pieces that ended since the last call. Never waits.
+    pub fn poll(&self) -> impl Iterator<Item = JobAnswer<Compared>> {
+        self.0.take_answers()
     }
 
     /// What it is doing now, if anything.
@@ -66,7 +67,7 @@ impl Comparer {
         self.0.running()
     }
 
-    /// Cancels what it is doing. If something ran, its answer is [`JobError::Cancelled`].
+    /// Cancels what it is doing: its answer is [`JobError::Cancelled`].
     pub fn cancel(&self) {
         self.0.cancel();
     }

@@ -1,12 +1,13 @@
 //! Work on a whole dataset: looking at it, finding the features of all its bursts, matching pairs of them; and small
 //! pictures of its bursts.
 //!
-//! Such work is long, and a person wants to see each burst and each pair as it is finished. So beside the lane's one
+//! Such work is long, and a person wants to see each burst and each pair as it is finished. So beside the one
 //! answer at the end there are events on the way. Events of a request that another has replaced are dropped.
 
+use super::Running;
 use super::fault::JobError;
-use super::lane::{Answer, Lane};
-use super::{OnUpdate, Running};
+use super::jobs::{JobAnswer, Jobs};
+use super::queue::{JobQueue, Priority};
 use crate::burst::{BurstSource, OpenOptions};
 use crate::dataset::{
     BurstEvent, BurstFeatures, CameraChoice, DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst,
@@ -16,8 +17,7 @@ use crate::detector::SearchParams;
 use crate::matching::{MatchCounts, MatchParams};
 use crate::monitor::{Monitor, Stage};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// The bursts of a dataset, shared by all who work on them.
@@ -70,6 +70,14 @@ pub enum DatasetRequest {
         /// How they are matched.
         matching: MatchParams,
     },
+    /// Write what COLMAP's mapper takes.
+    #[cfg(feature = "colmap")]
+    Colmap {
+        /// The bursts.
+        bursts: Bursts,
+        /// What is made, and where.
+        request: Box<super::colmap::ColmapRequest>,
+    },
 }
 
 /// A dataset that was looked at.
@@ -105,6 +113,9 @@ pub enum DatasetAnswer {
         /// Pairs left out.
         left_out: usize,
     },
+    /// What COLMAP's mapper takes is written.
+    #[cfg(feature = "colmap")]
+    Colmap(Box<super::colmap::ColmapDone>),
 }
 
 /// What happens on the way.
@@ -145,7 +156,7 @@ pub enum DatasetUpdate {
     /// On the way.
     Event(DatasetEvent),
     /// A request ended.
-    Ended(Answer<DatasetAnswer>),
+    Ended(JobAnswer<DatasetAnswer>),
     /// A burst's small picture, or why there is none.
     Thumbnail {
         /// The burst's first path: places change with the dataset.
@@ -155,48 +166,34 @@ pub enum DatasetUpdate {
     },
 }
 
-/// Events by the requests that they belong to.
-type EventQueue = Arc<Mutex<Vec<(u64, DatasetEvent)>>>;
-type ThumbnailQueue = Arc<Mutex<Vec<(BurstSource, Result<Thumbnail, String>)>>>;
+/// A burst's small picture, or why there is none.
+type ThumbnailNews = (BurstSource, Result<Thumbnail, String>);
 
 /// The workers for datasets.
 pub struct DatasetWorkers {
-    work: Lane<(u64, DatasetRequest), DatasetAnswer>,
-    thumbnails: Lane<(Vec<BurstSource>, usize), ()>,
-    newest: AtomicU64,
-    events: EventQueue,
-    pictures: ThumbnailQueue,
+    work: Jobs<DatasetRequest, DatasetAnswer, DatasetEvent>,
+    thumbnails: Jobs<(Vec<BurstSource>, usize), (), ThumbnailNews>,
 }
 
 impl DatasetWorkers {
-    pub(super) fn new(on_update: &OnUpdate) -> Self {
-        let (events, pictures) = (EventQueue::default(), ThumbnailQueue::default());
-        let (queue, told) = (events.clone(), on_update.clone());
-        let work = Lane::new("dataset", Duration::ZERO, on_update.clone(), move |(number, request), monitor| {
-            let tell = |event| {
-                lock(&queue).push((number, event));
-                told();
-            };
-            run(request, &tell, monitor)
-        });
-        let (queue, told) = (pictures.clone(), on_update.clone());
-        let thumbnails =
-            Lane::new("thumbnails", Duration::ZERO, on_update.clone(), move |(bursts, side), monitor: &Monitor| {
-                for source in bursts {
-                    let picture = thumbnail(&source, side, &monitor.silent()).map_err(|e| e.to_string());
-                    monitor.check()?;
-                    lock(&queue).push((source, picture));
-                    told();
-                }
-                Ok(())
-            });
-        Self { work, thumbnails, newest: AtomicU64::new(0), events, pictures }
+    pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
+        let make = |(bursts, side): (Vec<BurstSource>, usize), tell: &dyn Fn(ThumbnailNews), monitor: &Monitor| {
+            for source in bursts {
+                let picture = thumbnail(&source, side, &monitor.silent()).map_err(|e| e.to_string());
+                monitor.check()?;
+                tell((source, picture));
+            }
+            Ok(())
+        };
+        Self {
+            work: Jobs::telling(queue, Priority::Dataset, Duration::ZERO, run),
+            thumbnails: Jobs::telling(queue, Priority::Dataset, Duration::ZERO, make),
+        }
     }
 
     /// Starts a piece of work; the one that runs is cancelled.
     pub fn submit(&self, request: DatasetRequest) {
-        let number = self.newest.fetch_add(1, Ordering::Relaxed) + 1;
-        self.work.submit((number, request));
+        self.work.submit(request);
     }
 
     /// Asks for the small pictures of `bursts`, no side longer than `max_side_px`, in this order. What was asked for
@@ -226,21 +223,13 @@ impl DatasetWorkers {
     }
 
     pub(super) fn poll(&self) -> Vec<DatasetUpdate> {
-        // The answer is taken first, so that all its events are here by now, and handed on last.
-        let ended = self.work.take_answer();
-        let newest = self.newest.load(Ordering::Relaxed);
-        let events = std::mem::take(&mut *lock(&self.events));
-        let pictures = std::mem::take(&mut *lock(&self.pictures));
-        let current = events.into_iter().filter(|(number, _)| *number == newest);
-        let mut updates: Vec<DatasetUpdate> = current.map(|(_, event)| DatasetUpdate::Event(event)).collect();
+        let (events, ended) = self.work.take_news();
+        let (pictures, _) = self.thumbnails.take_news();
+        let mut updates: Vec<DatasetUpdate> = events.into_iter().map(DatasetUpdate::Event).collect();
         updates.extend(pictures.into_iter().map(|(source, picture)| DatasetUpdate::Thumbnail { source, picture }));
-        updates.extend(ended.map(DatasetUpdate::Ended));
+        updates.extend(ended.into_iter().map(DatasetUpdate::Ended));
         updates
     }
-}
-
-fn lock<T>(queue: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    queue.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn run(request: DatasetRequest, tell: &dyn Fn(DatasetEvent), monitor: &Monitor) -> Result<DatasetAnswer, JobError> {
@@ -251,6 +240,10 @@ fn run(request: DatasetRequest, tell: &dyn Fn(DatasetEvent), monitor: &Monitor) 
         DatasetRequest::Detect { bursts, keeping } => detect(&bursts, &keeping, tell, monitor),
         DatasetRequest::Match { bursts, keeping, pairs, matching } => {
             match_all(&bursts, &keeping, &pairs, &matching, tell, monitor)
+        }
+        #[cfg(feature = "colmap")]
+        DatasetRequest::Colmap { bursts, request } => {
+            super::colmap::run(&bursts, &request, tell, monitor).map(|done| DatasetAnswer::Colmap(Box::new(done)))
         }
     }
 }
@@ -352,7 +345,7 @@ fn match_all(
     Ok(DatasetAnswer::Matched { left_out: pairs.len() - indices.len() })
 }
 
-fn job_error(error: DatasetError) -> JobError {
+pub(super) fn job_error(error: DatasetError) -> JobError {
     match error {
         DatasetError::Cancelled(cancelled) => cancelled.into(),
         error => JobError::Failed(error.to_string()),

@@ -1,8 +1,8 @@
 //! Why a piece of work has no result, and how a panic becomes a message with its place.
 //!
 //! The panic's payload does not know where it happened; only the panic hook does. So a hook, installed once and in
-//! front of the one that was there, writes the place down under the thread's name. Lanes and their pools name their
-//! threads after themselves.
+//! front of the one that was there, writes the place down under the thread's name. The threads of the queue and
+//! their pools are named so that they can be told apart.
 
 use std::any::Any;
 use std::collections::HashMap;
@@ -14,6 +14,9 @@ pub enum JobError {
     /// It was cancelled by whoever asked.
     #[error("cancelled")]
     Cancelled,
+    /// A newer request of the same kind, for the same, took its place.
+    #[error("a newer request took its place")]
+    Superseded,
     /// The input, a parameter or a limit is at fault; the message says which and what would be right.
     #[error("{0}")]
     Failed(String),
@@ -52,19 +55,19 @@ pub(super) fn install_hook() {
                 && let Some(key) = name.strip_prefix(THREAD_PREFIX)
             {
                 let mut places = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
-                places.get_or_insert_default().insert(lane_key(key).to_owned(), place.to_string());
+                places.get_or_insert_default().insert(shared_key(key).to_owned(), place.to_string());
             }
             before(info);
         }));
     });
 }
 
-/// The part of a thread's name that its lane's worker and pool threads share: `7-detect` of `7-detect.3`.
-fn lane_key(name: &str) -> &str {
+/// The part of its name that a thread of the queue and those of its pool share: `7-Search` of `7-Search.3`.
+fn shared_key(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
-/// Runs `work`; a panic becomes [`JobError::Panicked`]. `key` is the lane's key in its threads' names.
+/// Runs `work`; a panic becomes [`JobError::Panicked`]. `key` is the name of the thread without its prefix.
 pub(super) fn guard<T>(key: &str, work: impl FnOnce() -> Result<T, JobError>) -> Result<T, JobError> {
     // The work owns what it changes and is dropped with it, so nothing half-changed can be seen afterwards.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|payload| {

@@ -1,49 +1,55 @@
-//! Background workers: requests in, answers out, so that whoever asks never waits.
+//! Background work: requests in, answers out, so that whoever asks never waits.
 //!
-//! The [`Engine`] has one [`Lane`] for each kind of work: opening a burst, the patch of the selected feature, a
-//! detection; and, beside them, those of a second burst and of the matches between the two, and those of a
-//! [dataset](DatasetWorkers). The pictures of all panes share one [`KeyedLane`], in which each pane's latest request
-//! wins. A lane is a named thread with a single-slot mailbox: a new request replaces one that still waits, and the one
-//! that runs is cancelled. So the latest request wins, and scrubbing stays live while a detection runs. Each request is
-//! an immutable snapshot with an id. An answer is published first; only then is `on_update` called, so that whoever
-//! wakes up finds it. A panic in the work becomes an error with its place, and the lane lives on.
+//! The [`Engine`] has one [queue](JobQueue) for everything. A kind of work is a value of [`Jobs`]: opening a burst, the
+//! pictures of panes, a detection, and beside them those of a second burst, of the matches between the two, of
+//! [datasets](DatasetWorkers). Of what is asked for under one key (a kind, and a pane, say) the latest request wins, so
+//! scrubbing stays live while a detection runs. Each request is an immutable snapshot with an id, and ends in exactly
+//! one answer, which is published before `on_update` is called. A panic in the work becomes an error with its place.
 //!
 //! The engine knows no window: anything that can call [`Engine::poll`] can use it.
 
+mod against;
 mod cache;
+#[cfg(feature = "colmap")]
+mod colmap;
 mod compare;
 mod dataset;
 mod fault;
-mod keyed;
-mod lane;
+mod jobs;
+mod losses;
 mod pair;
 mod picture;
-mod picture_lane;
+mod picture_jobs;
 mod poses;
 mod probe;
+mod queue;
 mod source;
 mod task;
 
+pub use against::{Against, AgainstRequest, AgainstWorker, ComparedWith, Reference};
 pub use cache::PictureCache;
+#[cfg(feature = "colmap")]
+pub use colmap::{ColmapDone, ColmapRequest};
 pub use compare::{CompareRequest, Compared, Comparer};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
 };
 pub use fault::JobError;
-pub use keyed::KeyedLane;
-pub use lane::{Answer, JobId, Lane};
-pub use pair::{MatchRequest, Matched, PairLane, PairUpdate, PairWorkers, Patches, PatchesRequest};
+pub use jobs::{JobAnswer, Jobs};
+pub use losses::{FoundLosses, LossWorkers, LossesRequest};
+pub use pair::{MatchRequest, Matched, PairJobs, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
-pub use picture_lane::PictureSlot;
+pub use picture_jobs::PictureSlot;
 pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
 pub use probe::{ProbeQuestion, ProbeRequest, ProbeWorker, Probed, Traced};
+pub use queue::{JobId, JobKey, JobQueue, Priority};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
 use crate::baseline::{Searched, search};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::monitor::{Monitor, Progress};
-use picture_lane::{PictureBoard, PictureLane, SharedCache};
+use picture_jobs::{PictureJobs, SharedCache};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -52,10 +58,6 @@ pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
 
 /// Pictures are kept up to this many bytes unless told otherwise.
 pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
-
-/// A picture that the next one supersedes may still finish and be shown within this time, so that the picture follows
-/// the slider; one that takes longer is cancelled, so that what is wanted now does not wait for it.
-const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 /// What to detect: a burst and the parameters, both as they were when it was asked.
 #[derive(Debug, Clone)]
@@ -81,9 +83,9 @@ pub struct Detected {
     pub detection: Arc<Detection>,
 }
 
-/// The kinds of work, one lane each.
+/// The kinds of work for one burst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LaneKind {
+pub enum BurstJobs {
     /// Opening a burst.
     Open,
     /// The motion-stack image for the selected feature's patch.
@@ -96,22 +98,22 @@ pub enum LaneKind {
 #[derive(Debug)]
 pub enum Update {
     /// A burst was opened, or could not be.
-    Opened(Answer<OpenBurst>),
+    Opened(JobAnswer<OpenBurst>),
     /// A pane's picture is there. It may be one that was superseded while it was made: compare [`Picture::request`].
-    Picture(PictureSlot, Answer<Picture>),
+    Picture(PictureSlot, JobAnswer<Picture>),
     /// The picture for the patch is there.
-    Patch(Answer<Picture>),
+    Patch(JobAnswer<Picture>),
     /// A detection ended.
-    Detected(Answer<Detected>),
+    Detected(JobAnswer<Detected>),
     /// A task ended.
     Task(TaskDone),
     /// Something about a dataset.
     Dataset(DatasetUpdate),
     /// Trajectories were read and compared.
-    ComparedPoses(Answer<ComparedPoses>),
+    ComparedPoses(JobAnswer<ComparedPoses>),
 }
 
-/// How far a lane's running request is.
+/// How far a running request is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Running {
     /// Which request.
@@ -122,21 +124,37 @@ pub struct Running {
     pub progress: Option<Progress>,
 }
 
-/// The workers of one window.
+impl Running {
+    /// How long it still takes if it goes on as it went so far; `None` while that cannot be told.
+    pub fn time_left(&self) -> Option<Duration> {
+        let fraction = self.progress?.fraction;
+        let gone = self.started.elapsed();
+        let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
+        can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))
+    }
+}
+
+/// The workers of one window. Dropping it cancels what runs, finishes the files that are being written, and returns
+/// when all threads have ended.
 pub struct Engine {
-    open: Lane<BurstSource, OpenBurst>,
-    pictures: PictureBoard,
-    patch: PictureLane,
-    detect: Lane<(DetectRequest, probe::KeepTrail), Detected>,
+    open: Jobs<BurstSource, OpenBurst>,
+    pictures: PictureJobs,
+    patch: PictureJobs,
+    detect: Jobs<(DetectRequest, probe::KeepTrail), Detected>,
     probe: ProbeWorker,
     pair: PairWorkers,
     comparer: Comparer,
+    /// Where features of a pair were lost.
+    pub losses: LossWorkers,
+    /// Comparisons of features with others.
+    pub against: AgainstWorker,
     /// Work on many bursts.
     pub datasets: DatasetWorkers,
     /// Work on trajectories.
     pub poses: PoseWorker,
     tasks: task::Tasks,
     cache: SharedCache,
+    queue: Arc<JobQueue>,
 }
 
 impl std::fmt::Debug for Engine {
@@ -145,25 +163,37 @@ impl std::fmt::Debug for Engine {
     }
 }
 
+/// The only asker of the selected feature's patch.
+const PATCH: PictureSlot = PictureSlot(0);
+
 impl Engine {
     /// Starts the workers. `on_update` is called (from a worker's thread) whenever [`Self::poll`] has news;
     /// pictures are kept up to `cache_bytes`.
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let cache = SharedCache::new(cache_bytes);
-        let probe = ProbeWorker::new(&on_update);
+        let queue = Arc::new(JobQueue::new(on_update));
+        let probe = ProbeWorker::new(&queue);
         Self {
-            open: open_lane("open", &on_update),
-            pictures: PictureBoard::new(&cache, on_update.clone()),
-            patch: PictureLane::new("patch", &cache, on_update.clone()),
-            detect: probe.detect_lane("detect", &on_update),
+            open: open_jobs(&queue),
+            pictures: PictureJobs::new(&queue, &cache),
+            patch: PictureJobs::new(&queue, &cache),
+            detect: probe.detect_jobs(&queue),
             probe,
-            pair: PairWorkers::new(&cache, &on_update),
-            comparer: Comparer::new(&on_update),
-            datasets: DatasetWorkers::new(&on_update),
-            poses: PoseWorker::new(&on_update),
-            tasks: task::Tasks::new(on_update),
+            pair: PairWorkers::new(&queue, &cache),
+            comparer: Comparer::new(&queue),
+            losses: LossWorkers::new(&queue, &cache),
+            against: AgainstWorker::new(&queue),
+            datasets: DatasetWorkers::new(&queue),
+            poses: PoseWorker::new(&queue),
+            tasks: task::Tasks::new(&queue),
             cache,
+            queue,
         }
+    }
+
+    /// The queue, for further kinds of work: [`Jobs::new`].
+    pub fn queue(&self) -> &Arc<JobQueue> {
+        &self.queue
     }
 
     /// The workers of a second burst and of the matches. What they publish is polled there.
@@ -186,19 +216,19 @@ impl Engine {
         self.pictures.request(slot, request)
     }
 
-    /// The pane is gone: its picture is not made, and no answer comes.
+    /// The pane is gone: its picture is not made.
     pub fn forget_picture(&self, slot: PictureSlot) {
-        self.pictures.lane.forget(slot);
+        self.pictures.jobs.cancel_for(slot.0);
     }
 
     /// Whether pictures are being made.
     pub fn makes_pictures(&self) -> bool {
-        !self.pictures.lane.is_idle()
+        !self.pictures.jobs.is_idle()
     }
 
     /// Asks for the motion-stack image from which the selected feature's patch is cut.
     pub fn request_patch(&self, request: PictureRequest) -> JobId {
-        self.patch.request(request)
+        self.patch.request(PATCH, request)
     }
 
     /// Starts a detection; the one that runs is cancelled.
@@ -216,7 +246,8 @@ impl Engine {
         &self.probe
     }
 
-    /// Runs `work` (writing a file, say) on a thread of its own. `label` says what it does, for messages.
+    /// Runs `work` (writing a file, say). `label` says what it does, for messages. It is finished even when the window
+    /// closes.
     pub fn task(
         &self,
         label: impl Into<String>,
@@ -225,52 +256,42 @@ impl Engine {
         self.tasks.start(label.into(), work)
     }
 
-    /// What was published since the last call, in no particular order between lanes. Never waits.
+    /// What was published since the last call, in no particular order between kinds. Never waits.
     pub fn poll(&self) -> Vec<Update> {
-        self.pictures.lane.enforce_grace();
-        self.patch.lane.enforce_grace();
+        self.queue.enforce_grace();
         let mut updates = Vec::new();
-        updates.extend(self.open.take_answer().map(Update::Opened));
-        updates
-            .extend(self.pictures.lane.take_answers().into_iter().map(|(slot, answer)| Update::Picture(slot, answer)));
-        updates.extend(self.patch.lane.take_answer().map(Update::Patch));
-        updates.extend(self.detect.take_answer().map(Update::Detected));
+        updates.extend(self.open.take_answers().map(Update::Opened));
+        let pictures = self.pictures.jobs.take_answers_for().into_iter();
+        updates.extend(pictures.map(|(slot, answer)| Update::Picture(PictureSlot(slot), answer)));
+        updates.extend(self.patch.jobs.take_answers().map(Update::Patch));
+        updates.extend(self.detect.take_answers().map(Update::Detected));
         updates.extend(self.datasets.poll().into_iter().map(Update::Dataset));
         updates.extend(self.poses.poll().map(Update::ComparedPoses));
         updates.extend(self.tasks.take_done().into_iter().map(Update::Task));
         updates
     }
 
-    /// What a lane is doing now, if anything runs or waits.
-    pub fn running(&self, lane: LaneKind) -> Option<Running> {
-        match lane {
-            LaneKind::Open => self.open.running(),
-            LaneKind::Patch => self.patch.lane.running(),
-            LaneKind::Detect => self.detect.running(),
+    /// What is done of a kind now, if anything runs or waits.
+    pub fn running(&self, kind: BurstJobs) -> Option<Running> {
+        match kind {
+            BurstJobs::Open => self.open.running(),
+            BurstJobs::Patch => self.patch.jobs.running(),
+            BurstJobs::Detect => self.detect.running(),
         }
     }
 
-    /// Cancels what a lane is doing. If something ran, its answer is [`JobError::Cancelled`].
-    pub fn cancel(&self, lane: LaneKind) {
-        match lane {
-            LaneKind::Open => self.open.cancel(),
-            LaneKind::Patch => self.patch.lane.cancel(),
-            LaneKind::Detect => self.detect.cancel(),
+    /// Cancels the work of a kind: its answer is [`JobError::Cancelled`].
+    pub fn cancel(&self, kind: BurstJobs) {
+        match kind {
+            BurstJobs::Open => self.open.cancel(),
+            BurstJobs::Patch => self.patch.jobs.cancel(),
+            BurstJobs::Detect => self.detect.cancel(),
         }
     }
 
     /// Whether nothing runs and nothing waits. Answers may still be there to be polled.
     pub fn is_idle(&self) -> bool {
-        self.open.is_idle()
-            && self.pictures.lane.is_idle()
-            && self.patch.lane.is_idle()
-            && self.detect.is_idle()
-            && self.probe.is_idle()
-            && self.pair.is_idle()
-            && self.comparer.is_idle()
-            && self.datasets.is_idle()
-            && self.poses.is_idle()
-            && self.tasks.is_idle()
+        self.queue.is_all_idle()
     }
 
     /// Waits until nothing runs and nothing waits, or until `timeout` has passed. Says whether it is idle.
@@ -291,14 +312,14 @@ impl Engine {
     }
 }
 
-/// A lane that opens bursts.
-fn open_lane(name: &str, on_update: &OnUpdate) -> Lane<BurstSource, OpenBurst> {
-    Lane::new(name, Duration::ZERO, on_update.clone(), |source: BurstSource, monitor| source.open(monitor))
+/// Opening bursts.
+fn open_jobs(queue: &Arc<JobQueue>) -> Jobs<BurstSource, OpenBurst> {
+    Jobs::new(queue, Priority::Search, Duration::ZERO, |source: BurstSource, monitor| source.open(monitor))
 }
 
-/// A lane that finds features.
-fn detect_lane(name: &str, on_update: &OnUpdate) -> Lane<DetectRequest, Detected> {
-    Lane::new(name, Duration::ZERO, on_update.clone(), detect_now)
+/// Finding features.
+fn detect_jobs(queue: &Arc<JobQueue>) -> Jobs<DetectRequest, Detected> {
+    Jobs::new(queue, Priority::Search, Duration::ZERO, detect_now)
 }
 
 fn detect_now(request: DetectRequest, monitor: &Monitor) -> Result<Detected, JobError> {

@@ -1,14 +1,15 @@
 //! The workers of a second burst, B, and of the matches between the two.
 //!
-//! They are lanes as those of the first burst are, and work beside them: B is opened and searched while A's pictures
+//! They work beside those of the first burst: B is opened and searched while A's pictures
 //! follow the sliders.
 
 use super::fault::JobError;
-use super::lane::{Answer, JobId, Lane};
+use super::jobs::{JobAnswer, Jobs};
 use super::picture::{Picture, PictureRequest};
-use super::picture_lane::SharedCache;
+use super::picture_jobs::{PICTURE_GRACE, SharedCache};
+use super::queue::{JobId, JobQueue, Priority};
 use super::source::{BurstSource, OpenBurst};
-use super::{DetectRequest, Detected, OnUpdate, PICTURE_GRACE, Running, detect_lane, open_lane};
+use super::{DetectRequest, Detected, Running, detect_jobs, open_jobs};
 use crate::detector::Detection;
 use crate::matching::{MatchError, MatchParams, MatchResult, match_detections};
 use crate::monitor::Monitor;
@@ -68,9 +69,9 @@ pub struct Patches {
     pub b: Picture,
 }
 
-/// The kinds of work for a pair, one lane each.
+/// The kinds of work for a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PairLane {
+pub enum PairJobs {
     /// Opening B.
     Open,
     /// The pictures of the selected match's patches.
@@ -81,7 +82,7 @@ pub enum PairLane {
     Match,
 }
 
-impl PairLane {
+impl PairJobs {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Open, Self::Patches, Self::Detect, Self::Match];
 }
@@ -90,34 +91,34 @@ impl PairLane {
 #[derive(Debug)]
 pub enum PairUpdate {
     /// B was opened, or could not be.
-    Opened(Answer<OpenBurst>),
+    Opened(JobAnswer<OpenBurst>),
     /// The pictures of the patches are there.
-    Patches(Answer<Patches>),
+    Patches(JobAnswer<Patches>),
     /// B's detection ended.
-    Detected(Answer<Detected>),
+    Detected(JobAnswer<Detected>),
     /// The matching ended.
-    Matched(Answer<Matched>),
+    Matched(JobAnswer<Matched>),
 }
 
 /// The workers of a second burst and of the matches.
 pub struct PairWorkers {
-    open: Lane<BurstSource, OpenBurst>,
-    patches: Lane<PatchesRequest, Patches>,
-    detect: Lane<DetectRequest, Detected>,
-    matching: Lane<MatchRequest, Matched>,
+    open: Jobs<BurstSource, OpenBurst>,
+    patches: Jobs<PatchesRequest, Patches>,
+    detect: Jobs<DetectRequest, Detected>,
+    matching: Jobs<MatchRequest, Matched>,
 }
 
 impl PairWorkers {
-    pub(super) fn new(cache: &SharedCache, on_update: &OnUpdate) -> Self {
+    pub(super) fn new(queue: &Arc<JobQueue>, cache: &SharedCache) -> Self {
         let its = cache.clone();
         Self {
-            open: open_lane("open-b", on_update),
-            patches: Lane::new("patches", PICTURE_GRACE, on_update.clone(), move |request: PatchesRequest, monitor| {
+            open: open_jobs(queue),
+            patches: Jobs::new(queue, Priority::Picture, PICTURE_GRACE, move |request: PatchesRequest, monitor| {
                 let (a, b) = (its.get_or_make(&request.a, monitor)?, its.get_or_make(&request.b, monitor)?);
                 Ok(Patches { a, b })
             }),
-            detect: detect_lane("detect-b", on_update),
-            matching: Lane::new("match", Duration::ZERO, on_update.clone(), match_now),
+            detect: detect_jobs(queue),
+            matching: Jobs::new(queue, Priority::Search, Duration::ZERO, match_now),
         }
     }
 
@@ -141,40 +142,39 @@ impl PairWorkers {
         self.matching.submit(request)
     }
 
-    /// What was published since the last call, in no particular order between lanes. Never waits.
+    /// What was published since the last call, in no particular order between kinds. Never waits.
     pub fn poll(&self) -> Vec<PairUpdate> {
-        self.patches.enforce_grace();
         let mut updates = Vec::new();
-        updates.extend(self.open.take_answer().map(PairUpdate::Opened));
-        updates.extend(self.patches.take_answer().map(PairUpdate::Patches));
-        updates.extend(self.detect.take_answer().map(PairUpdate::Detected));
-        updates.extend(self.matching.take_answer().map(PairUpdate::Matched));
+        updates.extend(self.open.take_answers().map(PairUpdate::Opened));
+        updates.extend(self.patches.take_answers().map(PairUpdate::Patches));
+        updates.extend(self.detect.take_answers().map(PairUpdate::Detected));
+        updates.extend(self.matching.take_answers().map(PairUpdate::Matched));
         updates
     }
 
-    /// What a lane is doing now, if anything runs or waits.
-    pub fn running(&self, lane: PairLane) -> Option<Running> {
-        match lane {
-            PairLane::Open => self.open.running(),
-            PairLane::Patches => self.patches.running(),
-            PairLane::Detect => self.detect.running(),
-            PairLane::Match => self.matching.running(),
+    /// What is done of a kind now, if anything runs or waits.
+    pub fn running(&self, kind: PairJobs) -> Option<Running> {
+        match kind {
+            PairJobs::Open => self.open.running(),
+            PairJobs::Patches => self.patches.running(),
+            PairJobs::Detect => self.detect.running(),
+            PairJobs::Match => self.matching.running(),
         }
     }
 
-    /// Cancels what a lane is doing. If something ran, its answer is [`JobError::Cancelled`].
-    pub fn cancel(&self, lane: PairLane) {
-        match lane {
-            PairLane::Open => self.open.cancel(),
-            PairLane::Patches => self.patches.cancel(),
-            PairLane::Detect => self.detect.cancel(),
-            PairLane::Match => self.matching.cancel(),
+    /// Cancels the work of a kind: its answer is [`JobError::Cancelled`].
+    pub fn cancel(&self, kind: PairJobs) {
+        match kind {
+            PairJobs::Open => self.open.cancel(),
+            PairJobs::Patches => self.patches.cancel(),
+            PairJobs::Detect => self.detect.cancel(),
+            PairJobs::Match => self.matching.cancel(),
         }
     }
 
     /// Whether nothing runs and nothing waits.
     pub fn is_idle(&self) -> bool {
-        PairLane::ALL.into_iter().all(|lane| self.running(lane).is_none())
+        PairJobs::ALL.into_iter().all(|kind| self.running(kind).is_none())
     }
 }
 

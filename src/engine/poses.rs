@@ -1,8 +1,9 @@
 //! Reading trajectories and comparing them, away from the window.
 
+use super::Running;
 use super::fault::JobError;
-use super::lane::{Answer, Lane};
-use super::{OnUpdate, Running};
+use super::jobs::{JobAnswer, Jobs};
+use super::queue::{JobQueue, Priority};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Trajectory, evaluate_poses, read_trajectory};
 use crate::monitor::{Monitor, Stage};
 use std::path::PathBuf;
@@ -61,31 +62,31 @@ pub struct ComparedPoses {
 
 /// The worker that compares trajectories.
 pub struct PoseWorker {
-    lane: Lane<PosesRequest, ComparedPoses>,
+    jobs: Jobs<PosesRequest, ComparedPoses>,
 }
 
 impl PoseWorker {
-    pub(super) fn new(on_update: &OnUpdate) -> Self {
-        Self { lane: Lane::new("poses", Duration::ZERO, on_update.clone(), compare) }
+    pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
+        Self { jobs: Jobs::new(queue, Priority::Search, Duration::ZERO, compare) }
     }
 
     /// Starts a comparison; the one that runs is dropped.
     pub fn submit(&self, request: PosesRequest) {
-        self.lane.submit(request);
+        self.jobs.submit(request);
     }
 
     /// What is being done now, if anything.
     pub fn running(&self) -> Option<Running> {
-        self.lane.running()
+        self.jobs.running()
     }
 
     /// Whether nothing runs and nothing waits.
     pub fn is_idle(&self) -> bool {
-        self.lane.is_idle()
+        self.jobs.is_idle()
     }
 
-    pub(super) fn poll(&self) -> Option<Answer<ComparedPoses>> {
-        self.lane.take_answer()
+    pub(super) fn poll(&self) -> impl Iterator<Item = JobAnswer<ComparedPoses>> {
+        self.jobs.take_answers()
     }
 }
 

@@ -4,10 +4,11 @@
 //! A trail costs as much as the detection that it explains, so it is made once for a burst and its parameters. While a
 //! person probes, the detection itself is made with its trail ([`super::Engine::detect_with_trail`]).
 
-use super::lane::{Answer, Lane};
+use super::jobs::{JobAnswer, Jobs};
 use super::picture::job_error;
+use super::queue::{JobQueue, Priority};
 use super::source::BurstId;
-use super::{DetectRequest, Detected, JobError, OnUpdate, Running, detect_now};
+use super::{DetectRequest, Detected, JobError, Running, detect_now};
 use crate::detector::DetectorParams;
 use crate::inspect::candidates::{CandidateMark, SurveyOptions, survey};
 use crate::inspect::probe::Wanted;
@@ -74,24 +75,24 @@ type Kept = Arc<Mutex<Option<Traced>>>;
 
 /// The workers.
 pub struct ProbeWorker {
-    trails: Lane<DetectRequest, Traced>,
-    places: Lane<ProbeRequest, Probed>,
+    trails: Jobs<DetectRequest, Traced>,
+    places: Jobs<ProbeRequest, Probed>,
     kept: Kept,
 }
 
 impl ProbeWorker {
-    pub(super) fn new(on_update: &OnUpdate) -> Self {
+    pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
         Self {
-            trails: Lane::new("trail", Duration::ZERO, on_update.clone(), traced),
-            places: Lane::new("probe", GRACE, on_update.clone(), probed),
+            trails: Jobs::new(queue, Priority::Search, Duration::ZERO, traced),
+            places: Jobs::new(queue, Priority::Picture, GRACE, probed),
             kept: Kept::default(),
         }
     }
 
-    /// A lane that finds features, and gives their trails to these workers where they are to be kept.
-    pub(super) fn detect_lane(&self, name: &str, on_update: &OnUpdate) -> Lane<(DetectRequest, KeepTrail), Detected> {
+    /// Work that finds features, and gives their trails to these workers where they are to be kept.
+    pub(super) fn detect_jobs(&self, queue: &Arc<JobQueue>) -> Jobs<(DetectRequest, KeepTrail), Detected> {
         let kept = self.kept.clone();
-        Lane::new(name, Duration::ZERO, on_update.clone(), move |(request, keep), monitor: &Monitor| {
+        Jobs::new(queue, Priority::Search, Duration::ZERO, move |(request, keep), monitor: &Monitor| {
             if keep { detect_and_keep(request, &kept, monitor) } else { detect_now(request, monitor) }
         })
     }
@@ -114,14 +115,14 @@ impl ProbeWorker {
 
     /// The trail that was made since the last call, or why there is none. Never waits.
     pub fn poll_trail(&self) -> Option<Result<Traced, JobError>> {
-        self.places.enforce_grace();
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner).take();
-        kept.map(Ok).or_else(|| self.trails.take_answer().map(|answer| answer.result))
+        let made = self.trails.take_answers().filter(|answer| !answer.is_superseded()).last();
+        kept.map(Ok).or_else(|| made.map(|answer| answer.result))
     }
 
     /// The answer that came since the last call.
-    pub fn poll_answer(&self) -> Option<Answer<Probed>> {
-        self.places.take_answer()
+    pub fn poll_answer(&self) -> Option<JobAnswer<Probed>> {
+        self.places.take_answers().filter(|answer| !answer.is_superseded()).last()
     }
 
     /// How far the trail is, while one is made.
@@ -132,11 +133,6 @@ impl ProbeWorker {
     /// Whether a question is being answered, and since when.
     pub fn probing(&self) -> Option<Running> {
         self.places.running()
-    }
-
-    /// Whether nothing runs and nothing waits.
-    pub fn is_idle(&self) -> bool {
-        self.trails.is_idle() && self.places.is_idle()
     }
 }
 

@@ -1,13 +1,17 @@
-//! Small pieces of work that must not hold up the window, such as writing a file. Each has a thread of its own; all of
-//! them end.
+//! Small pieces of work that must not hold up the window, such as writing a file. What was begun or waits is finished
+//! even when the window closes.
 
-use super::OnUpdate;
-use super::fault::{self, JobError};
-use std::sync::{Arc, Mutex, PoisonError};
+use super::fault::JobError;
+use super::jobs::{JobAnswer, Jobs};
+use super::queue::{JobQueue, Priority};
+use crate::monitor::Monitor;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 /// Identifies a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct TaskId(u64);
+pub struct TaskId(u32);
 
 /// What became of a task.
 #[derive(Debug, Clone)]
@@ -20,21 +24,22 @@ pub struct TaskDone {
     pub result: Result<String, JobError>,
 }
 
-#[derive(Default)]
-struct Book {
-    newest: u64,
-    running: usize,
-    done: Vec<TaskDone>,
-}
+type Work = Box<dyn FnOnce() -> Result<String, String> + Send>;
 
 pub(super) struct Tasks {
-    book: Arc<Mutex<Book>>,
-    on_update: OnUpdate,
+    jobs: Jobs<Work, String>,
+    /// The newest task, and what those that have not ended do.
+    labels: Mutex<(u32, HashMap<u32, String>)>,
 }
 
 impl Tasks {
-    pub(super) fn new(on_update: OnUpdate) -> Self {
-        Self { book: Arc::default(), on_update }
+    pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
+        let run = |work: Work, _: &Monitor| work().map_err(JobError::Failed);
+        Self { jobs: Jobs::new(queue, Priority::Write, Duration::ZERO, run), labels: Mutex::default() }
+    }
+
+    fn labels(&self) -> MutexGuard<'_, (u32, HashMap<u32, String>)> {
+        self.labels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn start(
@@ -42,37 +47,26 @@ impl Tasks {
         label: String,
         work: impl FnOnce() -> Result<String, String> + Send + 'static,
     ) -> TaskId {
-        fault::install_hook();
-        let id = {
-            let mut book = lock(&self.book);
-            book.newest += 1;
-            book.running += 1;
-            TaskId(book.newest)
+        // Each task is for itself: none supersedes another.
+        let slot = {
+            let mut labels = self.labels();
+            labels.0 += 1;
+            let slot = labels.0;
+            labels.1.insert(slot, label);
+            slot
         };
-        let (book, on_update) = (self.book.clone(), self.on_update.clone());
-        let key = format!("task-{}", std::ptr::from_ref(&*self.book) as usize + id.0 as usize);
-        let name = format!("{}{key}", fault::THREAD_PREFIX);
-        let run = move || {
-            let result = fault::guard(&key, || work().map_err(JobError::Failed));
-            let mut book = lock(&book);
-            book.running -= 1;
-            book.done.push(TaskDone { id, label, result });
-            drop(book);
-            on_update();
-        };
-        std::thread::Builder::new().name(name).spawn(run).expect("the system can start a handful of threads");
-        id
+        self.jobs.submit_for(slot, Box::new(work));
+        TaskId(slot)
     }
 
     pub(super) fn take_done(&self) -> Vec<TaskDone> {
-        std::mem::take(&mut lock(&self.book).done)
+        let answers = self.jobs.take_answers_for();
+        let mut labels = self.labels();
+        let done = |(slot, JobAnswer { result, .. })| TaskDone {
+            id: TaskId(slot),
+            label: labels.1.remove(&slot).unwrap_or_default(),
+            result,
+        };
+        answers.into_iter().map(done).collect()
     }
-
-    pub(super) fn is_idle(&self) -> bool {
-        lock(&self.book).running == 0
-    }
-}
-
-fn lock(book: &Mutex<Book>) -> std::sync::MutexGuard<'_, Book> {
-    book.lock().unwrap_or_else(PoisonError::into_inner)
 }

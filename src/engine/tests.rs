@@ -40,118 +40,266 @@ fn stubborn(go: mpsc::Receiver<()>) -> impl Fn(u32, &Monitor) -> Result<u32, Job
     }
 }
 
-#[test]
-fn the_latest_request_wins_and_the_others_say_nothing() {
-    let (go, gone) = mpsc::channel();
-    let lane = Lane::new("test", Duration::ZERO, nobody(), stubborn(gone));
-    let ids: Vec<JobId> = (0..50).map(|i| lane.submit(i)).collect();
-    wait_for(|| lane.running().filter(|r| r.id == ids[49]));
-    go.send(()).expect("the lane listens");
-    let answer = wait_for(|| lane.take_answer());
-    assert_eq!(answer.id, ids[49]);
-    assert_eq!(answer.result, Ok(49));
-    wait_for(|| lane.is_idle().then_some(()));
-    assert!(lane.take_answer().is_none(), "superseded requests give no answer");
+fn queue() -> Arc<JobQueue> {
+    Arc::new(JobQueue::new(nobody()))
 }
 
-#[test]
-fn within_its_grace_a_superseded_request_is_still_shown() {
+/// Jobs that run until they are cancelled or let go, and the sender of the words that let one go.
+fn stubborn_jobs(grace: Duration) -> (Jobs<u32, u32>, mpsc::Sender<()>) {
     let (go, gone) = mpsc::channel();
-    let lane = Lane::new("test", Duration::from_secs(60), nobody(), stubborn(gone));
-    let first = lane.submit(1);
-    wait_for(|| lane.running().filter(|r| r.id == first && !r.started.elapsed().is_zero()));
-    std::thread::sleep(Duration::from_millis(5));
-    let second = lane.submit(2);
-    go.send(()).expect("the lane listens");
-    let answer = wait_for(|| lane.take_answer());
-    assert_eq!((answer.id, answer.result), (first, Ok(1)));
-    go.send(()).expect("the lane listens");
-    let answer = wait_for(|| lane.take_answer());
-    assert_eq!((answer.id, answer.result), (second, Ok(2)));
+    (Jobs::new(&queue(), Priority::Search, grace, stubborn(gone)), go)
 }
 
-#[test]
-fn after_its_grace_a_superseded_request_is_cancelled_without_a_word() {
-    let (go, gone) = mpsc::channel();
-    let lane = Lane::new("test", Duration::from_millis(30), nobody(), stubborn(gone));
-    let first = lane.submit(1);
-    wait_for(|| lane.running().filter(|r| r.id == first && r.started.elapsed() > Duration::from_millis(1)));
-    let second = lane.submit(2);
+/// Waits for `count` answers: their slots, ids and results.
+fn answers_of(jobs: &Jobs<u32, u32>, count: usize) -> Vec<(u32, JobId, Result<u32, JobError>)> {
+    let mut taken = Vec::new();
     wait_for(|| {
-        lane.enforce_grace();
-        lane.running().filter(|r| r.id == second)
+        taken.extend(jobs.take_answers_for().into_iter().map(|(slot, answer)| (slot, answer.id, answer.result)));
+        (taken.len() >= count).then_some(())
     });
-    assert!(lane.take_answer().is_none());
-    go.send(()).expect("the lane listens");
-    assert_eq!(wait_for(|| lane.take_answer()).id, second);
+    assert_eq!(taken.len(), count, "{taken:?}");
+    taken
 }
 
 #[test]
-fn cancelling_answers_cancelled_and_the_lane_works_on() {
+fn the_latest_request_wins_and_every_request_has_one_answer() {
+    let (jobs, go) = stubborn_jobs(Duration::ZERO);
+    let ids: Vec<JobId> = (0..50).map(|i| jobs.submit(i)).collect();
+    wait_for(|| jobs.running().filter(|r| r.id == ids[49]));
+    go.send(()).expect("the work listens");
+    let mut answers = answers_of(&jobs, 50);
+    wait_for(|| jobs.is_idle().then_some(()));
+    answers.sort_by_key(|(_, id, _)| *id);
+    assert!(answers.iter().map(|(_, id, _)| *id).eq(ids), "each once");
+    assert_eq!(answers.pop().map(|(.., result)| result), Some(Ok(49)));
+    assert!(answers.iter().all(|(.., result)| *result == Err(JobError::Superseded)), "{answers:?}");
+    assert!(jobs.take_answers().next().is_none());
+}
+
+#[test]
+fn within_its_grace_a_superseded_request_is_still_answered() {
+    let (jobs, go) = stubborn_jobs(Duration::from_secs(60));
+    let first = jobs.submit(1);
+    // One that has a progress or a time of its own runs; one that waits has begun just now.
+    wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
+    let second = jobs.submit(2);
+    go.send(()).expect("the work listens");
+    assert_eq!(answers_of(&jobs, 1), [(0, first, Ok(1))]);
+    go.send(()).expect("the work listens");
+    assert_eq!(answers_of(&jobs, 1), [(0, second, Ok(2))]);
+}
+
+#[test]
+fn after_its_grace_a_superseded_request_is_cancelled() {
+    let queue = queue();
     let (go, gone) = mpsc::channel();
-    let lane = Lane::new("test", Duration::ZERO, nobody(), stubborn(gone));
-    let id = lane.submit(1);
-    lane.cancel();
-    let answer = wait_for(|| lane.take_answer());
-    assert_eq!((answer.id, answer.result), (id, Err(JobError::Cancelled)));
-    let next = lane.submit(2);
-    go.send(()).expect("the lane listens");
-    let answer = wait_for(|| lane.take_answer());
-    assert_eq!((answer.id, answer.result), (next, Ok(2)));
+    let jobs = Jobs::new(&queue, Priority::Search, Duration::from_millis(30), stubborn(gone));
+    let first = jobs.submit(1);
+    wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
+    let second = jobs.submit(2);
+    wait_for(|| {
+        queue.enforce_grace();
+        jobs.running().filter(|r| r.id == second)
+    });
+    assert_eq!(answers_of(&jobs, 1), [(0, first, Err(JobError::Superseded))]);
+    go.send(()).expect("the work listens");
+    assert_eq!(answers_of(&jobs, 1), [(0, second, Ok(2))]);
 }
 
 #[test]
-fn a_panic_becomes_a_message_with_its_place_and_the_lane_works_on() {
-    let lane = Lane::new("test", Duration::ZERO, nobody(), |request: u32, _: &Monitor| {
+fn slots_do_not_disturb_one_another() {
+    let (jobs, go) = stubborn_jobs(Duration::ZERO);
+    let old = jobs.submit_for(7, 1);
+    wait_for(|| (!jobs.is_idle()).then_some(()));
+    let (other, new) = (jobs.submit_for(8, 2), jobs.submit_for(7, 3));
+    let superseded = answers_of(&jobs, 1);
+    assert_eq!(superseded, [(7, old, Err(JobError::Superseded))]);
+    go.send(()).expect("the work listens");
+    go.send(()).expect("the work listens");
+    let mut answers = answers_of(&jobs, 2);
+    answers.sort_by_key(|(slot, ..)| *slot);
+    assert_eq!(answers, [(7, new, Ok(3)), (8, other, Ok(2))]);
+}
+
+#[test]
+fn what_is_there_already_comes_at_once_and_the_older_one_never() {
+    let (jobs, _go) = stubborn_jobs(Duration::from_secs(60));
+    let old = jobs.submit(1);
+    wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
+    let new = jobs.publish_for(0, 5);
+    let answers = answers_of(&jobs, 2);
+    assert_eq!(answers, [(0, new, Ok(5)), (0, old, Err(JobError::Superseded))]);
+    let waiting = [jobs.submit(1), jobs.submit(2)];
+    assert_eq!(answers_of(&jobs, 1), [(0, waiting[0], Err(JobError::Superseded))]);
+}
+
+#[test]
+fn a_picture_goes_before_a_dataset_and_beside_it() {
+    let queue = queue();
+    let (go, gone) = mpsc::channel::<()>();
+    let gone = Arc::new(Mutex::new(gone));
+    let long = |priority| {
+        let gone = gone.clone();
+        Jobs::new(&queue, priority, Duration::ZERO, move |request: u32, monitor: &Monitor| {
+            while gone.lock().expect("not poisoned").try_recv().is_err() {
+                monitor.check()?;
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            Ok(request)
+        })
+    };
+    let (datasets, searches) = (long(Priority::Dataset), long(Priority::Search));
+    for slot in 0..10 {
+        datasets.submit_for(slot, slot);
+        searches.submit_for(slot, slot);
+    }
+    // More work than threads, and none of it ends: yet a picture is made.
+    let pictures = Jobs::new(&queue, Priority::Picture, Duration::ZERO, |request: u32, _: &Monitor| Ok(request));
+    pictures.submit(3);
+    assert_eq!(wait_for(|| pictures.take_answers().next()).result, Ok(3));
+    drop(go);
+}
+
+#[test]
+fn cancelling_answers_cancelled_also_what_waits_behind_a_superseded_one() {
+    let (jobs, go) = stubborn_jobs(Duration::from_secs(60));
+    let first = jobs.submit(1);
+    wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
+    let second = jobs.submit(2);
+    jobs.cancel();
+    let mut answers = answers_of(&jobs, 2);
+    answers.sort_by_key(|(_, id, _)| *id);
+    assert_eq!(answers, [(0, first, Err(JobError::Superseded)), (0, second, Err(JobError::Cancelled))]);
+    let next = jobs.submit(3);
+    go.send(()).expect("the work listens");
+    assert_eq!(answers_of(&jobs, 1), [(0, next, Ok(3))]);
+}
+
+#[test]
+fn work_tells_on_the_way_and_what_was_superseded_tells_nothing_more() {
+    let queue = queue();
+    let work = |request: u32, tell: &dyn Fn(u32), monitor: &Monitor| {
+        tell(10 * request);
+        if request == 1 {
+            while !monitor.is_cancelled() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            tell(99);
+            monitor.check()?;
+        }
+        tell(10 * request + 1);
+        Ok(request)
+    };
+    let jobs: Jobs<u32, u32, u32> = Jobs::telling(&queue, Priority::Dataset, Duration::ZERO, work);
+    jobs.submit(1);
+    let mut told = Vec::new();
+    wait_for(|| {
+        told.extend(jobs.take_news().0);
+        (told == [10]).then_some(())
+    });
+    jobs.submit(2);
+    let (mut told, mut answers) = (Vec::new(), Vec::new());
+    wait_for(|| {
+        let (more, ended) = jobs.take_news();
+        told.extend(more);
+        answers.extend(ended);
+        (answers.len() == 2).then_some(())
+    });
+    assert_eq!(told, [20, 21]);
+    assert!(answers[0].is_superseded() && answers[1].result == Ok(2));
+}
+
+/// A kind of work of one's own takes these few lines.
+#[test]
+fn a_new_kind_of_work_is_a_function_on_the_queue_of_an_engine() {
+    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    let doubling = Jobs::new(engine.queue(), Priority::Search, Duration::ZERO, |x: u32, _: &Monitor| Ok(2 * x));
+    doubling.submit(21);
+    assert_eq!(wait_for(|| doubling.take_answers().next()).result, Ok(42));
+    assert!(engine.wait_idle(PATIENCE));
+}
+
+#[test]
+fn closing_cancels_what_runs_and_finishes_what_is_written() {
+    let written = Arc::new(AtomicUsize::new(0));
+    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    let endless = Jobs::new(engine.queue(), Priority::Search, Duration::ZERO, |(): (), monitor: &Monitor| {
+        loop {
+            monitor.check()?;
+            std::thread::sleep(Duration::from_millis(1));
+            if false {
+                return Ok(());
+            }
+        }
+    });
+    endless.submit(());
+    for _ in 0..20 {
+        let written = written.clone();
+        engine.task("Write", move || {
+            std::thread::sleep(Duration::from_millis(5));
+            written.fetch_add(1, Ordering::SeqCst);
+            Ok(String::new())
+        });
+    }
+    drop((engine, endless));
+    assert_eq!(written.load(Ordering::SeqCst), 20, "all files are whole when the window is gone");
+}
+
+#[test]
+fn a_panic_becomes_a_message_with_its_place_and_the_queue_works_on() {
+    let jobs = Jobs::new(&queue(), Priority::Search, Duration::ZERO, |request: u32, _: &Monitor| {
         use rayon::prelude::*;
-        // Deep inside a parallel loop, where the panic happens on another thread than the lane's.
+        // Deep inside a parallel loop, where the panic happens on another thread than the queue's.
         let sum: u32 =
             (0..1000u32).into_par_iter().map(|i| if i == request { panic!("no {request}") } else { 1 }).sum();
         Ok(sum)
     });
-    lane.submit(7);
-    match wait_for(|| lane.take_answer()).result {
+    jobs.submit(7);
+    match wait_for(|| jobs.take_answers().next()).result {
         Err(JobError::Panicked { message, place }) => {
             assert_eq!(message, "no 7");
             assert!(place.contains("tests.rs:"), "{place}");
         }
         other => panic!("expected a panic's message, got {other:?}"),
     }
-    lane.submit(5000);
-    assert_eq!(wait_for(|| lane.take_answer()).result, Ok(1000));
+    jobs.submit(5000);
+    assert_eq!(wait_for(|| jobs.take_answers().next()).result, Ok(1000));
 }
 
 #[test]
 fn an_answer_is_published_before_the_listener_hears_of_it() {
     let heard = Arc::new(AtomicUsize::new(0));
-    let lane: Arc<Mutex<Option<Lane<u32, u32>>>> = Arc::default();
-    let (count, its) = (heard.clone(), lane.clone());
+    let jobs: Arc<Mutex<Option<Jobs<u32, u32>>>> = Arc::default();
+    let (count, its) = (heard.clone(), jobs.clone());
     let on_update: OnUpdate = Arc::new(move || {
-        if let Some(lane) = &*its.lock().expect("not poisoned")
-            && lane.take_answer().is_some()
+        if let Some(jobs) = &*its.lock().expect("not poisoned")
+            && jobs.take_answers().next().is_some()
         {
             count.fetch_add(1, Ordering::SeqCst);
         }
     });
-    *lane.lock().expect("not poisoned") =
-        Some(Lane::new("test", Duration::ZERO, on_update, |request: u32, _: &Monitor| Ok(request)));
-    lane.lock().expect("not poisoned").as_ref().expect("just put there").submit(3);
+    let queue = Arc::new(JobQueue::new(on_update));
+    let work = |request: u32, _: &Monitor| Ok(request);
+    *jobs.lock().expect("not poisoned") = Some(Jobs::new(&queue, Priority::Search, Duration::ZERO, work));
+    jobs.lock().expect("not poisoned").as_ref().expect("just put there").submit(3);
     wait_for(|| (heard.load(Ordering::SeqCst) == 1).then_some(()));
+    jobs.lock().expect("not poisoned").take();
 }
 
 #[test]
 fn progress_can_be_read_while_it_runs() {
-    let lane = Lane::new("test", Duration::ZERO, nobody(), |(): (), monitor: &Monitor| -> Result<(), JobError> {
+    let work = |(): (), monitor: &Monitor| -> Result<(), JobError> {
         monitor.report(Stage::Search { octave: 2 }, 0.25);
         loop {
             monitor.check()?;
             std::thread::sleep(Duration::from_millis(1));
         }
-    });
-    lane.submit(());
-    let progress = wait_for(|| lane.running().and_then(|r| r.progress));
+    };
+    let jobs = Jobs::new(&queue(), Priority::Search, Duration::ZERO, work);
+    jobs.submit(());
+    let progress = wait_for(|| jobs.running().and_then(|r| r.progress));
     assert_eq!((progress.stage, progress.fraction), (Stage::Search { octave: 2 }, 0.25));
-    lane.cancel();
+    jobs.cancel();
 }
 
 fn small_burst() -> OpenBurst {
@@ -278,10 +426,10 @@ fn a_detection_can_be_cancelled_while_pictures_go_on() {
     let slopes = crate::detector::SlopeGrid::plane(-3.0..=3.0, 9, -3.0..=3.0, 9);
     let params = DetectorParams { slopes, ..DetectorParams::default() };
     engine.detect(DetectRequest { burst: burst.clone(), params: params.into() });
-    wait_for(|| engine.running(LaneKind::Detect));
+    wait_for(|| engine.running(BurstJobs::Detect));
     engine.request_picture(PictureSlot(3), stack_request(&burst, 0.25));
     wait_for(|| engine.poll().into_iter().find(|u| matches!(u, Update::Picture(_, a) if a.result.is_ok())));
-    engine.cancel(LaneKind::Detect);
+    engine.cancel(BurstJobs::Detect);
     let answer = wait_for(|| {
         engine.poll().into_iter().find_map(|u| match u {
             Update::Detected(answer) => Some(answer),
@@ -373,9 +521,9 @@ fn a_long_matching_can_be_cancelled() {
     let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
     let request = MatchRequest { a: detection(60_000, 0.0), b: detection(60_000, 3.0), params: Default::default() };
     engine.pair().match_features(request);
-    wait_for(|| engine.pair().running(PairLane::Match).filter(|r| r.started.elapsed() > Duration::from_millis(20)));
+    wait_for(|| engine.pair().running(PairJobs::Match).filter(|r| r.started.elapsed() > Duration::from_millis(20)));
     let cancelled = Instant::now();
-    engine.pair().cancel(PairLane::Match);
+    engine.pair().cancel(PairJobs::Match);
     let result = pair_update(&engine, |u| match u {
         PairUpdate::Matched(answer) => Some(answer.result),
         _ => None,

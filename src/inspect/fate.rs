@@ -5,9 +5,9 @@
 //! that it fails is the search's own verdict. The tests after that one are asked all the same, because what people
 //! change next depends on them.
 
-use super::remedy::Remedy;
+use crate::detector::keypoint::Keypoint;
 use crate::detector::params::doc;
-use crate::detector::{ParamDoc, Sample, Slope, Test};
+use crate::detector::{ParamChange, ParamDoc, Sample, Slope, Test};
 use serde::Serialize;
 
 /// What a test says of a candidate.
@@ -81,6 +81,17 @@ impl TestReport {
             Side::AtMost => 1.0 - value / limit,
         })
     }
+}
+
+/// The one setting that would keep a candidate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Remedy {
+    /// What would keep it, as a sentence without a full stop, such as “a noise gate of 3.9 instead of 4.64”.
+    pub sentence: String,
+    /// The change.
+    pub change: ParamChange,
+    /// The next test that it fails then, if there is one.
+    pub then_fails: Option<Test>,
 }
 
 /// The fate of one candidate.
@@ -158,4 +169,10 @@ pub fn parameter_of(test: Test) -> Option<ParamDoc> {
         Test::MaxFeatures => Some(doc::MAX_FEATURES),
         Test::SpaceExtremum | Test::ScaleExtremum | Test::Refinement | Test::Outside => None,
     }
+}
+
+/// The distance of two keypoints in σ of the first.
+pub(super) fn apart_sigmas(stronger: &Keypoint, other: &Keypoint) -> f32 {
+    let ((su, sv, sigma), (u, v, _)) = (stronger.in_image(), other.in_image());
+    (su - u).hypot(sv - v) / sigma
 }

@@ -4,29 +4,16 @@
 //! fail a later test, that is said. Some verdicts have none: an extremum that a neighbour beats is no extremum with any
 //! setting.
 
-use super::fate::Fate;
-use super::telling::apart_sigmas;
+use super::fate::{Fate, Remedy, apart_sigmas};
 use super::words::{number, rounded_down, rounded_up, slope_text};
 use crate::detector::params::doc;
 use crate::detector::{Distinct, Judgement, NoiseGate, ParamChange, Slope, SlopeAxis, SlopeGrid, Test, Trail};
-use serde::Serialize;
-
-/// The one setting that would keep a candidate.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Remedy {
-    /// What would keep it, as a sentence without a full stop, such as “a noise gate of 3.9 instead of 4.64”.
-    pub sentence: String,
-    /// The change.
-    pub change: ParamChange,
-    /// The next test that it fails then, if there is one.
-    pub then_fails: Option<Test>,
-}
 
 /// A larger or smaller limit that the value passes with certainty: the search computes in single precision.
 const EASE: f64 = 1e-4;
-/// The least radius of distinct keypoints that is proposed, and the least ratio of scales.
-const LEAST_RADIUS: f64 = 0.05;
-const LEAST_RATIO: f64 = 1.02;
+/// The smallest radius of distinct keypoints that is proposed, and the smallest ratio of scales.
+const MIN_RADIUS: f64 = 0.05;
+const MIN_RATIO: f64 = 1.02;
 
 /// The fate with its verdict and remedy.
 pub(super) fn explained(trail: &Trail, judgement: &Judgement, fate: Fate) -> Fate {
@@ -220,9 +207,9 @@ fn distinct_change(trail: &Trail, index: usize) -> Option<(String, ParamChange)>
     let ratio = f64::from(a.max(b) / a.min(b));
     let (closer, less) = (rounded_down((1.0 - EASE) * distance, 2), rounded_down((1.0 - EASE) * ratio, 3));
     // The smaller change first; whether it does what it says depends on the keypoints around.
-    let by_radius = (closer >= LEAST_RADIUS && trail.would_stay(index, closer as f32, params.distinct_scale))
+    let by_radius = (closer >= MIN_RADIUS && trail.would_stay(index, closer as f32, params.distinct_scale))
         .then(|| (closer / f64::from(radius), ParamChange::new(doc::DISTINCT, closer), radius.to_string()));
-    let by_ratio = (less > LEAST_RATIO && trail.would_stay(index, radius, less as f32)).then(|| {
+    let by_ratio = (less > MIN_RATIO && trail.would_stay(index, radius, less as f32)).then(|| {
         let part = (less - 1.0) / f64::from(params.distinct_scale - 1.0);
         (part, ParamChange::new(doc::DISTINCT_SCALE, less), params.distinct_scale.to_string())
     });

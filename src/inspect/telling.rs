@@ -3,7 +3,7 @@
 //! The verdict is the search's own ([`crate::detector::Judgement`]). What is computed here beside it is what people
 //! want to know of a verdict: the value, the limit, and who beat it.
 
-use super::fate::{Fate, Outcome, Rival, Side, TestReport};
+use super::fate::{Fate, Outcome, Rival, Side, TestReport, apart_sigmas};
 use crate::detector::keypoint::Keypoint;
 use crate::detector::params::doc;
 use crate::detector::pipeline::{FIRST_PEAK_PART, strongest_around};
@@ -309,10 +309,4 @@ impl Telling<'_> {
 
 fn outcome(passes: bool) -> Outcome {
     if passes { Outcome::Passes } else { Outcome::Fails }
-}
-
-/// The distance of two keypoints in σ of the first.
-pub(super) fn apart_sigmas(stronger: &Keypoint, other: &Keypoint) -> f32 {
-    let ((su, sv, sigma), (u, v, _)) = (stronger.in_image(), other.in_image());
-    (su - u).hypot(sv - v) / sigma
 }

@@ -75,6 +75,14 @@ pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     Ok(Some(truth))
 }
 
+/// Whether something is known of what a burst shows: a cheap look, that reads no file.
+pub fn is_known(burst: &Burst) -> bool {
+    match &burst.sources[..] {
+        [source] => source.join("truth.json").is_file(),
+        _ => burst.sources.is_empty() && burst.name == "demo",
+    }
+}
+
 /// A disc that no feature found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Miss {

@@ -9,6 +9,7 @@ use crate::matching::nearest::{Nearest, nearest_two};
 use crate::matching::{MatchParams, MatchResult, TwoViewModel};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Where a feature of A was lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -124,12 +125,19 @@ impl Pair<'_> {
     }
 }
 
+/// For each feature of both sides its nearest ones on the other: what takes the time, to be kept while the pair is asked
+/// about.
+#[derive(Debug, Clone)]
+pub struct NearestOfBoth {
+    of_a: Vec<Nearest>,
+    of_b: Vec<Nearest>,
+}
+
 /// A pair that is ready to be asked: the nearest descriptors of both sides are known.
 #[derive(Debug)]
 pub struct Losses<'a> {
     pair: Pair<'a>,
-    of_a: Vec<Nearest>,
-    of_b: Vec<Nearest>,
+    nearest: Arc<NearestOfBoth>,
     matched: Vec<Option<usize>>,
 }
 
@@ -141,7 +149,17 @@ impl<'a> Losses<'a> {
     pub fn new(pair: Pair<'a>, monitor: &Monitor) -> Result<Self, Cancelled> {
         let (a, b) = (&pair.a.descriptors, &pair.b.descriptors);
         let (of_a, of_b) = (nearest_two(a, b, monitor)?, nearest_two(b, a, monitor)?);
-        Ok(Self { pair, of_a, of_b, matched: pair.matched() })
+        Ok(Self::again(pair, Arc::new(NearestOfBoth { of_a, of_b })))
+    }
+
+    /// The same with what an earlier look at the same pair found.
+    pub fn again(pair: Pair<'a>, nearest: Arc<NearestOfBoth>) -> Self {
+        Self { pair, nearest, matched: pair.matched() }
+    }
+
+    /// What is to be kept for [`Self::again`].
+    pub fn nearest(&self) -> Arc<NearestOfBoth> {
+        self.nearest.clone()
     }
 
     /// Where feature `index` of A was lost.
@@ -149,7 +167,8 @@ impl<'a> Losses<'a> {
     /// # Panics
     /// When A has no such feature: a mistake of the caller.
     pub fn lost(&self, index: usize) -> Lost {
-        let Self { pair, of_a, of_b, matched } = self;
+        let Self { pair, nearest, matched } = self;
+        let NearestOfBoth { of_a, of_b } = &**nearest;
         if let Some(number) = matched[index] {
             let inlier = pair.result.verification.as_ref().is_none_or(|v| v.inlier[number]);
             return if inlier { Lost::Not } else { Lost::Geometry };
@@ -188,8 +207,8 @@ impl<'a> Losses<'a> {
 }
 
 fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
-    let Losses { pair, of_a, of_b, .. } = losses;
-    let (pair, lost) = (*pair, losses.lost(index));
+    let NearestOfBoth { of_a, of_b } = &*losses.nearest;
+    let (pair, lost) = (losses.pair, losses.lost(index));
     let own = &pair.a.descriptors[index];
     let mut order: Vec<(usize, f32)> =
         pair.b.descriptors.iter().enumerate().map(|(other, d)| (other, distance(own, d))).collect();

@@ -3,15 +3,13 @@
 //! One blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the rows
 //! around them, then convolved, so that what lies between the two passes stays in the nearest cache.
 
+use super::machine::PATCH_ROWS_TOGETHER as TOGETHER;
 use crate::kernel::patch::{LANES, Patch};
 use crate::kernel::vectors::{load, store};
 use crate::plane::aligned::Aligned;
 use crate::plane::blur::GaussianKernel;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
-
-/// Rows that are combined together: of the rows that one reads, the next one reads all but one.
-const TOGETHER: usize = 4;
 
 /// Space for what lies between the passes; reused from patch to patch.
 #[derive(Debug, Default)]

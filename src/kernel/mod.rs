@@ -9,8 +9,10 @@
 
 pub(crate) mod blur_patch;
 pub mod compact_kernel;
+pub(crate) mod conjugate_products;
 pub mod gaussian_bank;
 pub(crate) mod gradient;
+pub(crate) mod machine;
 pub mod offset;
 pub mod patch;
 pub(crate) mod stack_patch;

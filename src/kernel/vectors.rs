@@ -1,10 +1,7 @@
 //! Rows in vectors of the processor at hand, some at once.
 
+pub(crate) use super::machine::MAX_VECTORS;
 use pulp::Simd;
-
-/// Vectors whose sums are held at once: enough to hide each other's latency, and two sums of each still fit into
-/// sixteen registers.
-pub(crate) const MAX_VECTORS: usize = 6;
 
 /// The vector that begins at `row[at]`.
 #[inline(always)]

@@ -1,8 +1,27 @@
 //! A folder that is written whole or not at all: everything goes into a hidden folder beside the target, which then
 //! takes the target's place.
 
-use super::write::WriteBurstError;
+use crate::monitor::Cancelled;
 use std::path::{Path, PathBuf};
+
+/// Why a burst was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteBurstError {
+    /// The folder holds something that is not an earlier synthetic burst.
+    #[error("the folder holds files that are not a synthetic burst; name a new or an empty folder: {}", .0.display())]
+    Occupied(PathBuf),
+    /// Writing failed.
+    #[error("cannot write: {source}: {}", .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// It was cancelled; nothing was written.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
 
 /// What turns a failure at `path` into an error.
 pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> WriteBurstError + use<> {

@@ -43,6 +43,7 @@ pub mod write;
 pub use chart::{ChartParams, synth_chart};
 pub use demo::{demo_burst, demo_truth, later_demo_burst};
 pub use examples::Example;
+pub use folder::WriteBurstError;
 pub use noise::Camera;
 pub use noise_case::NoiseCase;
 pub use noisy::{FrameLevels, NoisyExposure, NoisyParams, NoisyTruth, write_noisy};
@@ -50,7 +51,7 @@ pub use radius::RadiusLaw;
 pub use scene::{SceneParams, synth_scene};
 pub use trajectory::{Light, Trajectory, TrajectoryParams, write_trajectory};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
-pub use write::{WriteBurstError, write_burst};
+pub use write::write_burst;
 
 use crate::monitor::Cancelled;
 

@@ -10,11 +10,12 @@
 //! their pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at
 //! their mean.
 
+use super::folder::WriteBurstError;
 use super::folder::{io, write_folder};
 use super::noise::Camera;
 use super::random::Stream;
 use super::truth::NoiseTruth;
-use super::write::{WriteBurstError, write_frame};
+use super::write::write_frame;
 use super::{SynthError, check_camera};
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};

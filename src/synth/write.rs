@@ -3,32 +3,13 @@
 //! Values of a converter with fewer than 16 bits sit at the top of the 16-bit word (see [`super::noise`]), so that the
 //! files hold them exactly; values that were never rounded are rounded to 16 bits.
 
-use super::folder::{io, write_folder};
+use super::folder::{WriteBurstError, io, write_folder};
 use super::noise::quantised_word;
 use super::truth::Truth;
 use crate::burst::Burst;
-use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
-use std::path::{Path, PathBuf};
-
-/// Why a burst was not written.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteBurstError {
-    /// The folder holds something that is not an earlier synthetic burst.
-    #[error("the folder holds files that are not a synthetic burst; name a new or an empty folder: {}", .0.display())]
-    Occupied(PathBuf),
-    /// Writing failed.
-    #[error("cannot write: {source}: {}", .path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// It was cancelled; nothing was written.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
+use std::path::Path;
 
 /// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is made. An earlier
 /// synthetic burst in it is replaced as a whole; a folder that holds anything else is left alone.

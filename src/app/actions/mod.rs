@@ -63,6 +63,8 @@ pub fn button_ui(
 /// Puts the actions into `queue` whose shortcuts were pressed in this pass. Plain keys are left to a text field that is being edited.
 pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
     let typing = ctx.egui_wants_keyboard_input();
+    // Escape closes a menu or a drop-down that is open, and does nothing else.
+    let popup_open = egui::Popup::is_any_open(ctx);
     ctx.input_mut(|input| {
         // Shortcuts with more modifiers first: a plain key would otherwise swallow the same key with Shift.
         let mut with_keys: Vec<_> = ACTIONS.iter().filter_map(|a| a.shortcut.map(|s| (a.id, s))).collect();
@@ -73,7 +75,7 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
             |id: ActionId| id.action().label.ends_with('…') || matches!(id, ActionId::Shortcuts | ActionId::About);
         for (id, shortcut) in with_keys {
             let plain = !shortcut.modifiers.command && !shortcut.modifiers.alt;
-            if (plain && typing) || !enabled(id, model) {
+            if (plain && typing) || !enabled(id, model) || (popup_open && id == ActionId::ClearSelection) {
                 continue;
             }
             // A key that repeats faster than the window draws is pressed several times in one pass.

@@ -4,6 +4,9 @@ use super::{ACTIONS, Action, Queue, checked, enabled, keys_text};
 use crate::app::project::Model;
 use egui::{Key, Modifiers, RichText};
 
+/// The list is at most this high, in points; the rest is scrolled to.
+const MAX_LIST_HEIGHT: f32 = 340.0;
+
 /// The palette, open or not.
 #[derive(Debug, Default)]
 pub struct Palette {
@@ -28,8 +31,6 @@ impl Palette {
         if !self.open {
             return;
         }
-        let found = matches(&self.text, model);
-        self.chosen = self.chosen.min(found.len().saturating_sub(1));
         let (up, down, enter) = ctx.input_mut(|i| {
             (
                 i.consume_key(Modifiers::NONE, Key::ArrowUp),
@@ -37,13 +38,7 @@ impl Palette {
                 i.consume_key(Modifiers::NONE, Key::Enter),
             )
         });
-        if up {
-            self.chosen = self.chosen.saturating_sub(1);
-        }
-        if down {
-            self.chosen = (self.chosen + 1).min(found.len().saturating_sub(1));
-        }
-        let mut run = enter.then(|| found.get(self.chosen).copied()).flatten();
+        let mut run = None;
         let area = egui::Modal::default_area(egui::Id::unique("palette"))
             .anchor(egui::Align2::CENTER_TOP, egui::vec2(0.0, 72.0));
         let modal = egui::Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
@@ -57,8 +52,18 @@ impl Palette {
                 self.chosen = 0;
             }
             edit.request_focus();
+            // What was typed in this pass counts already.
+            let found = matches(&self.text, model);
+            let last = found.len().saturating_sub(1);
+            let steps = isize::from(down) - isize::from(up);
+            self.chosen = self.chosen.min(last).saturating_add_signed(steps).min(last);
+            run = enter.then(|| found.get(self.chosen).copied()).flatten();
             ui.add_space(4.0);
-            egui::ScrollArea::vertical().max_height(340.0).auto_shrink([false, true]).show(ui, |ui| {
+            // As high as the list, and not as what was listed before.
+            let row = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+            let height = (row * found.len().max(1) as f32).min(MAX_LIST_HEIGHT);
+            let list = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+            list.auto_shrink([false, true]).show(ui, |ui| {
                 for (place, action) in found.iter().enumerate() {
                     let response = row_ui(ui, model, action, place == self.chosen);
                     if place == self.chosen && (up || down) {
@@ -95,9 +100,15 @@ fn row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: bool) -> eg
 
 /// The actions that can be done now and whose label (with the menu's name before it) holds the letters of `text` in their order; the best match first.
 fn matches(text: &str, model: &Model) -> Vec<&'static Action> {
-    let mut scored: Vec<(i32, &Action)> = ACTIONS
-        .iter()
-        .filter(|a| enabled(a.id, model) && a.id != super::ActionId::Palette)
+    let mut possible: Vec<&Action> =
+        ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != super::ActionId::Palette).collect();
+    if text.trim().is_empty() {
+        // In the order of the menus, after what is mostly wanted.
+        possible.sort_by_key(|a| a.id != super::ActionId::Detect);
+        return possible;
+    }
+    let mut scored: Vec<(i32, &Action)> = possible
+        .into_iter()
         .filter_map(|a| score(text, a.label).or_else(|| score(text, a.help).map(|s| s - 1000)).map(|s| (s, a)))
         .collect();
     scored.sort_by_key(|(score, _)| -score);
@@ -142,5 +153,6 @@ mod tests {
         let model = Model::default();
         let expected = ACTIONS.iter().filter(|a| enabled(a.id, &model)).count() - 1;
         assert_eq!(matches("", &model).len(), expected);
+        assert_eq!(first(""), Some(ActionId::OpenFolder), "nothing that ends the program");
     }
 }

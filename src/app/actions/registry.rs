@@ -138,6 +138,7 @@ actions! {
     Undo, Edit 0, "Undo", [CTRL Z], "Take back the last change of a parameter or a slope";
     Redo, Edit 0, "Redo", [CTRL_SHIFT Z], "Make the change again that was taken back";
     CopyRow, Edit 1, "Copy row or value", [], "Copy the selected feature or match, or else the value under the pointer (also Ctrl+C)";
+    CopyCommand, Edit 1, "Copy as command", [CTRL_SHIFT C], "Copy the command that finds the features of this burst with these parameters";
     CopyPicture, Edit 1, "Copy picture", [], "Copy the picture in focus as it is shown, in its range and colours";
     MeasureLine, Edit 2, "Line profile", [NONE Q], "Let the pointer draw a line: the values along it, in all linked panes";
     MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Let the pointer draw a rectangle: mean, deviation, range and noise in it";
@@ -224,6 +225,11 @@ actions! {
     ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked";
     CloseProbe, Features 1, "Clear probe", [], "Probe nothing, and forget what was kept for it";
     ClearFilter, Features 2, "Clear filter", [], "Show all features";
+    PinResult, Features 3, "Pin this result", [SHIFT D], "Keep these features: what later detections gain, lose and move is shown against them";
+    UnpinResult, Features 3, "Unpin", [], "Forget the pinned result";
+    OpenFeatures, Features 3, "Open features…", [], "Lay somebody else's features over the burst: our CSV table, or the text that COLMAP imports";
+    CloseFeatures, Features 3, "Close opened features", [], "Forget the features that were opened";
+    ShowTruth, Features 3, "Compare with the truth", [], "Mark what was found, missed, found twice and found falsely, where that is known";
 
     OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst";
     OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst";
@@ -251,6 +257,7 @@ actions! {
     MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen";
     MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts that are chosen as A and B";
     ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Look at the two bursts that are chosen as A and B, with their matches";
+    ExportDatabase, Dataset 2, "Export COLMAP database…", [], "Write images, features, matches and verified geometries of all bursts as COLMAP's mapper takes them";
     OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file";
     OpenTruth, Dataset 3, "Open true trajectory…", [], "Open the true camera poses: a trajectory file, or a sparse model such as a gold standard's";
     CloseTrajectories, Dataset 3, "Close trajectories", [], "Forget the estimated and the true trajectory";

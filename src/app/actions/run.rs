@@ -8,10 +8,11 @@ use crate::app::dialogs::{ExportKind, Purpose};
 use crate::app::inspector::Change;
 use crate::app::measure::Tool;
 use crate::app::pane::{Content, Direction, Link, Preset};
-use crate::app::project::Model;
+use crate::app::project::against::With;
 use crate::app::project::cursor::{ViewKind, play_step_of, snapped, stepped};
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{BottomTab, Model};
 use crate::app::window::BurstscopeApp;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::{BurstSource, ProbeQuestion};
@@ -62,7 +63,7 @@ impl BurstscopeApp {
                     self.start_second_detection();
                 }
             }
-            A::DetectAll => self.detect_all(),
+            A::DetectAll => self.ask_and_detect_all(),
             A::CancelDataset => self.engine.datasets.cancel(),
             A::PreviousBurst => self.step_burst(-1),
             A::NextBurst => self.step_burst(1),
@@ -71,6 +72,7 @@ impl BurstscopeApp {
             A::MatchPairs => self.match_pairs(),
             A::MatchSelected => self.match_selected(),
             A::ShowPair => self.show_selected_pair(),
+            A::ExportDatabase => self.ask(Purpose::ExportDatabase),
             A::OpenEstimate => self.ask(Purpose::OpenEstimate),
             A::OpenTruth => self.ask(Purpose::OpenTruth),
             A::CloseTrajectories => self.model.trajectories.clear(),
@@ -123,6 +125,20 @@ impl BurstscopeApp {
                 self.model.probe.clear();
             }
             A::CopyRow => self.copy_row(ctx),
+            A::PinResult => {
+                self.model.pin_result();
+                self.model.bottom_tab = BottomTab::Compared;
+                self.model.messages.note("Pinned: later detections are shown against these features");
+            }
+            A::UnpinResult => self.model.unpin_result(),
+            A::OpenFeatures => self.ask(Purpose::OpenFeatures),
+            A::CloseFeatures => self.model.forget_foreign(),
+            A::ShowTruth => {
+                let on = self.model.against.with == Some(With::Truth);
+                self.model.against.show((!on).then_some(With::Truth));
+                self.model.bottom_tab = BottomTab::Compared;
+            }
+            A::CopyCommand => self.copy_command(ctx),
             A::CopyPicture => {
                 if let Some(image) = clipboard::picture_of(&self.model, self.model.focus()) {
                     ctx.copy_image(image);
@@ -175,7 +191,9 @@ fn change_model(model: &mut Model, id: ActionId) {
         A::PreviousPane => model.panes.focus_next(false),
         A::NextLayout if model.workspace == Workspace::Inspect => model.panes.next_over(),
         A::Flip if model.workspace == Workspace::Inspect => model.panes.flip(),
-        A::NextLayout => model.compare.look.layout = model.compare.look.layout.next(),
+        A::NextLayout => {
+            model.compare.look.layout = model.compare.look.layout.next(model.burst_of(Side::B).is_some());
+        }
         A::Flip => model.compare.look.flipped ^= true,
         A::CompareAgain => model.compare.forget_failures(),
         A::ToggleOverlay if model.workspace == Workspace::Methods => model.compare.look.features ^= true,
@@ -209,13 +227,13 @@ fn change_model(model: &mut Model, id: ActionId) {
         A::NextFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(true),
         A::PreviousFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(false),
         A::StrongestFeature if model.workspace == Workspace::Pair => {
-            model.pair.selected = model.pair.listed.first().copied()
+            model.pair.selected = model.pair.listed.first().copied();
         }
-        A::ClearSelection if model.workspace == Workspace::Pair => model.pair.selected = None,
+        A::ClearSelection if model.workspace == Workspace::Pair => model.ask_feature(None),
         A::NextFeature => model.select_neighbour(true),
         A::PreviousFeature => model.select_neighbour(false),
         A::StrongestFeature => model.selected = model.listed.first().copied(),
-        A::ClearSelection => model.selected = None,
+        A::ClearSelection => (model.selected, model.against.selected) = (None, None),
         A::ClearFilter => model.filter = Default::default(),
         A::OtherSide => model.pair.active = model.active_side().other(),
         A::LinkCursors => {

@@ -4,6 +4,7 @@ use super::registry::ActionId;
 use crate::app::measure::Tool;
 use crate::app::pane::{Content, MAX_PANES, Over};
 use crate::app::project::Model;
+use crate::app::project::against::With;
 use crate::app::project::compare::Layout;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
@@ -22,10 +23,17 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     let has_second = model.pair.b.burst.is_some();
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
-        A::GoToFeature | A::ClearSelection if in_pair => model.pair.selected.is_some(),
+        A::ClearSelection if in_pair => model.asked_feature().is_some(),
+        A::GoToFeature if in_pair => model.pair.selected.is_some(),
         A::Undo => model.history.can_undo(),
         A::Redo => model.history.can_redo(),
         A::CopyRow => has_burst,
+        A::CopyCommand => has_burst && model.param_error.is_none(),
+        A::PinResult => model.found.is_some(),
+        A::UnpinResult => model.against.has(With::Pinned),
+        A::OpenFeatures => has_burst,
+        A::CloseFeatures => model.against.has(With::File),
+        A::ShowTruth => model.against.has(With::Truth),
         A::CopyPicture => model.picture().is_some(),
         A::MeasureLine | A::MeasureRegion => has_burst && in_inspect,
         A::ClearMeasure => !model.measure.is_empty(),
@@ -84,12 +92,13 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         }
         A::ResetParams => model.asked() != SearchParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
-        A::GoToFeature | A::ClearSelection => model.selected_feature().is_some(),
         A::ProbePlace | A::ProbeFollow | A::ProbeStrongest => {
             has_burst && in_inspect && (model.found.is_some() || model.param_error.is_none())
         }
         A::ProbeFeature => in_inspect && model.selected_feature().is_some(),
         A::CloseProbe => model.probe.is_on() || model.probe.answer.is_some(),
+        A::ClearSelection => model.selected_feature().is_some() || model.against.selected.is_some(),
+        A::GoToFeature => model.selected_feature().is_some(),
         A::ClearFilter => !model.filter.is_open(),
         A::DetectAll => model.datasets.can_detect(model.asked().validate().is_ok()),
         A::CancelDataset => model.datasets.work.is_some(),
@@ -103,6 +112,10 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::MatchSelected => {
             let chosen = model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some());
             chosen && model.datasets.can_match(model.pair.params.validate().is_ok())
+        }
+        A::ExportDatabase => {
+            let several = model.datasets.open.as_ref().is_some_and(|d| d.bursts.len() > 1);
+            cfg!(feature = "colmap") && several && model.datasets.work.is_none()
         }
         A::ShowPair => model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some()),
         A::CloseTrajectories => !model.trajectories.is_empty(),
@@ -151,6 +164,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
         A::ProbeFollow => Some(model.probe.follows),
+        A::ShowTruth => Some(model.against.with == Some(With::Truth)),
         A::Play => Some(model.playing),
         A::MeasureLine => Some(model.measure.tool == Tool::Line),
         A::MeasureRegion => Some(model.measure.tool == Tool::Region),

@@ -83,6 +83,12 @@ pub fn number(value: f32, digits: usize) -> String {
     text.replace('-', "−")
 }
 
+/// The same with its sign, also before what is above 0.
+pub fn signed_number(value: f32, digits: usize) -> String {
+    let text = number(value, digits);
+    if value > 0.0 { format!("+{text}") } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +113,13 @@ mod tests {
         for (value, text) in cases {
             assert_eq!(number(value, 4), text, "{value}");
         }
+    }
+
+    #[test]
+    fn faint_responses_of_dark_bursts_keep_their_digits() {
+        assert_eq!(signed_number(0.000_012_3, 3), "+1.23e−5");
+        assert_eq!(signed_number(-0.000_123_4, 3), "−0.000123");
+        assert_eq!((signed_number(0.0, 3), signed_number(0.5, 3)), ("0".to_owned(), "+0.5".to_owned()));
     }
 
     #[test]

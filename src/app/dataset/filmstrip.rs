@@ -4,8 +4,10 @@ use super::model::{BurstState, Dataset, Datasets};
 use super::thumbnails::{Shown, Thumbnails};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::inspector::copy_ui;
+use crate::app::panel::widgets::{middle_elided, progress_text};
 use crate::app::project::Model;
 use crate::app::style;
+use crate::inspect::words::counted;
 use egui::{
     Align, Align2, Color32, FontId, Label, Layout, Pos2, ProgressBar, Rect, Response, RichText, ScrollArea, Sense,
     Stroke, StrokeKind, Ui, pos2, vec2,
@@ -148,13 +150,12 @@ fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
 
 fn summary(dataset: &Dataset) -> String {
     let (count, counts) = (dataset.bursts.len(), dataset.counts());
-    let bursts = if count == 1 { "burst" } else { "bursts" };
-    let mut text = format!("{count} {bursts}, {} done", counts.done);
+    let mut text = format!("{}, {} done", counted(count, "burst"), counts.done);
     if counts.failed > 0 {
         text += &format!(", {} failed", counts.failed);
     }
     if counts.features > 0 {
-        text += &format!(", {} features", counts.features);
+        text += &format!(", {}", counted(counts.features, "feature"));
     }
     text
 }
@@ -162,12 +163,9 @@ fn summary(dataset: &Dataset) -> String {
 /// How far the work is as a whole.
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
-    let progress = datasets.running.and_then(|r| r.progress);
-    let fraction = progress.map_or(0.0, |p| p.fraction);
-    let stage = progress.map_or_else(|| work.title().to_owned(), |p| p.stage.to_string());
-    let seconds = datasets.running.map_or(0.0, |r| r.started.elapsed().as_secs_f32());
-    let text = format!("{stage}  {:.0} %  {seconds:.0} s", 100.0 * fraction);
-    let bar = ui.add(ProgressBar::new(fraction).desired_width(220.0).text(text));
+    let fraction = datasets.running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
+    let text = datasets.running.as_ref().map_or_else(|| work.title().to_owned(), progress_text);
+    let bar = ui.add(ProgressBar::new(fraction).desired_width(280.0).text(text));
     bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, work.title()));
 }
 
@@ -193,7 +191,8 @@ fn cell_ui(
     picture_ui(ui, area, picture);
     state_ui(ui, state, area, rect, fraction);
     let name_room = Rect::from_min_max(rect.min + vec2(4.0, 0.0), rect.min + vec2(CELL_WIDTH - 36.0, TEXT_HEIGHT));
-    let name = ui.painter().layout_no_wrap(burst.name.clone(), FontId::proportional(11.0), visuals.text_color());
+    let font = FontId::proportional(11.0);
+    let name = middle_elided(ui.painter(), &burst.name, &font, visuals.text_color(), name_room.width());
     let room = painter.with_clip_rect(name_room);
     room.galley(pos2(name_room.left(), name_room.center().y - 0.5 * name.size().y), name, visuals.text_color());
     let stroke = if open { Stroke::new(2.0, style::ACCENT) } else { visuals.widgets.noninteractive.bg_stroke };
@@ -279,6 +278,10 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
         BurstState::Running => {
             painter.circle_stroke(centre, RADIUS, Stroke::new(1.5, style::warning(ui)));
             painter.circle_filled(centre, 0.4 * RADIUS, style::warning(ui));
+        }
+        // Done, but there is nothing to go on with.
+        BurstState::Done(done) if done.features == 0 => {
+            painter.circle_stroke(centre, RADIUS, Stroke::new(2.0, style::warning(ui)));
         }
         BurstState::Done(_) => {
             painter.circle_filled(centre, RADIUS, style::good(ui));

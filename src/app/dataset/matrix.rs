@@ -3,6 +3,8 @@
 use super::filmstrip::{SIDES, side_colour};
 use super::matches::{Pair, PairTable, pair_of};
 use super::model::{BurstState, Dataset};
+use crate::app::panel::widgets::middle_elided;
+use crate::app::style;
 use crate::plane::colour_map::ColourMap;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
@@ -196,6 +198,8 @@ fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>
                 _ => None,
             });
             if let Some(number) = number.filter(|_| grid.cell >= CELL_WITH_NUMBER) {
+                // A burst without features is nothing to match.
+                let text_colour = if row == column && number == 0 { style::warning(ui) } else { text_colour };
                 painter.text(rect.center(), Align2::CENTER_CENTER, number.to_string(), font.clone(), text_colour);
             }
         }
@@ -232,8 +236,7 @@ fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)
         let font = FontId::proportional(11.0);
         let row = grid.cell(place, 0);
         let room = Rect::from_min_max(pos2(row.left() - NAMES_WIDTH, row.top()), pos2(row.left() - 4.0, row.bottom()));
-        let name = painter.layout_no_wrap(burst.name.clone(), font.clone(), colour);
-        // A long name keeps its end, which tells bursts of one dataset apart.
+        let name = middle_elided(painter, &burst.name, &font, colour, room.width());
         let place_ui = pos2(room.right() - name.size().x, room.center().y - 0.5 * name.size().y);
         painter.with_clip_rect(room.expand2(vec2(0.0, 4.0)).intersect(ui.clip_rect())).galley(place_ui, name, colour);
         let column = grid.cell(0, place);

@@ -5,6 +5,7 @@ use crate::burst::BurstSource;
 use crate::dataset::{DatasetSource, FinishedBurst, image_name};
 use crate::detector::SearchParams;
 use crate::engine::{Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset, Running};
+use crate::inspect::words::counted;
 use crate::matching::ImageCounts;
 use crate::matching::PairSelection;
 use std::path::PathBuf;
@@ -30,6 +31,7 @@ impl BurstState {
             Self::Waiting => "waiting".to_owned(),
             Self::Running => "running".to_owned(),
             Self::Failed(_) => "failed".to_owned(),
+            Self::Done(FinishedBurst { features: 0, .. }) => "no features".to_owned(),
             Self::Done(FinishedBurst { features, seconds: None }) => format!("{features}"),
             Self::Done(FinishedBurst { features, seconds: Some(seconds) }) => format!("{features} · {seconds:.1} s"),
         }
@@ -43,7 +45,8 @@ impl BurstState {
             Self::Failed(error) => format!("failed: {error}"),
             Self::Done(FinishedBurst { features, seconds }) => {
                 let time = seconds.map_or_else(String::new, |s| format!(", found in {s:.2} s"));
-                format!("done: {features} features{time}")
+                let count = if *features == 0 { "no features".to_owned() } else { counted(*features, "feature") };
+                format!("done: {count}{time}")
             }
         }
     }
@@ -58,6 +61,8 @@ pub enum Work {
     Detecting,
     /// Pairs are being matched.
     Matching,
+    /// What COLMAP's mapper takes is being written.
+    Exporting,
 }
 
 impl Work {
@@ -67,6 +72,7 @@ impl Work {
             Self::Opening => "Open dataset",
             Self::Detecting => "Detect all",
             Self::Matching => "Match pairs",
+            Self::Exporting => "Export COLMAP database",
         }
     }
 }
@@ -197,6 +203,13 @@ impl Dataset {
         let keypoints: Vec<usize> = self.states.iter().map(keypoints).collect();
         let pairs = self.matches.listed();
         ImageCounts::of(&keypoints, &pairs).filter(|_| !pairs.is_empty())
+    }
+
+    /// Whether finding features with `params` writes over features of other parameters.
+    pub fn would_replace(&self, params: &SearchParams) -> bool {
+        let others_here = self.params != *params && self.counts().done > 0;
+        let others_in_folder = self.other_params.as_ref().is_some_and(|others| others != params);
+        self.keeping().is_some() && (others_here || others_in_folder)
     }
 
     /// Prepares for finding features with `params`: with other ones nothing is finished any more.

@@ -254,7 +254,8 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
             .logarithmic(true)
             .max_decimals(2)
             .clamping(egui::SliderClamping::Never);
-        ui.add(slider).labelled_by(label.id).on_hover_text("Raising it brightens the dark values. 1 is linear.");
+        let slider = ui.add(slider).labelled_by(label.id);
+        crate::app::panel::widgets::hint(slider, "Raising it brightens the dark values. 1 is linear.");
         display.gamma = display.gamma.clamp(*GAMMA_RANGE.start(), *GAMMA_RANGE.end());
         ui.end_row();
     });

@@ -7,7 +7,7 @@ use crate::app::project::cursor::played;
 use crate::app::project::pair::Side;
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
-use crate::engine::{Answer as JobAnswer, BurstSource, DetectRequest, JobError, LaneKind, OpenBurst, PairLane, Update};
+use crate::engine::{BurstJobs, BurstSource, DetectRequest, JobAnswer, JobError, OpenBurst, PairJobs, Update};
 use std::time::{Duration, Instant};
 
 /// Pauses between slopes while they are played.
@@ -22,9 +22,10 @@ impl BurstscopeApp {
                 Update::Picture(slot, answer) => self.take_picture(PaneId(slot.0), answer),
                 Update::Patch(answer) => match answer.result {
                     Ok(patch) => self.model.patch = Some(patch),
-                    Err(JobError::Cancelled) => {}
+                    Err(JobError::Cancelled | JobError::Superseded) => {}
                     Err(error) => self.model.messages.error("Patch", error.to_string()),
                 },
+                Update::Detected(answer) if answer.is_superseded() => {}
                 Update::Detected(answer) => {
                     let asked = self.asked.detecting.take();
                     match answer.result {
@@ -51,8 +52,8 @@ impl BurstscopeApp {
             }
         }
         self.model.busy = Busy {
-            opening: self.engine.running(LaneKind::Open),
-            detecting: self.engine.running(LaneKind::Detect),
+            opening: self.engine.running(BurstJobs::Open),
+            detecting: self.engine.running(BurstJobs::Detect),
             picture: self.engine.makes_pictures(),
         };
         self.model.datasets.running = self.engine.datasets.running();
@@ -69,7 +70,7 @@ impl BurstscopeApp {
         };
         match answer.result {
             Ok(mut burst) => {
-                self.engine.cancel(LaneKind::Detect);
+                self.engine.cancel(BurstJobs::Detect);
                 self.remember(&mut burst);
                 self.model.messages.resolved("Open");
                 self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
@@ -95,6 +96,8 @@ impl BurstscopeApp {
                     self.restore_pair(session.pair, session.panes);
                 }
             }
+            // The one that took its place is being opened.
+            Err(JobError::Superseded) => {}
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
             Err(JobError::Several(_)) if session.is_none() => {
                 if let Some((_, BurstSource::Paths(paths))) = self.asked.opening.take_if(|(id, _)| *id == answer.id) {
@@ -114,13 +117,14 @@ impl BurstscopeApp {
 
     /// Stops what is being opened, detected and matched.
     pub(in crate::app) fn cancel_all(&self) {
-        self.engine.cancel(LaneKind::Detect);
-        self.engine.cancel(LaneKind::Open);
-        for lane in [PairLane::Open, PairLane::Detect, PairLane::Match] {
-            self.engine.pair().cancel(lane);
+        self.engine.cancel(BurstJobs::Detect);
+        self.engine.cancel(BurstJobs::Open);
+        for kind in [PairJobs::Open, PairJobs::Detect, PairJobs::Match] {
+            self.engine.pair().cancel(kind);
         }
         self.engine.comparer().cancel();
         self.engine.probe().cancel();
+        self.engine.against.cancel();
     }
 
     /// Whether features of the present parameters are missing, and were not looked for in vain.
@@ -140,7 +144,7 @@ impl BurstscopeApp {
             } else {
                 self.engine.detect(request);
             }
-            self.model.busy.detecting = self.engine.running(LaneKind::Detect);
+            self.model.busy.detecting = self.engine.running(BurstJobs::Detect);
         }
     }
 
@@ -182,6 +186,8 @@ impl BurstscopeApp {
         self.request_for_probe(dragging);
         self.request_for_pair(dragging);
         self.request_for_compare(dragging);
+        self.request_comparison();
+        self.request_losses();
         self.thumbnails.request(&self.engine.datasets);
     }
 }

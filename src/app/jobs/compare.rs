@@ -37,7 +37,8 @@ impl BurstscopeApp {
     }
 
     pub(in crate::app) fn take_compare_updates(&mut self) {
-        if let Some(answer) = self.engine.comparer().poll() {
+        let answers: Vec<_> = self.engine.comparer().poll().collect();
+        for answer in answers.into_iter().filter(|answer| !answer.is_superseded()) {
             let job = self.compare_asked.job.take_if(|(id, _)| *id == answer.id).map(|(_, job)| job);
             let opened_for = self.compare_asked.opening.take_if(|(id, _)| *id == answer.id).map(|(_, side)| side);
             match (answer.result, job, opened_for) {

@@ -9,10 +9,14 @@ use crate::app::session::{SavedDataset, SavedTrajectories};
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
 use crate::engine::{
-    Answer, BurstSource, ComparedPoses, DatasetAnswer, DatasetRequest, DatasetUpdate, JobError, OpenDataset,
+    BurstSource, ComparedPoses, DatasetAnswer, DatasetRequest, DatasetUpdate, JobAnswer, JobError, OpenDataset,
     PosesRequest, TrajectorySource,
 };
+use crate::inspect::words::counted;
 use std::path::PathBuf;
+
+/// A burst of at least this many frames is rather a film: nothing moves evenly for so long.
+const FILM_FRAMES: usize = 30;
 
 impl BurstscopeApp {
     /// Opens a dataset in the background; what is open stays until it is there.
@@ -63,10 +67,42 @@ impl BurstscopeApp {
         }
     }
 
+    /// Frames of each burst when the film that is open is cut with one click; `None` where there is nothing to cut.
+    pub(in crate::app) fn offered_cut(&self) -> Option<usize> {
+        let open = self.model.burst.as_ref()?;
+        let in_dataset = self.model.datasets.open.as_ref().is_some_and(|d| d.place_of(Some(open)).is_some());
+        let is_film = matches!(open.source, BurstSource::Paths(_)) && open.burst.len() >= FILM_FRAMES;
+        let asked = self.overlays.stays_whole == Some(open.id) || self.overlays.cut.is_some();
+        (is_film && !in_dataset && !asked).then(|| self.burst_length())
+    }
+
+    /// Cuts the film that is open into bursts of `length` frames, one after another, and opens them as a dataset.
+    pub(in crate::app) fn cut_open_burst(&mut self, length: usize) {
+        if let Some(open) = &self.model.burst
+            && let BurstSource::Paths(paths) = &open.source
+        {
+            self.open_dataset(DatasetSource { paths: paths.clone(), burst_length: Some(length), burst_step: None });
+        }
+    }
+
+    /// The film that is open is looked at as one burst: cutting it is not offered any more.
+    pub(in crate::app) fn keep_burst_whole(&mut self) {
+        self.overlays.stays_whole = self.model.burst.as_ref().map(|open| open.id);
+    }
+
     pub(in crate::app) fn close_dataset(&mut self) {
         self.engine.datasets.cancel();
         self.model.datasets = Default::default();
         self.thumbnails.clear();
+    }
+
+    /// Finds the features of all bursts; where that replaces features of other parameters, it asks first.
+    pub(in crate::app) fn ask_and_detect_all(&mut self) {
+        let params = self.model.asked();
+        match &self.model.datasets.open {
+            Some(dataset) if dataset.would_replace(&params) => self.overlays.replace_features = true,
+            _ => self.detect_all(),
+        }
     }
 
     pub(in crate::app) fn detect_all(&mut self) {
@@ -183,7 +219,10 @@ impl BurstscopeApp {
         }
     }
 
-    fn take_dataset_answer(&mut self, answer: Answer<DatasetAnswer>) {
+    fn take_dataset_answer(&mut self, answer: JobAnswer<DatasetAnswer>) {
+        if answer.is_superseded() {
+            return;
+        }
         let work = self.model.datasets.work.take();
         if let Some(dataset) = &mut self.model.datasets.open {
             dataset.stop();
@@ -199,10 +238,19 @@ impl BurstscopeApp {
             }
             Ok(DatasetAnswer::Detected) => self.say_what_was_found(answer.elapsed.as_secs_f64()),
             Ok(DatasetAnswer::Matched { left_out }) => self.say_what_matched(left_out, answer.elapsed.as_secs_f64()),
+            #[cfg(feature = "colmap")]
+            Ok(DatasetAnswer::Colmap(done)) => {
+                self.say_what_was_exported(&done);
+            }
             Err(JobError::Cancelled) => {
                 self.model.messages.note(format!("{title}: cancelled; what is done stays done"));
             }
             Err(error) => self.model.messages.error(title, error.to_string()),
+        }
+        // The states told of the folder that was written; those of the dataset's own are looked at again.
+        let own = self.model.datasets.open.as_ref().map(|d| (d.source.clone(), d.folder.clone()));
+        if let Some((source, folder)) = own.filter(|_| work == Some(Work::Exporting)) {
+            self.look_at_dataset(source, folder);
         }
     }
 
@@ -234,7 +282,11 @@ impl BurstscopeApp {
         let mut dataset = Dataset::new(open);
         dataset.restore_pair(restoring.unwrap_or_default());
         let (count, done) = (dataset.bursts.len(), dataset.counts().done);
-        self.model.messages.note(format!("Opened {}: {count} bursts, {done} of them done", dataset.source.label()));
+        self.model.messages.note(format!(
+            "Opened {}: {}, {done} of them done",
+            dataset.source.label(),
+            counted(count, "burst")
+        ));
         self.remember_dataset(&dataset.source);
         self.thumbnails.clear();
         let shown = dataset.place_of(self.model.burst.as_ref());
@@ -249,7 +301,11 @@ impl BurstscopeApp {
     fn say_what_was_found(&mut self, seconds: f64) {
         let Some(dataset) = &self.model.datasets.open else { return };
         let counts = dataset.counts();
-        let mut text = format!("{} bursts done in {seconds:.1} s: {} features", counts.done, counts.features);
+        let mut text = format!(
+            "{} done in {seconds:.1} s: {}",
+            counted(counts.done, "burst"),
+            counted(counts.features, "feature")
+        );
         if counts.failed > 0 {
             text += &format!("; {} failed, see the filmstrip", counts.failed);
         }
@@ -258,7 +314,7 @@ impl BurstscopeApp {
 
     fn say_what_matched(&mut self, left_out: usize, seconds: f64) {
         let Some(dataset) = &self.model.datasets.open else { return };
-        let mut text = format!("{} pairs matched in {seconds:.1} s", dataset.matches.len());
+        let mut text = format!("{} matched in {seconds:.1} s", counted(dataset.matches.len(), "pair"));
         if left_out > 0 {
             text += &format!("; {left_out} left out, whose bursts have no features yet");
         }
@@ -279,8 +335,11 @@ impl BurstscopeApp {
         self.engine.poses.submit(self.model.trajectories.request());
     }
 
-    pub(in crate::app) fn take_compared(&mut self, answer: Answer<ComparedPoses>) {
+    pub(in crate::app) fn take_compared(&mut self, answer: JobAnswer<ComparedPoses>) {
         const TITLE: &str = "Trajectories";
+        if answer.is_superseded() {
+            return;
+        }
         match answer.result {
             Ok(compared) => {
                 self.model.messages.resolved(TITLE);

@@ -7,7 +7,8 @@ use crate::app::session::PairSession;
 use crate::app::window::BurstscopeApp;
 use crate::detector::SearchParams;
 use crate::engine::{
-    Answer, BurstSource, DetectRequest, JobError, JobId, MatchRequest, OpenBurst, PairLane, PairUpdate, PatchesRequest,
+    BurstSource, DetectRequest, JobAnswer, JobError, JobId, MatchRequest, OpenBurst, PairJobs, PairUpdate,
+    PatchesRequest,
 };
 use egui::pos2;
 
@@ -53,7 +54,7 @@ impl BurstscopeApp {
 
     /// Closes the second burst.
     pub(in crate::app) fn close_second(&mut self) {
-        PairLane::ALL.into_iter().for_each(|lane| self.engine.pair().cancel(lane));
+        PairJobs::ALL.into_iter().for_each(|kind| self.engine.pair().cancel(kind));
         self.model.pair.b = Default::default();
         self.model.panes.close_side(Side::B);
         self.forget_closed_panes();
@@ -78,9 +79,12 @@ impl BurstscopeApp {
                 PairUpdate::Opened(answer) => self.take_opened_second(answer),
                 PairUpdate::Patches(answer) => match answer.result {
                     Ok(patches) => self.pair_panels.patches = Some(patches),
+                    Err(JobError::Superseded) => {}
                     Err(JobError::Cancelled) => self.pair_asked.patches = None,
                     Err(error) => self.model.messages.error("Patches", error.to_string()),
                 },
+                PairUpdate::Detected(answer) if answer.is_superseded() => {}
+                PairUpdate::Matched(answer) if answer.is_superseded() => {}
                 PairUpdate::Detected(answer) => {
                     let asked = self.pair_asked.detecting.take();
                     match answer.result {
@@ -110,9 +114,9 @@ impl BurstscopeApp {
             }
         }
         self.model.pair.busy = PairBusy {
-            opening: self.engine.pair().running(PairLane::Open),
-            detecting: self.engine.pair().running(PairLane::Detect),
-            matching: self.engine.pair().running(PairLane::Match),
+            opening: self.engine.pair().running(PairJobs::Open),
+            detecting: self.engine.pair().running(PairJobs::Detect),
+            matching: self.engine.pair().running(PairJobs::Match),
         };
     }
 
@@ -123,7 +127,7 @@ impl BurstscopeApp {
         }
     }
 
-    fn take_opened_second(&mut self, answer: Answer<OpenBurst>) {
+    fn take_opened_second(&mut self, answer: JobAnswer<OpenBurst>) {
         let session = match self.pair_asked.restoring.take() {
             Some((id, session, panes)) if id == answer.id => Some((session, panes)),
             other => {
@@ -133,8 +137,8 @@ impl BurstscopeApp {
         };
         match answer.result {
             Ok(mut burst) => {
-                self.engine.pair().cancel(PairLane::Detect);
-                self.engine.pair().cancel(PairLane::Match);
+                self.engine.pair().cancel(PairJobs::Detect);
+                self.engine.pair().cancel(PairJobs::Match);
                 self.remember(&mut burst);
                 self.model.messages.resolved("Open B");
                 self.model.messages.note(format!("Opened as B: {}", crate::app::jobs::burst::describe_burst(&burst)));
@@ -152,6 +156,7 @@ impl BurstscopeApp {
                     None => self.model.workspace = Workspace::Pair,
                 }
             }
+            Err(JobError::Superseded) => {}
             Err(JobError::Cancelled) => self.model.messages.note("Opening B cancelled"),
             Err(JobError::Several(bursts)) if session.is_none() => self.choose_among(bursts, Side::B),
             Err(error) => {
@@ -171,7 +176,7 @@ impl BurstscopeApp {
             let params = self.model.asked_of(Side::B);
             self.pair_asked.detecting = Some(params.clone());
             self.engine.pair().detect(DetectRequest { burst, params });
-            self.model.pair.busy.detecting = self.engine.pair().running(PairLane::Detect);
+            self.model.pair.busy.detecting = self.engine.pair().running(PairJobs::Detect);
         }
     }
 
@@ -180,7 +185,7 @@ impl BurstscopeApp {
         if let Some(wanted) = self.model.wanted_matches() {
             self.pair_asked.matching = Some(wanted.clone());
             self.engine.pair().match_features(wanted);
-            self.model.pair.busy.matching = self.engine.pair().running(PairLane::Match);
+            self.model.pair.busy.matching = self.engine.pair().running(PairJobs::Match);
         }
     }
 

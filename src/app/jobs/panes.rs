@@ -7,7 +7,7 @@ use crate::app::project::cursor::Cursor;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
-use crate::engine::{Answer as JobAnswer, JobError, Picture};
+use crate::engine::{JobAnswer, JobError, Picture};
 
 /// Where the before were at the beginning of a pass.
 pub(in crate::app) struct CursorsBefore {
@@ -78,6 +78,7 @@ impl BurstscopeApp {
                 self.asked.pictures.retain(|asked_id, asked| *asked_id != id || !asked.same_picture(&picture.request));
                 self.model.take_picture(id, picture);
             }
+            Err(JobError::Superseded) => {}
             Err(JobError::Cancelled) => {
                 self.asked.pictures.remove(&id);
             }

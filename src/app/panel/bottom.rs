@@ -23,20 +23,23 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
             .on_hover_text("The values along a line: draw one with Q");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Region, "Region")
             .on_hover_text("The values in a rectangle: draw one with Shift+Q");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Compared, "Compared")
+            .on_hover_text("What changed since a pinned result, what others found, what is really there");
         ui.separator();
         match model.bottom_tab {
             BottomTab::Table => crate::app::panel::filter_bar::filter_bar_ui(ui, model, queue),
             BottomTab::Tally => {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    crate::app::panel::tally::summary_ui(ui, model)
+                    crate::app::panel::tally::summary_ui(ui, model);
                 });
             }
             BottomTab::Noise => {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    crate::app::panel::noise::summary_ui(ui, model)
+                    crate::app::panel::noise::summary_ui(ui, model);
                 });
             }
             BottomTab::Profile | BottomTab::Region => {}
+            BottomTab::Compared => crate::app::panel::against::summary_ui(ui, model, queue),
         }
     });
     ui.separator();
@@ -49,6 +52,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         BottomTab::Noise => crate::app::panel::noise::noise_ui(ui, model),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
+        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets),
     }
 }
 

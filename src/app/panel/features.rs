@@ -1,7 +1,8 @@
 //! The features over the picture: drawn, pointed at, selected, and what their colours mean.
 
-use crate::app::canvas::{CanvasOutput, overlay};
+use crate::app::canvas::{CanvasOutput, overlay, signed_number};
 use crate::app::pane::PaneId;
+use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::picture::PictureState;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
@@ -87,6 +88,15 @@ pub fn features_ui(
 ) {
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
     let is_first = model.panes.get(id).is_some_and(|pane| pane.side == Side::A);
+    if let Some(shown) = model.shown_comparison().filter(|_| is_first).cloned() {
+        // Colours tell now what became of the features.
+        let picture = model.panes.get(id).and_then(|pane| pane.picture.clone());
+        marks_ui(ui, model, &shown, picture.as_ref(), output);
+        if options.legend && model.look.legend {
+            against::legend_ui(ui, model, &shown, output);
+        }
+        return;
+    }
     let scale = state.colour_scale(model.colour_by, &layer.detection);
     let pointer = output.pointer_ui.filter(|pos| is_first && output.painter.clip_rect().contains(*pos));
     let pointed =
@@ -168,12 +178,12 @@ fn near_slope(grid: &SlopeGrid) -> f32 {
 /// The numbers of the feature under the pointer.
 fn tip_ui(ui: &Ui, index: usize, f: &Feature) {
     let text = format!(
-        "#{}  σ {:.2} px\nslope ({:+.2}, {:+.2}) px/frame\nresponse {:+.4}  SNR {:.1}",
+        "#{}  σ {:.2} px\nslope ({:+.2}, {:+.2}) px/frame\nresponse {}  SNR {:.1}",
         index + 1,
         f.sigma,
         f.slope.u,
         f.slope.v,
-        f.response,
+        signed_number(f.response, 3),
         f.snr
     );
     let (id, anchor) = (egui::Id::unique("feature tip"), egui::PopupAnchor::Pointer);

@@ -1,5 +1,6 @@
 //! The pieces of a parameter's row: its name, the editors for each type of value, and the button that gives it its default.
 
+use crate::app::panel::widgets::hint;
 use crate::detector::params::{ParamDoc, ParamError};
 use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeChoice};
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
@@ -119,11 +120,11 @@ pub fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
     let step = axis.step();
     let tip = if step > 0.0 { format!("A step of {step:.3} px/frame") } else { "A single slope".to_owned() };
     let number = |value| DragValue::new(value).speed(0.05).max_decimals(2);
-    ui.add_sized(size, number(&mut axis.min)).labelled_by(label).on_hover_text(format!("Least slope. {tip}"));
+    hint(ui.add_sized(size, number(&mut axis.min)).labelled_by(label), format!("Least slope. {tip}"));
     ui.weak("…");
-    ui.add_sized(size, number(&mut axis.max)).labelled_by(label).on_hover_text(format!("Greatest slope. {tip}"));
+    hint(ui.add_sized(size, number(&mut axis.max)).labelled_by(label), format!("Greatest slope. {tip}"));
     let count = DragValue::new(&mut axis.count).speed(0.05).prefix("× ");
-    ui.add_sized(size, count).labelled_by(label).on_hover_text(format!("Number of slopes. {tip}"));
+    hint(ui.add_sized(size, count).labelled_by(label), format!("Number of slopes. {tip}"));
 }
 
 /// All frames, or a range of them.

@@ -1,6 +1,7 @@
 //! The selected feature: all its numbers, its patch where the burst agrees and where one frame shows it, its descriptor.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::canvas::signed_number;
 use crate::app::panel::descriptor::descriptor_ui;
 use crate::app::panel::patch::{PatchTexture, PatchView};
 use crate::app::panel::widgets::{number_row_ui, section_ui};
@@ -78,7 +79,7 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature) {
         row(
             "Response",
             "Interpolated DoG value; bright blobs are negative",
-            format!("{:+.5} of full scale", f.response),
+            format!("{} of full scale", signed_number(f.response, 4)),
         );
         row("SNR", "|response| over the noise in D", format!("{:.1}", f.snr));
         row("Octave, level", "Where in the scale space it was found", format!("{}, {}", f.octave, f.level));

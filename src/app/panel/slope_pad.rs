@@ -47,5 +47,8 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     let here = ui_from_slope(model.cursor().slope);
     painter.circle_stroke(here, 5.5, Stroke::new(2.0, ui.visuals().strong_text_color()));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Slope plane"));
-    response.on_hover_text("The slope plane: to the right is u, downwards v. Dots are the grid's slopes, larger where more features were found. Drag to scrub both.");
+    crate::app::panel::widgets::hint(
+        response,
+        "The slope plane: to the right is u, downwards v. Dots are the grid's slopes, larger where more features were found. Drag to scrub both.",
+    );
 }

@@ -15,6 +15,8 @@ pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
     fn heading(self) -> &'static str;
     /// What it holds, with its unit.
     fn help(self) -> &'static str;
+    /// Points that its numbers need; what is over is shared.
+    fn width(self) -> f32;
 }
 
 /// The items that a table lists, by their indices.
@@ -59,8 +61,10 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
             .sense(Sense::click())
             .cell_layout(Layout::left_to_right(Align::Center))
             .auto_shrink(false)
-            .column(TableColumn::exact(36.0))
-            .columns(TableColumn::remainder().at_least(47.0), C::COLUMNS.len() - 1);
+            .column(TableColumn::exact(C::COLUMNS.first().map_or(0.0, |first| first.width())));
+        for column in C::COLUMNS.iter().skip(1) {
+            table = table.column(TableColumn::remainder().at_least(column.width()));
+        }
         // Follow the selection when it was made elsewhere, and only then.
         if let Some(row) = selected_row.filter(|_| selected != scrolled_to) {
             table = table.scroll_to_row(row, None);

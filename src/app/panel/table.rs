@@ -18,6 +18,16 @@ impl SortedColumn for Column {
     fn help(self) -> &'static str {
         Self::help(self)
     }
+
+    fn width(self) -> f32 {
+        match self {
+            Self::Rank | Self::Sigma | Self::Octave => 34.0,
+            Self::Level | Self::AtSlopeLimit => 36.0,
+            Self::Orientation | Self::Snr => 40.0,
+            Self::U | Self::V | Self::SlopeU | Self::SlopeV => 46.0,
+            Self::Response => 64.0,
+        }
+    }
 }
 
 /// Draws the table.

@@ -19,8 +19,8 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
         NoiseGate::Factor(k) => format!("{k} σ"),
     };
     let text = format!(
-        "Frame noise {:.4} of full scale  ·  noise gate {gate}  ·  {} slopes  ·  octaves {} … {}",
-        detection.frame_noise,
+        "Frame noise {} of full scale  ·  noise gate {gate}  ·  {} slopes  ·  octaves {} … {}",
+        crate::app::canvas::number(detection.frame_noise, 3),
         detection.slopes.len(),
         detection.octaves.start,
         detection.octaves.end - 1,

@@ -1,11 +1,13 @@
 //! The toolbar: open, the kind of picture, detect.
 
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, tooltip};
+use crate::app::panel::widgets::progress_text;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair;
 use crate::app::project::workspace::Workspace;
 use crate::engine::Running;
+use crate::inspect::words::counted;
 use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
 /// Draws the toolbar.
@@ -48,11 +50,9 @@ fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some((who, running)) = activity(model) {
         button_ui(ui, model, queue, ActionId::Cancel, None);
-        let (fraction, stage) =
-            running.progress.map_or((0.0, "Starting".to_owned()), |p| (p.fraction, p.stage.to_string()));
-        let seconds = running.started.elapsed().as_secs_f32();
-        let text = format!("{who}{stage}  {:.0} %  {seconds:.1} s", 100.0 * fraction);
-        ui.add(ProgressBar::new(fraction).desired_width(210.0).text(text));
+        let fraction = running.progress.map_or(0.0, |p| p.fraction);
+        let text = format!("{who}{}", progress_text(&running));
+        ui.add(ProgressBar::new(fraction).desired_width(260.0).text(text));
         return;
     }
     let action = ActionId::Detect.action();
@@ -82,9 +82,8 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if in_pair {
         pair_found_ui(ui, model);
     } else if let Some(found) = &model.found {
-        let count = model.features().len();
-        let noun = if count == 1 { "feature" } else { "features" };
-        let text = format!("{count} {noun} in {:.2} s", found.elapsed.as_secs_f32());
+        let count = counted(model.features().len(), "feature");
+        let text = format!("{count} in {:.2} s", found.elapsed.as_secs_f32());
         let times = &found.detection.times;
         let stages = format!(
             "Noise {:.2} s, search {:.2} s, descriptors {:.2} s",
@@ -113,9 +112,11 @@ fn pair_found_ui(ui: &mut Ui, model: &Model) {
     if counts.is_empty() {
         return;
     }
-    let mut text = format!("{} features", counts.join(" + "));
+    let noun = if counts == ["1"] { "feature" } else { "features" };
+    let mut text = format!("{} {noun}", counts.join(" + "));
     if let Some(matches) = &model.pair.matches {
-        text += &format!(", {} matches in {:.2} s", matches.len(), matches.elapsed.as_secs_f32());
+        let noun = if matches.len() == 1 { "match" } else { "matches" };
+        text += &format!(", {} {noun} in {:.2} s", matches.len(), matches.elapsed.as_secs_f32());
     }
     ui.weak(text);
 }

@@ -1,7 +1,9 @@
 //! Small pieces that several panels are made of.
 
-use egui::{Color32, RichText, Sense, Stroke, Ui, WidgetText, pos2, vec2};
+use crate::engine::Running;
+use egui::{Color32, FontId, Galley, Painter, RichText, Sense, Stroke, Ui, WidgetText, pos2, vec2};
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 /// A part of a side panel with a heading that folds it.
 pub fn section_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) {
@@ -48,14 +50,13 @@ impl CursorRow<'_> {
                 if self.whole {
                     slider = slider.step_by(1.0);
                 }
-                let slider = ui.add(slider).labelled_by(label.id).on_hover_text(self.help);
+                let slider = hint(ui.add(slider).labelled_by(label.id), self.help);
                 marks_ui(ui, slider.rect, &span, self.marks);
                 let speed = if self.whole { 0.05 } else { f64::from(high - low) / 600.0 };
                 let mut field = egui::DragValue::new(value).range(span).speed(speed).suffix(self.suffix);
                 field = if self.whole { field.fixed_decimals(0) } else { field.fixed_decimals(2) };
-                ui.add_sized(vec2(VALUE_WIDTH, ui.spacing().interact_size.y), field)
-                    .labelled_by(label.id)
-                    .on_hover_text(self.help);
+                let field = ui.add_sized(vec2(VALUE_WIDTH, ui.spacing().interact_size.y), field);
+                hint(field.labelled_by(label.id), self.help);
             });
             if !enabled {
                 *value = low;
@@ -66,6 +67,51 @@ impl CursorRow<'_> {
         }
         *value != before
     }
+}
+
+/// A tooltip that goes away while its widget is dragged: it would lie over what is looked at, and over the next slider.
+pub fn hint(response: egui::Response, help: impl Into<WidgetText>) -> egui::Response {
+    if response.is_pointer_button_down_on() || response.dragged() { response } else { response.on_hover_text(help) }
+}
+
+/// How far a piece of work is: what is being done, how much of it, and how long it still takes.
+pub fn progress_text(running: &Running) -> String {
+    let Some(progress) = running.progress else { return "Starting".to_owned() };
+    let left = running.time_left().map_or_else(String::new, |left| format!("  {}", time_left_text(left)));
+    format!("{}  {:.0} %{left}", progress.stage, 100.0 * progress.fraction)
+}
+
+fn time_left_text(left: std::time::Duration) -> String {
+    match left.as_secs_f32() {
+        seconds if seconds < 60.0 => format!("about {:.0} s left", seconds.ceil().max(1.0)),
+        seconds => format!("about {:.0} min left", (seconds / 60.0).ceil()),
+    }
+}
+
+/// A text in one line of at most `width` points. Where it is longer its middle is left out: names of one dataset differ at
+/// their ends.
+pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color32, width: f32) -> Arc<Galley> {
+    let lay_out = |text: String| painter.layout_no_wrap(text, font.clone(), colour);
+    let whole = lay_out(text.to_owned());
+    if whole.size().x <= width {
+        return whole;
+    }
+    let letters: Vec<char> = text.chars().collect();
+    let shortened = |kept: usize| {
+        // The end has the larger half.
+        let (head, tail) = (kept / 2, kept - kept / 2);
+        letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect::<String>()
+    };
+    let (mut fits, mut too_many) = (0, letters.len());
+    while too_many - fits > 1 {
+        let kept = fits.midpoint(too_many);
+        if lay_out(shortened(kept)).size().x <= width {
+            fits = kept;
+        } else {
+            too_many = kept;
+        }
+    }
+    lay_out(shortened(fits))
 }
 
 /// A label of fixed width, so that what follows is aligned.
@@ -117,4 +163,40 @@ pub fn name_field(response: &egui::Response, name: &str, text: &str) {
         label: Some(name.to_owned()),
         ..egui::WidgetInfo::text_edit(response.enabled(), text, text, name)
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::JobId;
+    use crate::monitor::{Progress, Stage};
+    use std::time::Duration;
+
+    #[test]
+    fn the_time_left_is_said_as_such() {
+        assert_eq!(time_left_text(Duration::from_millis(3400)), "about 4 s left");
+        assert_eq!(time_left_text(Duration::from_millis(10)), "about 1 s left");
+        assert_eq!(time_left_text(Duration::from_secs(61)), "about 2 min left");
+        let started = std::time::Instant::now() - Duration::from_secs(10);
+        let at = |fraction| Running {
+            id: JobId::default(),
+            started,
+            progress: Some(Progress { stage: Stage::Describe, fraction }),
+        };
+        assert_eq!(progress_text(&at(0.5)), "Describing features  50 %  about 11 s left");
+        assert_eq!(progress_text(&at(0.01)), "Describing features  1 %", "too early to say");
+    }
+
+    #[test]
+    fn long_names_keep_both_ends() {
+        let ctx = egui::Context::default();
+        let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+            let font = FontId::proportional(11.0);
+            let elided = |name: &str| middle_elided(ui.painter(), name, &font, Color32::WHITE, 60.0);
+            assert_eq!(elided("night").text(), "night");
+            let [a, b] = ["burst_of_the_night_0012", "burst_of_the_night_0013"].map(elided);
+            assert!(a.size().x <= 60.0 && a.text().starts_with('b') && a.text().contains('…'), "{}", a.text());
+            assert!(a.text() != b.text() && a.text().ends_with("12"), "{} {}", a.text(), b.text());
+        });
+    }
 }

@@ -1,5 +1,6 @@
 //! Which features are shown, and in which order the table lists them.
 
+use crate::app::canvas::signed_number;
 use crate::app::project::order::Order;
 use crate::detector::Feature;
 use serde::{Deserialize, Serialize};
@@ -55,7 +56,7 @@ impl Filter {
     }
 }
 
-/// The columns of the table, which are those of the csv.
+/// The columns of the table, which are those of the csv; what is looked at most comes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Column {
@@ -93,11 +94,11 @@ impl Column {
         Self::U,
         Self::V,
         Self::Sigma,
-        Self::Orientation,
         Self::SlopeU,
         Self::SlopeV,
-        Self::Response,
         Self::Snr,
+        Self::Response,
+        Self::Orientation,
         Self::Octave,
         Self::Level,
         Self::AtSlopeLimit,
@@ -167,7 +168,7 @@ impl Column {
             Self::Orientation => format!("{:.0}°", feature.orientation.to_degrees()),
             Self::SlopeU => format!("{:+.2}", feature.slope.u),
             Self::SlopeV => format!("{:+.2}", feature.slope.v),
-            Self::Response => format!("{:+.4}", feature.response),
+            Self::Response => signed_number(feature.response, 3),
             Self::Snr => format!("{:.1}", feature.snr),
             Self::Octave => feature.octave.to_string(),
             Self::Level => feature.level.to_string(),
@@ -228,6 +229,12 @@ mod tests {
         assert_eq!(listed(&features, &filter, slope, Order::default()), [1]);
         let near = Filter { near_slope: Some(0.5), ..Filter::default() };
         assert_eq!(listed(&features, &near, slope, Order::default()), [0]);
+    }
+
+    #[test]
+    fn a_response_of_a_dark_burst_is_not_nought() {
+        let dark = Feature { response: -0.000_021_7, ..feature(5.0, 2.0, 3.0) };
+        assert_eq!(Column::Response.text(0, &dark), "−2.17e−5");
     }
 
     #[test]

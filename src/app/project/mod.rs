@@ -3,11 +3,13 @@
 //! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what is wanted with
 //! what is there and asks the engine for the difference.
 
+pub mod against;
 mod checking;
 pub mod compare;
 pub mod cursor;
 pub mod filter;
 mod found;
+pub mod history;
 mod listing;
 pub mod look;
 pub mod messages;
@@ -15,6 +17,7 @@ pub mod order;
 pub mod pair;
 mod pictures;
 pub mod probe;
+pub mod side;
 pub mod workspace;
 
 pub use found::{Found, SavedSelection, Stale};
@@ -22,9 +25,9 @@ pub use found::{Found, SavedSelection, Stale};
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::dataset::{Datasets, Trajectories};
 use crate::app::figure::FigureChoice;
-use crate::app::history::History;
 use crate::app::measure::Measure;
 use crate::app::pane::Panes;
+use crate::app::project::history::History;
 use crate::detector::{DetectorParams, ParamError, SearchParams, SlopeChoice};
 use crate::engine::{OpenBurst, Picture, Running};
 use compare::Compare;
@@ -72,6 +75,8 @@ pub enum BottomTab {
     Profile,
     /// The values in a rectangle.
     Region,
+    /// The features beside others.
+    Compared,
 }
 
 /// What the engine is doing, as of this pass.
@@ -136,6 +141,8 @@ pub struct Model {
     pub pair: Pair,
     /// Several methods on the same burst.
     pub compare: Compare,
+    /// The features of the burst beside others.
+    pub against: against::Against,
     /// Errors and the last note.
     pub messages: Messages,
     /// What figures show.

@@ -135,7 +135,8 @@ fn header_ui(ui: &mut Ui, model: &Model) {
     let verified = matches.listed().iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count();
     ui.horizontal(|ui| {
         ui.label(RichText::new(format!("Matches of {}", dataset.source.label())).strong());
-        let text = format!("{} pairs matched, {verified} of them verified", matches.len());
+        let text =
+            format!("{} matched, {verified} of them verified", crate::inspect::words::counted(matches.len(), "pair"));
         ui.add(Label::new(RichText::new(text).weak()).truncate());
     });
     ui.horizontal(|ui| matrix::legend_ui(ui, matches.strongest()));

@@ -1,11 +1,13 @@
 //! Localising and describing the keypoints of an octave, in parallel.
 
 pub mod descriptor;
+pub(super) mod octave_inputs;
 pub(super) mod patch;
 pub(super) mod point_response;
 pub(super) mod two_motions;
 
 use crate::detector::describe::descriptor::{DescriptorScratch, descriptor, descriptor_radius};
+use crate::detector::describe::octave_inputs::Describing;
 use crate::detector::describe::patch::around;
 use crate::detector::feature::{Descriptor, Feature};
 use crate::detector::keypoint::Keypoint;
@@ -13,46 +15,18 @@ use crate::detector::localise::LocateScratch;
 use crate::detector::localise::place::{FARTHEST_MOVE_PX, kernel_reach, rim_radius};
 use crate::detector::localise::scale;
 use crate::detector::orient::{OrientationScratch, orientations};
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
-use crate::detector::params::{DetectorParams, SlopeExtrema};
-use crate::detector::scale_space::levels::{ScaleSpace, octave_pixel};
-use crate::detector::scale_space::octave::Base;
+use crate::detector::params::SlopeExtrema;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::levels::octave_pixel;
 use crate::detector::stack::refined::OctaveFrames;
 use crate::kernel::blur_patch::BlurScratch;
+use crate::kernel::machine::{KEYPOINTS_TOGETHER as TOGETHER, STRIP_COLUMNS};
 use crate::kernel::offset::FrameOffset;
 use crate::kernel::patch::{Patch, PatchScratch};
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::Cancelled;
 use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use rayon::prelude::*;
-
-/// What is needed to describe the keypoints of one octave.
-pub(super) struct Describing<'a> {
-    /// Where the octave's first level at a slope of the grid comes from.
-    pub base: &'a (dyn Fn(usize) -> Base<'a> + Sync),
-    /// The same for the octave before; the first octave has none.
-    pub finer: Option<&'a (dyn Fn(usize) -> Base<'a> + Sync)>,
-    /// Where the frames are read at each slope of the grid.
-    pub offsets: &'a [Vec<FrameOffset>],
-    /// The octave.
-    pub octave: i32,
-    /// Its size.
-    pub size: (usize, usize),
-    /// The image's size.
-    pub size_image: (usize, usize),
-    /// The slopes searched.
-    pub grid: SlopeGrid,
-    /// The scales searched.
-    pub space: &'a ScaleSpace,
-    /// The detection's parameters.
-    pub params: &'a DetectorParams,
-    /// The octave's frames, where features are described at their own slope.
-    pub own_slopes: Option<&'a OctaveFrames<'a>>,
-    /// Tells of a cancel.
-    pub monitor: &'a Monitor,
-    /// Told how many more keypoints are described.
-    pub described: &'a (dyn Fn(usize) + Sync),
-}
 
 /// A feature is described at its own slope where the grid's one moves the outermost frame by more than this many σ; a
 /// smaller smear hardly widens it. Chosen, not tuned.
@@ -62,12 +36,6 @@ const MISALIGNED_SIGMAS: f32 = 0.1;
 pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
     px > MISALIGNED_SIGMAS * sigma_px
 }
-
-/// Keypoints are described in strips of this many columns, each from top to bottom: what their patches share of the
-/// frames is then still in the cache.
-const STRIP_COLUMNS: f32 = 200.0;
-/// Keypoints that one thread describes in a row.
-const TOGETHER: usize = 32;
 
 /// Space that a thread reuses from keypoint to keypoint.
 #[derive(Default)]

@@ -3,7 +3,7 @@
 pub mod place;
 pub mod scale;
 
-use crate::detector::describe::Describing;
+use crate::detector::describe::octave_inputs::Describing;
 use crate::detector::describe::patch::around;
 use crate::detector::keypoint::Keypoint;
 use crate::detector::localise::place::{FARTHEST_MOVE_PX, Neighbours, kernel_reach, place, rim_radius, slope_steps};

@@ -1,13 +1,15 @@
 //! What follows the search: of keypoints on one blob the strongest stays, and those that stay are localised and
 //! described.
 
+use crate::detector::describe::octave_inputs::Describing;
 use crate::detector::describe::two_motions::{FramesOfOctaves, Motions};
-use crate::detector::describe::{self, Described, Describing};
+use crate::detector::describe::{self, Described};
 use crate::detector::distinct::{self, Blob};
 use crate::detector::keypoint::Keypoint;
 use crate::detector::params::{DescribeSlope, Distinct};
 use crate::detector::scale_space::levels::octave_size;
-use crate::detector::search::octaves::{SEARCH_PART, Search};
+use crate::detector::search::octaves::SEARCH_PART;
+use crate::detector::search::setup::Search;
 use crate::monitor::{Cancelled, Stage};
 use crate::plane::Plane;
 use std::ops::Range;

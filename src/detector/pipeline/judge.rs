@@ -11,7 +11,7 @@ use crate::detector::params::SlopeNeighbours;
 use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
 use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
-use crate::detector::search::octaves::{HELD, Search};
+use crate::detector::search::setup::{HELD, Search};
 use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
 use crate::kernel::gaussian_bank::FilterScratch;
 use crate::monitor::{Cancelled, Monitor};

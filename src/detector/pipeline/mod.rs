@@ -21,7 +21,8 @@ use crate::burst::Burst;
 use crate::detector::describe::Described;
 use crate::detector::describe::two_motions::FramesOfOctaves;
 use crate::detector::search::inputs::Inputs;
-use crate::detector::search::octaves::{Search, Searched};
+use crate::detector::search::octaves::Searched;
+use crate::detector::search::setup::Search;
 use crate::monitor::{Monitor, Stage};
 use std::time::Instant;
 

@@ -15,7 +15,7 @@ use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Distinct};
 use crate::detector::scale_space::levels::{ScaleSpace, octave_size};
 use crate::detector::search::inputs::Inputs;
-use crate::detector::search::octaves::Search;
+use crate::detector::search::setup::Search;
 use crate::detector::stack::offsets::coverage;
 use crate::kernel::offset::FrameOffset;
 use crate::monitor::Monitor;

@@ -6,5 +6,6 @@
 pub mod extrema;
 pub(super) mod inputs;
 pub(super) mod octaves;
+pub(super) mod setup;
 pub mod slope_window;
 pub mod tile;

@@ -7,62 +7,21 @@
 
 use crate::detector::feature::Tally;
 use crate::detector::keypoint::Keypoint;
-use crate::detector::noise::gate::gate_factor;
-use crate::detector::noise_model::NoiseModel;
-use crate::detector::params::DetectorParams;
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
-use crate::detector::refine::MAX_MOVES;
-use crate::detector::scale_space::levels::{ScaleSpace, octave_size};
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::levels::octave_size;
 use crate::detector::scale_space::octave::{Base, OctaveFilters};
-use crate::detector::search::inputs::Inputs;
+use crate::detector::search::setup::{HELD, Search, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
-use crate::detector::search::tile::{Octave, TileScratch};
-use crate::detector::stack::offsets::{FrameTimes, frame_offsets};
-use crate::kernel::gaussian_bank::{FilterBank, FilterScratch};
+use crate::detector::search::tile::Octave;
+use crate::kernel::gaussian_bank::FilterScratch;
+use crate::kernel::machine::{STACKED_SLOPES, TILE_COLUMNS, TILE_ROWS, WINDOW_BYTES, WINDOWS_BYTES};
 use crate::kernel::offset::FrameOffset;
-use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::monitor::{Cancelled, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Bytes of DoG tiles that the threads' windows of slopes may hold together.
-const WINDOWS_BYTES: usize = 128 << 20;
-/// Bytes that one of them holds at most: as much as stays in a thread's share of the third cache. Fewer rows than that
-/// repeat too much of what the filters need around a tile.
-const WINDOW_BYTES: usize = 6 << 20;
-/// Columns of a tile. With those held around it for the moves of the refinement it is five blocks of vectors wide, and
-/// what lies between the two passes of its filters stays in the second cache.
-const TILE_COLUMNS: usize = 148;
-/// Rows of a tile where the window does not ask for fewer: enough that the rows its filters need around it matter
-/// little.
-const TILE_ROWS: usize = 548;
-/// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the
-/// mixing of rows.
-const STACKED_SLOPES: usize = 16;
-/// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
-pub(crate) const HELD: usize = MAX_MOVES + 1;
-
-/// What does not change during a detection.
-pub(crate) struct Search<'a> {
-    pub(crate) frames: &'a [&'a Plane],
-    pub(crate) times: &'a FrameTimes,
-    pub(crate) size_image: (usize, usize),
-    pub(crate) grid: SlopeGrid,
-    /// For each slope, where its frames are read.
-    pub(crate) offsets: Vec<Vec<FrameOffset>>,
-    pub(crate) space: ScaleSpace,
-    /// The filters of the first octave and of the later ones.
-    pub(crate) banks: (FilterBank, FilterBank),
-    pub(crate) params: &'a DetectorParams,
-    pub(crate) noise: &'a NoiseModel,
-    pub(crate) gate_factor: f32,
-    pub(crate) monitor: &'a Monitor,
-    /// Space that no thread is using.
-    pub(crate) unused: Mutex<Vec<TileScratch>>,
-}
 
 /// What the search leaves.
 pub(crate) struct Searched {
@@ -74,29 +33,6 @@ pub(crate) struct Searched {
 
 /// The part of a detection's time that the search takes, about; describing takes the rest.
 pub(crate) const SEARCH_PART: f32 = 0.7;
-
-impl<'a> Search<'a> {
-    /// Of the `frames` of `inputs`.
-    pub(crate) fn new(inputs: &'a Inputs, frames: &'a [&'a Plane], monitor: &'a Monitor) -> Self {
-        let Inputs { times, size_image, space, params, noise, .. } = inputs;
-        let grid = params.used_slopes();
-        let offsets = |slope| times.of(frame_offsets(times.frame_count, slope, params.interpolation));
-        Self {
-            frames,
-            times,
-            size_image: *size_image,
-            grid,
-            offsets: grid.slopes().map(offsets).collect(),
-            banks: (space.bank(true, space.all_levels()), space.bank(false, space.all_levels())),
-            space: space.clone(),
-            params,
-            noise,
-            gate_factor: gate_factor(params),
-            monitor,
-            unused: Mutex::new(Vec::new()),
-        }
-    }
-}
 
 impl Search<'_> {
     /// Searches all octaves.

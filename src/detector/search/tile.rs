@@ -1,5 +1,6 @@
 //! The search of one tile over all slopes, and what becomes of its candidates.
 
+use super::setup::{HELD, Search, TileScratch};
 use crate::detector::feature::Tally;
 use crate::detector::keypoint::Keypoint;
 use crate::detector::params::slope_grid::Slope;
@@ -7,10 +8,8 @@ use crate::detector::refine::{Limits, Refined, refine};
 use crate::detector::scale_space::levels::octave_pixel;
 use crate::detector::scale_space::octave::{OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
-use crate::detector::search::octaves::{HELD, Search};
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::offsets::coverage;
-use crate::kernel::gaussian_bank::FilterScratch;
 use crate::monitor::Cancelled;
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
@@ -28,15 +27,6 @@ pub(crate) struct Octave<'a> {
     pub(crate) filters: OctaveFilters,
     /// σ_D by DoG level index and slope, where the noise is least.
     pub(crate) sigma_d: Vec<Vec<f32>>,
-}
-
-/// Space that a thread reuses from tile to tile.
-pub(crate) struct TileScratch {
-    pub(crate) stacked: Vec<Tile>,
-    pub(crate) filter: FilterScratch,
-    /// The level from which the next octave starts.
-    pub(crate) next: Tile,
-    pub(in crate::detector) window: SlopeWindow,
 }
 
 impl Search<'_> {

@@ -13,7 +13,6 @@
 mod evidence;
 mod finding;
 mod grid;
-mod pairs;
 mod peak;
 mod pyramid;
 mod spectra;

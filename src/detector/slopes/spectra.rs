@@ -5,7 +5,7 @@
 //! t + k; products of the same lag k are added up. A frame is never multiplied by itself, so that the frames' own
 //! noise, which differs from frame to frame, adds nothing on average.
 
-use super::pairs::add_products;
+use crate::kernel::conjugate_products::add_conjugate_products;
 use crate::plane::Plane;
 use rustfft::num_complex::Complex32;
 use rustfft::{Fft, FftPlanner};
@@ -32,6 +32,11 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
+    /// Adds conj(a)·b.
+    fn add_product(&mut self, a: &Self, b: &Self) {
+        add_conjugate_products((&a.re, &a.im), (&b.re, &b.im), &mut self.re, &mut self.im);
+    }
+
     fn zeros() -> Self {
         Self { re: vec![0.0; HALF], im: vec![0.0; HALF] }
     }
@@ -147,13 +152,13 @@ impl Fourier {
         for k in 1..=out.lags.len() {
             let mut variance = 0.0;
             for t in 0..frames.len() - k {
-                add_products(&scratch.frames[t], &scratch.frames[t + k], &mut out.lags[k - 1]);
+                out.lags[k - 1].add_product(&scratch.frames[t], &scratch.frames[t + k]);
                 variance += whole_sum_of_products(&scratch.energy[t], &scratch.energy[t + k]);
             }
             out.variance[k - 1] = variance / (AREA * AREA) as f64;
         }
         for (t, pair) in out.neighbours.iter_mut().enumerate() {
-            add_products(&scratch.frames[t], &scratch.frames[t + 1], pair);
+            pair.add_product(&scratch.frames[t], &scratch.frames[t + 1]);
         }
         out
     }

@@ -5,16 +5,11 @@ use crate::kernel::gaussian_bank::edge::{Axis, Section};
 use crate::kernel::gaussian_bank::horizontal::{Blocks, Packed, convolve_row, edge_columns, packed};
 use crate::kernel::gaussian_bank::lanes::{BLOCK, whole_blocks};
 use crate::kernel::gaussian_bank::vertical::{Sink, edge_rows, inner_rows};
+use crate::kernel::machine::{BATCH_ROWS, MAX_LEVEL_ROWS};
 use crate::plane::aligned::Aligned;
 use crate::plane::tile::{Region, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
-
-/// Rows that are finished before the next ones are begun: few enough that what lies between the passes stays in the
-/// second cache.
-const BATCH_ROWS: usize = 112;
-/// Most rows of one level that are made at once.
-const MAX_ROWS: usize = 8;
 
 /// Where a tile's pixels come from.
 pub trait Lines {
@@ -176,7 +171,7 @@ impl<L: Lines + ?Sized> Job<'_, L> {
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>) {
         // As many rows as there are registers for.
-        let max = if S::F32_LANES >= 16 { MAX_ROWS } else { MAX_ROWS / 2 };
+        let max = if S::F32_LANES >= 16 { MAX_LEVEL_ROWS } else { MAX_LEVEL_ROWS / 2 };
         for block in (0..self.stride).step_by(BLOCK) {
             for index in 0..self.along_v.levels.len() {
                 for (section, part) in self.along_v.levels[index].sections(batch, self.along_v.n) {

@@ -1,12 +1,7 @@
 //! Loads and stores of one vector at any place of a row.
 
+pub(crate) use crate::kernel::machine::{BLOCK_COLUMNS as BLOCK, WIDEST_VECTOR as VECTOR};
 use pulp::Simd;
-
-/// Columns that are made together: two vectors of the widest kind, a whole number of any kind.
-pub(crate) const BLOCK: usize = 32;
-
-/// Values of the widest kind of vector.
-pub(crate) const VECTOR: usize = 16;
 
 /// `n` rounded up to whole blocks.
 pub(crate) fn whole_blocks(n: usize) -> usize {

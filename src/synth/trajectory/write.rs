@@ -2,8 +2,9 @@
 
 use super::Trajectory;
 use crate::monitor::{Monitor, Stage};
+use crate::synth::folder::WriteBurstError;
 use crate::synth::folder::{io, write_folder};
-use crate::synth::write::{WriteBurstError, frame_name, write_frame};
+use crate::synth::write::{frame_name, write_frame};
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -42,11 +42,13 @@ impl Layout {
         }
     }
 
-    /// The one after it.
+    /// The one after it; the rows of matches only where there is a second burst.
     #[must_use]
-    pub fn next(self) -> Self {
+    pub fn next(self, has_second: bool) -> Self {
+        let there = |layout: &&Self| has_second || **layout != Self::Matches;
         let place = Self::ALL.iter().position(|l| *l == self).unwrap_or(0);
-        Self::ALL[(place + 1) % Self::ALL.len()]
+        let after = Self::ALL.iter().cycle().skip(place + 1).find(there);
+        after.copied().unwrap_or_default()
     }
 }
 

@@ -114,5 +114,6 @@ fn the_look_from_a_file_makes_sense() {
     };
     let look = look.sanitised();
     assert_eq!((look.methods.as_slice(), look.wipe), ([Contender::Sift, Contender::Gold].as_slice(), 0.5));
-    assert_eq!(Layout::Matches.next(), Layout::Panes);
+    assert_eq!(Layout::Matches.next(true), Layout::Panes);
+    assert_eq!((Layout::Flip.next(true), Layout::Flip.next(false)), (Layout::Matches, Layout::Panes));
 }

@@ -1,7 +1,7 @@
 //! Which methods are compared, and how they are laid beside one another.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::section_ui;
+use crate::app::panel::widgets::{progress_text, section_ui};
 use crate::app::project::Model;
 use crate::app::project::compare::{Contender, Layout};
 use crate::app::project::pair::Side;
@@ -18,9 +18,9 @@ pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ui.checkbox(&mut model.compare.look.features, "Features").on_hover_text("Draw what each method found  (O)");
         gold_ui(ui, model, queue);
         if let Some(busy) = model.compare.busy {
-            let (fraction, stage) =
-                busy.running.progress.map_or((0.0, "Starting".to_owned()), |p| (p.fraction, p.stage.to_string()));
-            ui.add(ProgressBar::new(fraction).text(format!("{}: {stage}", busy.method.label())));
+            let fraction = busy.running.progress.map_or(0.0, |p| p.fraction);
+            let text = format!("{}: {}", busy.method.label(), progress_text(&busy.running));
+            ui.add(ProgressBar::new(fraction).text(text));
             button_ui(ui, model, queue, ActionId::Cancel, None);
         } else if Contender::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));

@@ -150,7 +150,7 @@ pub fn features_ui(ui: &Ui, model: &Model, method: Contender, side: Side, output
 pub fn label_ui(ui: &Ui, output: &CanvasOutput, model: &Model, (method, side): (Contender, Side), corner: Align2) {
     let count = model.method_found(method, side).map_or_else(
         || if model.compare.problem(method).is_some() { "not searched".to_owned() } else { "…".to_owned() },
-        |found| format!("{} features", found.detection.features.len()),
+        |found| crate::inspect::words::counted(found.detection.features.len(), "feature"),
     );
     chip_ui(ui, output, corner, &format!("{}  ·  {count}", method.label()), (method, side, corner));
 }

@@ -53,6 +53,15 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, outputs: &[CanvasOutput; 2], queue: 
         if output.response.clicked() {
             model.pair.selected = pointed;
             model.pair.active = side;
+            // Where there is no line, a feature of A can be asked about.
+            model.pair.lost.selected = None;
+            if pointed.is_none() && side == Side::A {
+                let feature = output
+                    .response
+                    .interact_pointer_pos()
+                    .and_then(|pos| feature_of_a(&matches, shifts[0], output, pos));
+                model.ask_feature(feature);
+            }
         }
     }
     menus_ui(ui, model, &matches, outputs, pointed, queue);
@@ -60,6 +69,12 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, outputs: &[CanvasOutput; 2], queue: 
         tip_ui(ui, &row);
     }
     pointer.map(|_| pointed)
+}
+
+/// The feature of A at `pos`, in points.
+fn feature_of_a(matches: &Matches, shift: f32, output: &CanvasOutput, pos: Pos2) -> Option<usize> {
+    let placed: Vec<Feature> = matches.detection(Side::A).features.iter().map(|f| at_time(f, shift)).collect();
+    overlay::feature_at(&placed, None, output.ui_from_image, pos)
 }
 
 /// What a click with the second button on a line shows.

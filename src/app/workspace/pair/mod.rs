@@ -4,16 +4,19 @@
 mod detail;
 mod empty;
 mod lines;
+mod lost_table;
 mod numbers;
 mod panes;
 pub mod parameters;
 mod sides;
 mod switches;
 mod table;
+mod why;
 
 use crate::app::actions::Queue;
 use crate::app::panel;
 use crate::app::panel::patch::PatchTexture;
+use crate::app::project::pair::PATCHES;
 use crate::app::window::BurstscopeApp;
 use crate::app::workspace::{bottom_frame, side_frame, side_width};
 use crate::engine::Patches;
@@ -27,6 +30,7 @@ pub struct PairPanels {
     /// The pictures from which the patches are cut.
     pub patches: Option<Patches>,
     patch_textures: [PatchTexture; 2],
+    candidate_textures: [PatchTexture; PATCHES + 1],
     /// The camera as it is being typed.
     pub camera_text: parameters::CameraText,
 }
@@ -50,6 +54,7 @@ pub fn pair_workspace_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut
                 switches::switches_ui(ui, &mut app.model);
                 let (patches, textures) = (app.pair_panels.patches.as_ref(), &mut app.pair_panels.patch_textures);
                 detail::detail_ui(ui, &app.model, patches, textures, queue);
+                why::why_ui(ui, &app.model, &mut app.pair_panels.candidate_textures, queue);
                 panel::display::ranges_ui(ui, &mut app.model, &mut app.widgets);
             });
         });
@@ -64,7 +69,12 @@ pub fn pair_workspace_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut
             .show(ui, |ui| {
                 numbers::numbers_ui(ui, &app.model);
                 ui.separator();
-                in_table = table::table_ui(ui, &mut app.model, queue);
+                lost_table::switch_ui(ui, &mut app.model);
+                if app.model.pair.lost.listed {
+                    lost_table::lost_table_ui(ui, &mut app.model);
+                } else {
+                    in_table = table::table_ui(ui, &mut app.model, queue);
+                }
             });
     }
     // What is between the two pictures.

@@ -7,7 +7,7 @@ use egui::{Label, RichText, Ui};
 
 /// Draws the line.
 pub fn numbers_ui(ui: &mut Ui, model: &Model) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let Some(matches) = &model.pair.matches else {
             ui.add(Label::new(RichText::new(missing(model)).weak()).truncate());
             return;

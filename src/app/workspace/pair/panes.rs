@@ -13,6 +13,7 @@ use crate::app::style;
 use crate::app::window::BurstscopeApp;
 use crate::app::workspace::pair::empty::empty_ui;
 use crate::app::workspace::pair::lines::lines_ui;
+use crate::app::workspace::pair::why::marks_ui;
 use egui::{Align, Frame, Label, Layout, Margin, Rect, RichText, Ui, UiBuilder, pos2};
 
 /// Points between the two panes.
@@ -49,7 +50,9 @@ pub fn panes_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Queue) -> Opti
             features_ui(model, side, output);
         }
     }
-    lines_ui(ui, model, &outputs, queue)
+    let pointed = lines_ui(ui, model, &outputs, queue);
+    marks_ui(model, &outputs);
+    pointed
 }
 
 fn in_rect<T>(ui: &mut Ui, rect: Rect, draw: impl FnOnce(&mut Ui) -> T) -> T {

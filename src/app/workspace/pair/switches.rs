@@ -30,7 +30,7 @@ pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
             let label = crate::app::panel::widgets::label_ui(ui, "Opacity", 52.0);
             ui.spacing_mut().slider_width = (ui.available_width() - 16.0).max(40.0);
             let slider = egui::Slider::new(&mut look.opacity, 0.05..=1.0).show_value(false);
-            ui.add(slider).labelled_by(label.id).on_hover_text("How strongly the lines are drawn");
+            crate::app::panel::widgets::hint(ui.add(slider).labelled_by(label.id), "How strongly the lines are drawn");
         });
         let boxes = [
             (&mut look.alone, "Selected alone", "Draw the selected match alone, without the others  (X)"),

@@ -18,6 +18,10 @@ impl SortedColumn for MatchColumn {
     fn help(self) -> &'static str {
         Self::help(self)
     }
+
+    fn width(self) -> f32 {
+        if self == Self::Number { 36.0 } else { 47.0 }
+    }
 }
 
 /// What can be done with one match; answers whether it is to be gone to.

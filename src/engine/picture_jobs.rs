@@ -1,15 +1,20 @@
-//! Lanes that make pictures and keep them: what is still in the cache is answered at once.
+//! Making pictures and keeping them: what is still in the cache is answered at once.
 
 use super::cache::PictureCache;
 use super::fault::JobError;
-use super::keyed::KeyedLane;
-use super::lane::{JobId, Lane};
+use super::jobs::Jobs;
 use super::picture::{Picture, PictureRequest};
-use super::{OnUpdate, PICTURE_GRACE};
+use super::queue::{JobId, JobQueue, Priority};
+
 use crate::monitor::Monitor;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-/// The cache that all lanes of an engine share. Cheap to clone.
+/// A picture that the next one supersedes may still finish and be shown within this time, so that the picture follows
+/// the slider; one that takes longer is cancelled, so that what is wanted now does not wait for it.
+pub(super) const PICTURE_GRACE: Duration = Duration::from_millis(250);
+
+/// The cache that all pictures of an engine share. Cheap to clone.
 #[derive(Debug, Clone)]
 pub(super) struct SharedCache(Arc<Mutex<PictureCache>>);
 
@@ -41,54 +46,28 @@ impl SharedCache {
     }
 }
 
-/// One picture at a time, the latest that was asked for.
-pub(super) struct PictureLane {
-    pub(super) lane: Lane<PictureRequest, Picture>,
-    cache: SharedCache,
-}
-
-impl PictureLane {
-    pub(super) fn new(name: &str, cache: &SharedCache, on_update: OnUpdate) -> Self {
-        let its = cache.clone();
-        let lane = Lane::new(name, PICTURE_GRACE, on_update, move |request: PictureRequest, monitor| {
-            its.get_or_make(&request, monitor)
-        });
-        Self { lane, cache: cache.clone() }
-    }
-
-    pub(super) fn request(&self, request: PictureRequest) -> JobId {
-        let hit = self.cache.lock().get(&request);
-        match hit {
-            Some(picture) => self.lane.publish(picture),
-            None => self.lane.submit(request),
-        }
-    }
-}
-
 /// Who wants a picture: each pane has a number of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PictureSlot(pub u32);
 
-/// The pictures of many panes, of each the latest that was asked for.
-pub(super) struct PictureBoard {
-    pub(super) lane: KeyedLane<PictureSlot, PictureRequest, Picture>,
+/// The pictures of all who want one, of each the latest that was asked for.
+pub(super) struct PictureJobs {
+    pub(super) jobs: Jobs<PictureRequest, Picture>,
     cache: SharedCache,
 }
 
-impl PictureBoard {
-    pub(super) fn new(cache: &SharedCache, on_update: OnUpdate) -> Self {
+impl PictureJobs {
+    pub(super) fn new(queue: &Arc<JobQueue>, cache: &SharedCache) -> Self {
         let its = cache.clone();
-        let lane = KeyedLane::new("picture", PICTURE_GRACE, on_update, move |request: PictureRequest, monitor| {
-            its.get_or_make(&request, monitor)
-        });
-        Self { lane, cache: cache.clone() }
+        let make = move |request: PictureRequest, monitor: &Monitor| its.get_or_make(&request, monitor);
+        Self { jobs: Jobs::new(queue, Priority::Picture, PICTURE_GRACE, make), cache: cache.clone() }
     }
 
     pub(super) fn request(&self, slot: PictureSlot, request: PictureRequest) -> JobId {
         let hit = self.cache.lock().get(&request);
         match hit {
-            Some(picture) => self.lane.publish(slot, picture),
-            None => self.lane.submit(slot, request),
+            Some(picture) => self.jobs.publish_for(slot.0, picture),
+            None => self.jobs.submit_for(slot.0, request),
         }
     }
 }

@@ -1,0 +1,44 @@
+//! COLMAP's database of the dataset that is open: asked for, and what is said when it is written.
+
+use crate::app::dataset::Work;
+use crate::app::window::BurstscopeApp;
+use crate::engine::{ColmapDone, ColmapRequest, DatasetRequest};
+use crate::inspect::words::counted;
+use std::path::PathBuf;
+
+impl BurstscopeApp {
+    /// Writes what COLMAP's mapper takes into the folder `out`, with the parameters as they are now.
+    pub(in crate::app) fn export_database(&mut self, out: PathBuf) {
+        let Some(dataset) = &self.model.datasets.open else { return };
+        let request = ColmapRequest {
+            out,
+            params: self.model.asked(),
+            matching: self.model.pair.params.clone(),
+            pairs: self.model.datasets.choice.selection(),
+        };
+        let bursts = dataset.bursts.clone();
+        self.model.datasets.work = Some(Work::Exporting);
+        self.model.messages.resolved(Work::Exporting.title());
+        self.engine.datasets.submit(DatasetRequest::Colmap { bursts, request: Box::new(request) });
+    }
+
+    /// Says what was written, and which bursts were left out.
+    pub(in crate::app) fn say_what_was_exported(&mut self, done: &ColmapDone) {
+        let report = &done.report;
+        let verified = report.pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)).count();
+        self.model.messages.resolved(Work::Exporting.title());
+        self.model.messages.note(format!(
+            "Wrote {}: {}, {}, {verified} of them verified",
+            report.database.display(),
+            counted(report.images.len(), "image"),
+            counted(report.pairs.len(), "pair"),
+        ));
+        if let Some((name, why)) = done.left_out.first() {
+            let others = match done.left_out.len() - 1 {
+                0 => String::new(),
+                more => format!(" (and {} more)", counted(more, "burst")),
+            };
+            self.model.messages.error(Work::Exporting.title(), format!("{name} was left out{others}: {why}"));
+        }
+    }
+}

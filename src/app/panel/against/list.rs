@@ -1,0 +1,165 @@
+//! The list of a comparison: its counts in a line, and a row for each feature.
+
+use super::marks::{key_ui, select};
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::inspector::PaneWidgets;
+use crate::app::panel::sorted_table::ROW_HEIGHT;
+use crate::app::panel::widgets::progress_text;
+use crate::app::project::Model;
+use crate::app::project::against::{Kind, Row, Shown, With};
+use egui::{Align, Label, Layout, ProgressBar, RichText, Sense, Ui, pos2};
+use egui_extras::{Column, TableBuilder};
+
+/// The switch between what is compared with, beside the tabs.
+pub fn summary_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+    for with in With::ALL {
+        let (on, there) = (model.against.with == Some(with), model.against.has(with));
+        let button = egui::Button::selectable(on, with.label()).frame_when_inactive(true);
+        let response = ui.add_enabled(there, button).on_hover_text(with.help()).on_disabled_hover_text(with.help());
+        if response.clicked() {
+            model.against.show((!on).then_some(with));
+        }
+    }
+    ui.separator();
+    button_ui(ui, model, queue, ActionId::PinResult, Some("Pin"));
+    match model.against.with {
+        Some(With::Pinned) => {
+            button_ui(ui, model, queue, ActionId::UnpinResult, Some("Unpin"));
+        }
+        Some(With::File) => {
+            button_ui(ui, model, queue, ActionId::CloseFeatures, Some("Close"));
+        }
+        Some(With::Truth) | None => {}
+    }
+    if let Some(running) = &model.against.busy {
+        let fraction = running.progress.map_or(0.0, |p| p.fraction);
+        ui.add(ProgressBar::new(fraction).desired_width(220.0).text(progress_text(running)));
+    }
+}
+
+/// Draws the list, or why there is none.
+pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets) {
+    let Some(shown) = model.against.shown.clone() else {
+        ui.centered_and_justified(|ui| match &model.against.problem {
+            Some(problem) => ui.label(RichText::new(problem).color(ui.visuals().error_fg_color)),
+            None => ui.weak(what_to_do(model)),
+        });
+        return;
+    };
+    ui.horizontal_wrapped(|ui| {
+        ui.label(RichText::new(&shown.summary).strong());
+        if model.shown_comparison().is_none() {
+            ui.weak("(of the features before)");
+        }
+        ui.separator();
+        for &kind in Kind::of(shown.with) {
+            key_ui(ui, &shown, kind);
+            let mut on = model.against.shows(kind);
+            let text = format!("{} {}", kind.label(shown.with), shown.count(kind));
+            if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
+                model.against.hidden.retain(|hidden| *hidden != kind);
+                if !on {
+                    model.against.hidden.push(kind);
+                }
+            }
+        }
+    });
+    if let Some(row) = table_ui(ui, model, &shown) {
+        let selected = (model.against.selected != Some(row)).then_some(row);
+        select(model, &shown, selected);
+        if let Some(row) = selected.and_then(|row| shown.rows.get(row)) {
+            bring_into_view(model, widgets, row);
+        }
+    }
+}
+
+fn what_to_do(model: &Model) -> &'static str {
+    match model.against.with {
+        Some(_) if model.found.is_none() => "Press Detect to find features to compare",
+        Some(_) => "Comparing…",
+        None => "Pin a result, change a parameter and detect again; or open somebody else's features",
+    }
+}
+
+/// Draws the rows; answers the one that was clicked.
+fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> Option<usize> {
+    let listed: Vec<usize> = (0..shown.rows.len()).filter(|&row| model.against.shows(shown.rows[row].kind)).collect();
+    let (mut clicked, mut hovered) = (None, None);
+    let table = TableBuilder::new(ui)
+        .striped(true)
+        .sense(Sense::click())
+        .cell_layout(Layout::left_to_right(Align::Center))
+        .auto_shrink(false)
+        .column(Column::exact(104.0))
+        .columns(Column::exact(54.0), 2)
+        .column(Column::exact(44.0))
+        .column(Column::exact(96.0))
+        .column(Column::exact(48.0))
+        .column(Column::remainder().clip(true));
+    table
+        .header(20.0, |mut header| {
+            for heading in ["", "u", "v", "σ", "Slope", "Ours", ""] {
+                header.col(|ui| {
+                    ui.label(RichText::new(heading).small());
+                });
+            }
+        })
+        .body(|body| {
+            body.rows(ROW_HEIGHT, listed.len(), |mut table_row| {
+                let index = listed[table_row.index()];
+                let row = &shown.rows[index];
+                table_row.set_selected(model.against.selected == Some(index));
+                table_row.set_hovered(model.against.hovered == Some(index));
+                table_row.col(|ui| {
+                    key_ui(ui, shown, row.kind);
+                    ui.add(Label::new(row.kind.label(shown.with)).selectable(false));
+                });
+                for text in cells(row) {
+                    table_row.col(|ui| {
+                        ui.add(Label::new(RichText::new(text).monospace()).selectable(false).extend());
+                    });
+                }
+                table_row.col(|ui| {
+                    ui.add(Label::new(&row.note).selectable(false).truncate());
+                });
+                let response = table_row.response();
+                let name = format!("{} {}", row.kind.label(shown.with), index + 1);
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &name));
+                if response.hovered() {
+                    hovered = Some(index);
+                }
+                if response.clicked() {
+                    clicked = Some(index);
+                }
+                if !row.note.is_empty() {
+                    response.on_hover_text(&row.note);
+                }
+            });
+        });
+    model.against.hovered = hovered.or(model.against.hovered);
+    clicked
+}
+
+fn cells(row: &Row) -> [String; 5] {
+    [
+        format!("{:.1}", row.pos_image[0]),
+        format!("{:.1}", row.pos_image[1]),
+        format!("{:.2}", row.sigma),
+        row.slope.map_or_else(|| "–".to_owned(), |s| format!("{:+.2}, {:+.2}", s.u, s.v)),
+        row.feature.map_or_else(|| "–".to_owned(), |index| format!("#{}", index + 1)),
+    ]
+}
+
+/// Moves the picture in focus where the row's place cannot be seen.
+fn bring_into_view(model: &mut Model, widgets: &PaneWidgets, row: &Row) {
+    let focus = model.focus();
+    let place = pos2(row.pos_image[0], row.pos_image[1]);
+    let seen = widgets.get(focus).and_then(|widget| widget.picture.visible_image).is_some_and(|v| v.contains(place));
+    if !seen {
+        let pane = model.focused_mut();
+        let before = pane.view;
+        let zoom = pane.view.points_per_pixel();
+        pane.view.look_at(place, zoom);
+        model.panes.follow_view(focus, &before);
+    }
+}

@@ -1,0 +1,223 @@
+//! With what the features of the open burst are compared: an earlier result that was pinned, somebody else's features, what
+//! is really there. All three can be there; one of them is on show.
+
+mod rows;
+
+pub use rows::{Kind, Row};
+
+use crate::app::project::Model;
+use crate::detector::Detection;
+use crate::engine::{Against as Answered, AgainstRequest, BurstId, ComparedWith, Reference, Running};
+use crate::inspect::foreign::ForeignFeature;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// With what features are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum With {
+    /// An earlier result.
+    Pinned,
+    /// Features of a file.
+    File,
+    /// What is really there.
+    Truth,
+}
+
+impl With {
+    /// All of them, in the order of the switch.
+    pub const ALL: [Self; 3] = [Self::Pinned, Self::File, Self::Truth];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Pinned => "Pinned result",
+            Self::File => "Opened features",
+            Self::Truth => "Truth",
+        }
+    }
+
+    /// What it is, and how it comes here.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Pinned => "What a change did: gained, lost and moved features against the result that was pinned",
+            Self::File => {
+                "Somebody else's features: in both, only in theirs, only in ours. Open them from the Features menu"
+            }
+            Self::Truth => {
+                "What is really there: found, missed, repeated and false. Synthetic bursts and the demo know it"
+            }
+        }
+    }
+}
+
+/// A comparison as it is shown.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// With what.
+    pub with: With,
+    /// The features that were compared; those of another detection are not these.
+    pub detection: Arc<Detection>,
+    /// One for each feature of ours or theirs; the most interesting first.
+    pub rows: Vec<Row>,
+    /// The counts in a line.
+    pub summary: String,
+}
+
+impl Shown {
+    /// How many rows are of `kind`.
+    pub fn count(&self, kind: Kind) -> usize {
+        self.rows.iter().filter(|row| row.kind == kind).count()
+    }
+}
+
+/// A result that was pinned.
+#[derive(Debug, Clone)]
+pub struct Pinned {
+    burst: BurstId,
+    detection: Arc<Detection>,
+}
+
+/// Features of a file.
+#[derive(Debug, Clone)]
+pub struct ForeignFile {
+    burst: BurstId,
+    /// The file.
+    pub path: PathBuf,
+    features: Option<Arc<Vec<ForeignFeature>>>,
+}
+
+/// The comparison of the features.
+#[derive(Debug, Default)]
+pub struct Against {
+    /// The pinned result.
+    pub pinned: Option<Pinned>,
+    /// Somebody else's features.
+    pub file: Option<ForeignFile>,
+    /// The burst of which it is known whether its truth is known, and whether it is.
+    truth: Option<(BurstId, bool)>,
+    /// What is on show.
+    pub with: Option<With>,
+    /// The comparison, as far as it was made.
+    pub shown: Option<Shown>,
+    /// Kinds that are not drawn and not listed.
+    pub hidden: Vec<Kind>,
+    /// The selected row.
+    pub selected: Option<usize>,
+    /// The row under the pointer.
+    pub hovered: Option<usize>,
+    /// What the engine is doing.
+    pub busy: Option<Running>,
+    /// Why there is no comparison.
+    pub problem: Option<String>,
+}
+
+impl Against {
+    /// Whether `with` is there to be compared with.
+    pub fn has(&self, with: With) -> bool {
+        match with {
+            With::Pinned => self.pinned.is_some(),
+            With::File => self.file.is_some(),
+            With::Truth => self.truth.is_some_and(|(_, known)| known),
+        }
+    }
+
+    /// Shows the comparison with `with`, or none.
+    pub fn show(&mut self, with: Option<With>) {
+        if self.with != with {
+            (self.with, self.shown, self.problem) = (with, None, None);
+            (self.selected, self.hovered) = (None, None);
+            // What is as it was is the ground, not the news.
+            self.hidden = if with == Some(With::Pinned) { vec![Kind::Same] } else { Vec::new() };
+        }
+    }
+
+    /// Whether rows of `kind` are drawn and listed.
+    pub fn shows(&self, kind: Kind) -> bool {
+        !self.hidden.contains(&kind)
+    }
+}
+
+impl Model {
+    /// Pins the features on show: what comes later is compared with them.
+    pub fn pin_result(&mut self) {
+        if let (Some(burst), Some(found)) = (&self.burst, &self.found) {
+            self.against.pinned = Some(Pinned { burst: burst.id, detection: found.detection.clone() });
+            // A new pin, a new comparison.
+            self.against.show(None);
+            self.against.show(Some(With::Pinned));
+        }
+    }
+
+    /// Forgets the pinned result.
+    pub fn unpin_result(&mut self) {
+        self.against.pinned = None;
+        if self.against.with == Some(With::Pinned) {
+            self.against.show(None);
+        }
+    }
+
+    /// Lays the features of the file at `path` over the burst.
+    pub fn lay_over(&mut self, path: PathBuf) {
+        if let Some(burst) = &self.burst {
+            self.against.file = Some(ForeignFile { burst: burst.id, path, features: None });
+            self.against.show(None);
+            self.against.show(Some(With::File));
+        }
+    }
+
+    /// Forgets the opened features.
+    pub fn forget_foreign(&mut self) {
+        self.against.file = None;
+        if self.against.with == Some(With::File) {
+            self.against.show(None);
+        }
+    }
+
+    /// Forgets what belongs to a burst that is not open any more.
+    pub fn check_against(&mut self) {
+        let open = self.burst.as_ref().map(|burst| burst.id);
+        self.against.pinned.take_if(|pinned| Some(pinned.burst) != open);
+        self.against.file.take_if(|file| Some(file.burst) != open);
+        if self.against.truth.map(|(burst, _)| burst) != open {
+            self.against.truth = self.burst.as_ref().map(|b| (b.id, crate::inspect::truth::is_known(&b.burst)));
+        }
+        if self.against.with.is_some_and(|with| !self.against.has(with)) {
+            self.against.show(None);
+        }
+    }
+
+    /// The comparison that is wanted now.
+    pub fn wanted_comparison(&self) -> Option<AgainstRequest> {
+        let (found, burst) = (self.found.as_ref()?, self.burst.as_ref()?);
+        let with = match self.against.with? {
+            With::Pinned => Reference::Earlier(self.against.pinned.as_ref()?.detection.clone()),
+            With::File => {
+                let file = self.against.file.as_ref()?;
+                Reference::File { path: file.path.clone(), features: file.features.clone() }
+            }
+            With::Truth => Reference::Truth { burst: burst.clone(), params: found.params.clone() },
+        };
+        Some(AgainstRequest { detection: found.detection.clone(), with })
+    }
+
+    /// Takes a comparison, unless another one is wanted by now.
+    pub fn take_comparison(&mut self, compared: ComparedWith) {
+        let ComparedWith { request, against } = compared;
+        let Some(with) = self.against.with else { return };
+        if !self.wanted_comparison().is_some_and(|wanted| wanted.same_comparison(&request)) {
+            return;
+        }
+        if let (Answered::Changes { read: Some(read), .. }, Some(file)) = (&against, &mut self.against.file) {
+            file.features = Some(read.clone());
+        }
+        let (rows, summary) = rows::of(with, &request.detection, &against);
+        self.against.shown = Some(Shown { with, detection: request.detection, rows, summary });
+        (self.against.selected, self.against.hovered, self.against.problem) = (None, None, None);
+    }
+
+    /// The comparison that is drawn over the pictures of A: that of the features on show.
+    pub fn shown_comparison(&self) -> Option<&Shown> {
+        let found = self.found.as_ref()?;
+        self.against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
+    }
+}

@@ -1,0 +1,183 @@
+//! The rows of a comparison: one for each feature of ours or theirs, with what became of it.
+
+use super::With;
+use crate::detector::{Detection, Feature, Slope};
+use crate::engine::Against;
+use crate::inspect::changes::{Changes, Spot};
+use crate::inspect::truth::AgainstTruth;
+use crate::synth::Truth;
+
+/// What became of a feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// Theirs alone: lost, only in the file, missed.
+    Theirs,
+    /// Ours alone: gained, not in the file, false.
+    Ours,
+    /// In both, but not at the same place, scale and slope.
+    Moved,
+    /// Ours, but what it shows was found already by a stronger one.
+    Repeated,
+    /// In both: as before, found.
+    Same,
+}
+
+impl Kind {
+    /// Those that a comparison with `with` has, in the order of the list.
+    pub fn of(with: With) -> &'static [Self] {
+        match with {
+            With::Pinned | With::File => &[Self::Theirs, Self::Ours, Self::Moved, Self::Same],
+            With::Truth => &[Self::Theirs, Self::Ours, Self::Repeated, Self::Same],
+        }
+    }
+
+    /// What it is called there.
+    pub fn label(self, with: With) -> &'static str {
+        match (with, self) {
+            (With::Pinned, Self::Theirs) => "Lost",
+            (With::Pinned, Self::Ours) => "Gained",
+            (With::File, Self::Theirs) => "Only theirs",
+            (With::File, Self::Ours) => "Only ours",
+            (With::Truth, Self::Theirs) => "Missed",
+            (With::Truth, Self::Ours) => "False",
+            (_, Self::Moved) => "Moved",
+            (_, Self::Repeated) => "Repeated",
+            (With::Pinned, Self::Same) => "As before",
+            (With::File, Self::Same) => "Both",
+            (With::Truth, Self::Same) => "Found",
+        }
+    }
+}
+
+/// A feature of ours or theirs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// What became of it.
+    pub kind: Kind,
+    /// Where it is at mid-burst, input pixels: ours where both have it.
+    pub pos_image: [f32; 2],
+    /// Scale σ, input pixels.
+    pub sigma: f32,
+    /// px/frame, where it is known.
+    pub slope: Option<Slope>,
+    /// Where it was, where it moved.
+    pub from_image: Option<[f32; 2]>,
+    /// Our feature.
+    pub feature: Option<usize>,
+    /// What there is to say: by how much it moved, why it was missed.
+    pub note: String,
+}
+
+/// The rows of a comparison, those of the first kinds first, and the counts in a line.
+pub(super) fn of(with: With, detection: &Detection, against: &Against) -> (Vec<Row>, String) {
+    let features = &detection.features;
+    let (mut rows, summary) = match against {
+        Against::Changes { changes, before, .. } => {
+            let summary = match with {
+                With::File => {
+                    let (moved, both) = (changes.moved().count(), changes.same.len());
+                    let (theirs, ours) = (changes.lost.len(), changes.gained.len());
+                    format!("{both} in both ({moved} of them moved), {theirs} only theirs, {ours} only ours")
+                }
+                With::Pinned | With::Truth => changes.summary(),
+            };
+            (rows_of_changes(changes, before, features), summary)
+        }
+        Against::Truth { against, truth } => (rows_of_truth(against, truth, features), against.summary()),
+    };
+    rows.sort_by_key(|row| row.kind);
+    (rows, summary)
+}
+
+fn ours(kind: Kind, index: usize, f: &Feature) -> Row {
+    Row {
+        kind,
+        pos_image: [f.u, f.v],
+        sigma: f.sigma,
+        slope: Some(f.slope),
+        from_image: None,
+        feature: Some(index),
+        note: String::new(),
+    }
+}
+
+fn rows_of_changes(changes: &Changes, before: &[Spot], features: &[Feature]) -> Vec<Row> {
+    let lost = changes.lost.iter().map(|&index| {
+        let spot = &before[index];
+        Row {
+            kind: Kind::Theirs,
+            pos_image: spot.pos_image,
+            sigma: spot.sigma,
+            slope: spot.slope,
+            from_image: None,
+            feature: None,
+            note: format!("number {} of theirs", index + 1),
+        }
+    });
+    let same = changes.same.iter().map(|same| {
+        let was = &before[same.before];
+        let note =
+            format!("by {:.2} px, {:.2} px/frame, scale × {:.2}", same.moved_px, same.slope_moved, same.scale_ratio);
+        let moved = same.has_moved();
+        Row {
+            from_image: moved.then_some(was.pos_image),
+            note: if moved { note } else { String::new() },
+            ..ours(if moved { Kind::Moved } else { Kind::Same }, same.after, &features[same.after])
+        }
+    });
+    let gained = changes.gained.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
+    lost.chain(gained).chain(same).collect()
+}
+
+fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) -> Vec<Row> {
+    let missed = against.missed.iter().map(|miss| {
+        let disc = &truth.features[miss.disc];
+        Row {
+            kind: Kind::Theirs,
+            pos_image: [disc.u as f32, disc.v as f32],
+            sigma: disc.sigma as f32,
+            slope: Some(Slope::new(disc.slope_u as f32, disc.slope_v as f32)),
+            from_image: None,
+            feature: None,
+            note: miss.why.clone(),
+        }
+    });
+    let found = against.found.iter().map(|&(index, disc)| {
+        let (f, disc) = (&features[index], &truth.features[disc]);
+        let off = (f64::from(f.u) - disc.u).hypot(f64::from(f.v) - disc.v);
+        Row { note: format!("{off:.2} px off"), ..ours(Kind::Same, index, f) }
+    });
+    let repeated = against.repeated.iter().map(|&index| ours(Kind::Repeated, index, &features[index]));
+    let wrong = against.false_features.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
+    missed.chain(wrong).chain(repeated).chain(found).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inspect::changes::compare;
+    use crate::monitor::Monitor;
+    use crate::synth::demo_burst;
+    use std::sync::Arc;
+
+    #[test]
+    fn every_feature_has_one_row_and_news_come_first() {
+        let burst = demo_burst();
+        let params = crate::DetectorParams { max_features: 40, ..Default::default() };
+        let detection = crate::detect(&burst, &params, &Monitor::default()).expect("finds");
+        let after: Vec<Spot> = detection.features.iter().map(Spot::from).collect();
+        let mut before = after.clone();
+        before.remove(0);
+        before[0].pos_image[0] += 0.8;
+        before.push(Spot { pos_image: [-500.0, -500.0], ..after[0] });
+        let changes = compare(&before, &after);
+        let rows = rows_of_changes(&changes, &before, &detection.features);
+        assert_eq!(rows.len(), changes.lost.len() + changes.gained.len() + changes.same.len());
+        let moved = rows.iter().find(|row| row.kind == Kind::Moved).expect("one was moved");
+        assert!(moved.from_image.is_some() && moved.note.starts_with("by 0.80 px"), "{moved:?}");
+        let answered = Against::Changes { changes, before: Arc::new(before), read: None };
+        let (sorted, summary) = of(With::File, &detection, &answered);
+        assert!(sorted.is_sorted_by_key(|row| row.kind));
+        assert!(summary.contains("1 only theirs") && summary.contains("1 only ours"), "{summary}");
+    }
+}

@@ -1,0 +1,165 @@
+//! The way back: from a burst and parameters to the command that finds its features.
+
+use crate::detector::params::doc;
+use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice};
+
+/// The folder that the command writes to.
+const OUT: &str = "features";
+
+/// The `burstscope detect …` line that finds features in `inputs` (paths, or one of the words for what is built in) with
+/// `params`, as a shell takes it. Only what differs from the defaults is said.
+pub fn detect_line(inputs: &[String], params: &SearchParams) -> String {
+    let mut words = vec!["burstscope".to_owned(), "detect".to_owned()];
+    // What begins with a dash would be an option.
+    let path = |input: &String| if input.starts_with('-') { format!("./{input}") } else { input.clone() };
+    words.extend(inputs.iter().map(|input| quoted(&path(input))));
+    words.extend(["--out".to_owned(), OUT.to_owned()]);
+    for (name, value) in options(params) {
+        words.extend([format!("--{name}"), quoted(&value)]);
+    }
+    words.join(" ")
+}
+
+/// Names and values of the options that say what differs from the defaults.
+fn options(params: &SearchParams) -> Vec<(&'static str, String)> {
+    let mut options = Vec::new();
+    let grid = &params.detector.slopes;
+    match params.slopes {
+        SlopeChoice::Auto { direction_deg } => {
+            options.extend(direction_deg.map(|degrees| (doc::SLOPE_DIRECTION.name, degrees.to_string())));
+        }
+        SlopeChoice::Given => {
+            options.push((doc::SLOPES_U.name, grid.u.to_string()));
+            if grid.v != SlopeAxis::ZERO {
+                options.push((doc::SLOPES_V.name, grid.v.to_string()));
+            }
+            if grid.direction_deg != 0.0 {
+                options.push((doc::SLOPE_DIRECTION.name, grid.direction_deg.to_string()));
+            }
+        }
+    }
+    options.extend(params.detector.frames.map(|range| (doc::FRAMES.name, range.to_string())));
+    let said = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION, doc::FRAMES].map(|doc| doc.name);
+    let [own, default] = [&params.detector, &DetectorParams::default()].map(|p| serde_json::to_value(p).ok());
+    for name in doc::ALL.iter().map(|doc| doc.name).filter(|name| !said.contains(name)) {
+        let [own, default] = [&own, &default].map(|p| p.as_ref()?.get(name.replace('-', "_")));
+        if let Some(own) = own.filter(|own| Some(*own) != default) {
+            options.push((name, word(own)));
+        }
+    }
+    options
+}
+
+/// A value as it is typed.
+fn word(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::String(word) => word.clone(),
+        // By way of f32, so that 0.001 has not the digits of a double.
+        serde_json::Value::Number(n) if n.is_f64() => (n.as_f64().unwrap_or_default() as f32).to_string(),
+        value => value.to_string(),
+    }
+}
+
+/// `text` as a shell takes it for one word.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:+,=@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::{Cli, Command};
+    use crate::detector::{
+        DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
+        SlopeExtrema, SlopeGrid, SlopeNeighbours,
+    };
+    use clap::Parser;
+    use std::path::PathBuf;
+
+    /// The words of a line, as a shell sees them.
+    fn split(line: &str) -> Vec<String> {
+        let (mut words, mut word, mut inside, mut any) = (Vec::new(), String::new(), false, false);
+        let mut letters = line.chars();
+        while let Some(c) = letters.next() {
+            match c {
+                '\'' => (inside, any) = (!inside, true),
+                '\\' if !inside => word.extend(letters.next()),
+                ' ' if !inside => {
+                    if any || !word.is_empty() {
+                        words.push(std::mem::take(&mut word));
+                    }
+                    any = false;
+                }
+                c => word.push(c),
+            }
+        }
+        words.push(word);
+        words
+    }
+
+    /// What the command understands of the line.
+    fn understood(inputs: &[&str], params: &SearchParams) -> (Vec<PathBuf>, SearchParams) {
+        let inputs: Vec<String> = inputs.iter().map(|input| (*input).to_owned()).collect();
+        let line = detect_line(&inputs, params);
+        let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
+        let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
+        let params = args.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
+        (args.inputs, params)
+    }
+
+    #[test]
+    fn the_command_understands_what_the_window_says() {
+        let plain = SearchParams::default();
+        assert_eq!(detect_line(&["demo".to_owned()], &plain), "burstscope detect demo --out features");
+        let mut slopes = SlopeGrid::plane(-6.0..=6.0, 25, -1.5..=1.25, 3);
+        slopes.direction_deg = -30.0;
+        let everything = DetectorParams {
+            method: Method::Sift,
+            frames: Some(FrameRange { start: 2, end: 9 }),
+            octaves: 4,
+            levels: 3,
+            first_octave: -1,
+            peak_threshold: 0.0021,
+            noise_gate: NoiseGate::Factor(4.3),
+            noise_model: NoiseModelKind::White,
+            flicker: Flicker::Off,
+            edge_threshold: 10.1,
+            slope_neighbours: SlopeNeighbours::All,
+            slope_extrema: SlopeExtrema::Joint,
+            distinct: Distinct::Off,
+            distinct_scale: 2.3,
+            describe_slope: DescribeSlope::Grid,
+            interpolation: Interpolation::Nearest,
+            kernel_cut: 3.0,
+            localisation: Localisation::Quadratic,
+            max_features: 100,
+            max_orientations: 3,
+            slopes,
+        };
+        let line = |degrees| SearchParams {
+            slopes: SlopeChoice::Auto { direction_deg: Some(degrees) },
+            ..SearchParams::default()
+        };
+        let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
+        let apart = DetectorParams { distinct: Distinct::Radius(1.4), ..DetectorParams::default() };
+        let still = DetectorParams { slopes: SlopeGrid::single(crate::Slope::default()), ..DetectorParams::default() };
+        let cases: [SearchParams; 6] =
+            [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into()];
+        for params in cases {
+            assert_eq!(understood(&["demo"], &params), (vec![PathBuf::from("demo")], params));
+        }
+    }
+
+    #[test]
+    fn paths_are_quoted_as_a_shell_takes_them() {
+        let paths = ["/data/night 1/it's dark", "/data/$HOME;x", "-odd", "plain/0001.png", "Über/ü.tiff"];
+        let (inputs, _) = understood(&paths, &SearchParams::default());
+        let read: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
+        assert_eq!(read, ["/data/night 1/it's dark", "/data/$HOME;x", "./-odd", "plain/0001.png", "Über/ü.tiff"]);
+    }
+}

@@ -1,0 +1,79 @@
+//! What the studies of `evaluate` share: what they search with, and how their reports are written.
+
+use super::failure::Failure;
+use super::search_options::SearchArgs;
+use crate::detector::params::doc;
+use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
+use crate::evaluate::BurstMethod;
+use serde::Serialize;
+
+/// A report as a JSON document that says what it is.
+#[derive(Serialize)]
+pub(super) struct Document<'a, R> {
+    version: &'static str,
+    command: &'static str,
+    #[serde(flatten)]
+    report: &'a R,
+}
+
+impl<'a, R> Document<'a, R> {
+    pub fn new(command: &'static str, report: &'a R) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION"), command, report }
+    }
+}
+
+/// What a study searches with.
+pub(super) struct Searched {
+    /// The detector's parameters.
+    pub detector: DetectorParams,
+    /// The slopes, if any were given.
+    pub slopes: Option<SlopeGrid>,
+    /// The direction in which slopes are to be found, degrees from +u towards +v.
+    pub direction_deg: Option<f32>,
+}
+
+/// What a study searches with that compares searches of known ranges of slopes.
+pub(super) fn searched(search: &SearchArgs) -> Result<Searched, Failure> {
+    let remedy = "this command compares searches of known ranges; give them with --slopes-u and --slopes-v";
+    checked_slopes(search, false, remedy)
+}
+
+/// What a study of `methods` searches with. One of them may find slopes by itself.
+pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<Searched, Failure> {
+    let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
+    checked_slopes(search, methods.contains(&BurstMethod::BuffAuto), remedy)
+}
+
+fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<Searched, Failure> {
+    let SearchParams { detector, slopes } = search.params()?;
+    let asked = [(search.slopes.is_some(), doc::SLOPES), (search.slope_direction.is_some(), doc::SLOPE_DIRECTION)];
+    if let Some((_, doc)) = asked.iter().find(|(given, _)| *given && slopes.is_auto() && !may_find) {
+        return Err(Failure::usage(format!("--{}: {remedy}", doc.name)));
+    }
+    let (slopes, direction_deg) = match slopes {
+        SlopeChoice::Given => (Some(detector.slopes), None),
+        SlopeChoice::Auto { direction_deg } => (None, direction_deg),
+    };
+    Ok(Searched { detector, slopes, direction_deg })
+}
+
+/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
+/// 2D has it on both axes.
+pub(super) fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
+    if slopes.is_plane() {
+        return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
+    }
+    let axis = if slopes.u.count > 1 { slopes.u } else { slopes.v };
+    (slopes, SlopeGrid { u: axis, v: axis, ..slopes })
+}
+
+/// The list without repetitions, in its order.
+pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
+    let mut once = Vec::with_capacity(list.len());
+    for item in list {
+        if !once.contains(item) {
+            once.push(*item);
+        }
+    }
+    once
+}

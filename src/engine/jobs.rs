@@ -1,0 +1,189 @@
+//! A kind of background work: what it takes, what it answers, and how urgent it is.
+//!
+//! A new kind is one value of [`Jobs`]: a name for its priority, a function from requests to answers, and a place where
+//! the answers are polled. Beside the one answer at the end, work may tell of what is finished on the way.
+
+use super::fault::{self, JobError};
+use super::queue::{Job, JobId, JobKey, JobQueue, Priority, Publish, Standing};
+use super::{OnUpdate, Running};
+use crate::monitor::Monitor;
+use std::convert::Infallible;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// What became of a request.
+#[derive(Debug, Clone)]
+pub struct JobAnswer<A> {
+    /// The request it answers.
+    pub id: JobId,
+    /// The result, or why there is none.
+    pub result: Result<A, JobError>,
+    /// How long it took, by the wall clock; zero for an answer that was there already.
+    pub elapsed: Duration,
+}
+
+impl<A> JobAnswer<A> {
+    /// Whether a newer request took its place: whoever asks one thing at a time waits for that one.
+    pub fn is_superseded(&self) -> bool {
+        matches!(self.result, Err(JobError::Superseded))
+    }
+}
+
+/// The news of one kind of work, oldest first.
+struct News<A, P> {
+    answers: Vec<(u32, JobAnswer<A>)>,
+    partial: Vec<(u32, JobId, P)>,
+}
+
+type Work<Q, A, P> = dyn Fn(Q, &dyn Fn(P), &Monitor) -> Result<A, JobError> + Send + Sync;
+
+struct Shared<Q, A, P> {
+    work: Box<Work<Q, A, P>>,
+    news: Mutex<News<A, P>>,
+    on_update: OnUpdate,
+}
+
+impl<Q, A, P> Shared<Q, A, P> {
+    fn news(&self) -> MutexGuard<'_, News<A, P>> {
+        // Whole values go in and out, so a poisoned lock still guards whole values.
+        self.news.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn answer(&self, slot: u32, id: JobId, result: Result<A, JobError>, elapsed: Duration) {
+        let mut news = self.news();
+        if matches!(result, Err(JobError::Superseded)) {
+            // What it told on the way is of no use beside what the newer one tells.
+            news.partial.retain(|(_, of, _)| *of != id);
+        }
+        news.answers.push((slot, JobAnswer { id, result, elapsed }));
+    }
+}
+
+/// One kind of work: requests `Q`, answers `A`, and what is told on the way, `P`.
+pub struct Jobs<Q, A, P = Infallible> {
+    queue: Arc<JobQueue>,
+    kind: u32,
+    priority: Priority,
+    grace: Duration,
+    shared: Arc<Shared<Q, A, P>>,
+}
+
+impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
+    /// Work that answers once, at the end. A superseded request is cancelled once it has run for `grace`; if it ends
+    /// before, its answer stands. With zero `grace` it is cancelled at once, and its answer is
+    /// [`JobError::Superseded`].
+    pub fn new(
+        queue: &Arc<JobQueue>,
+        priority: Priority,
+        grace: Duration,
+        work: impl Fn(Q, &Monitor) -> Result<A, JobError> + Send + Sync + 'static,
+    ) -> Self {
+        Self::telling(queue, priority, grace, move |request, _: &dyn Fn(Infallible), monitor| work(request, monitor))
+    }
+}
+
+impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
+    /// Work that tells of what is finished on the way. What it told before its answer is polled with or before that.
+    pub fn telling(
+        queue: &Arc<JobQueue>,
+        priority: Priority,
+        grace: Duration,
+        work: impl Fn(Q, &dyn Fn(P), &Monitor) -> Result<A, JobError> + Send + Sync + 'static,
+    ) -> Self {
+        let news = Mutex::new(News { answers: Vec::new(), partial: Vec::new() });
+        let shared = Arc::new(Shared { work: Box::new(work), news, on_update: queue.on_update().clone() });
+        Self { queue: queue.clone(), kind: queue.new_kind(), priority, grace, shared }
+    }
+
+    fn key(&self, slot: u32) -> JobKey {
+        JobKey { kind: self.kind, slot }
+    }
+
+    /// Asks; the request that waits or runs is superseded.
+    pub fn submit(&self, request: Q) -> JobId {
+        self.submit_for(0, request)
+    }
+
+    /// Asks for `slot`: only what waits or runs for it is superseded.
+    pub fn submit_for(&self, slot: u32, request: Q) -> JobId {
+        let job = TypedJob { request, slot, grace: self.grace, shared: self.shared.clone() };
+        self.queue.submit(self.key(slot), self.priority, self.grace, Box::new(job))
+    }
+
+    /// Answers a request for `slot` that needs no work, as if it had been submitted and had run.
+    pub fn publish_for(&self, slot: u32, answer: A) -> JobId {
+        self.queue.publish(self.key(slot), |id| self.shared.answer(slot, id, Ok(answer), Duration::ZERO))
+    }
+
+    /// Cancels what runs and what waits; the answer of each is [`JobError::Cancelled`].
+    pub fn cancel(&self) {
+        self.cancel_for(0);
+    }
+
+    /// Cancels what runs and what waits for `slot`.
+    pub fn cancel_for(&self, slot: u32) {
+        self.queue.cancel(self.key(slot));
+    }
+
+    /// The request that runs, or the one that waits to.
+    pub fn running(&self) -> Option<Running> {
+        self.queue.running(self.key(0))
+    }
+
+    /// Whether nothing of this kind runs and nothing waits.
+    pub fn is_idle(&self) -> bool {
+        self.queue.is_idle(self.kind)
+    }
+
+    /// Takes the answers since the last call with their slots, oldest first.
+    pub fn take_answers_for(&self) -> Vec<(u32, JobAnswer<A>)> {
+        std::mem::take(&mut self.shared.news().answers)
+    }
+
+    /// Takes the answers since the last call, oldest first.
+    pub fn take_answers(&self) -> impl Iterator<Item = JobAnswer<A>> + use<Q, A, P> {
+        self.take_answers_for().into_iter().map(|(_, answer)| answer)
+    }
+
+    /// Takes, at one moment, what was told on the way since the last call and the answers, each oldest first.
+    pub fn take_news(&self) -> (Vec<P>, Vec<JobAnswer<A>>) {
+        let mut news = self.shared.news();
+        let told = std::mem::take(&mut news.partial).into_iter().map(|(.., told)| told).collect();
+        (told, std::mem::take(&mut news.answers).into_iter().map(|(_, answer)| answer).collect())
+    }
+}
+
+struct TypedJob<Q, A, P> {
+    request: Q,
+    slot: u32,
+    grace: Duration,
+    shared: Arc<Shared<Q, A, P>>,
+}
+
+impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Job for TypedJob<Q, A, P> {
+    fn run(self: Box<Self>, id: JobId, thread: &str, monitor: &Monitor) -> Publish {
+        let Self { request, slot, grace, shared } = *self;
+        let started = Instant::now();
+        let tell = |told: P| {
+            // Cancelled work may tell of one thing more; whoever cancelled it does not want that.
+            if !monitor.is_cancelled() {
+                shared.news().partial.push((slot, id, told));
+                (shared.on_update)();
+            }
+        };
+        let result = fault::guard(thread, || (shared.work)(request, &tell, monitor));
+        let elapsed = started.elapsed();
+        Box::new(move |standing| {
+            let unwanted = match standing {
+                Standing::Latest => false,
+                Standing::Superseded => grace.is_zero() || matches!(result, Err(JobError::Cancelled)),
+                Standing::Overtaken => true,
+            };
+            shared.answer(slot, id, if unwanted { Err(JobError::Superseded) } else { result }, elapsed);
+        })
+    }
+
+    fn end(self: Box<Self>, id: JobId, why: JobError) {
+        self.shared.answer(self.slot, id, Err(why), Duration::ZERO);
+    }
+}

@@ -1,0 +1,366 @@
+//! The queue: one for all background work of a window, and the threads that take from it.
+//!
+//! Every piece of work is asked for under a [`JobKey`]: what kind of work it is, and for whom (a pane, say). Of one key
+//! the latest request wins: a newer one takes the place of the one that waits, and supersedes the one that runs, which
+//! is cancelled once it has had its grace. Keys do not disturb one another. Urgent work goes first, and threads are set
+//! apart for it, so that a picture never waits for a dataset.
+//!
+//! Every request ends in exactly one answer, also one that was superseded or cancelled before it began. An answer is
+//! published before its work counts as done, and only then is `on_update` called, so whoever wakes up finds it.
+
+use super::fault::{self, JobError};
+use super::{OnUpdate, Running};
+use crate::monitor::{Monitor, Progress};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Identifies one request; later requests have larger ids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct JobId(u64);
+
+/// How urgent a kind of work is. What comes first goes first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Priority {
+    /// What a person is looking at: pictures, patches, a probed place.
+    Picture,
+    /// Files that are being written; finished even when the window closes.
+    Write,
+    /// Opening, detecting, matching.
+    Search,
+    /// Work on many bursts.
+    Dataset,
+}
+
+/// One thread each; it takes no work that is less urgent than this. So pictures and files have threads of their own,
+/// and searches go on beside datasets.
+const THREADS: [Priority; 7] = [
+    Priority::Picture,
+    Priority::Write,
+    Priority::Search,
+    Priority::Search,
+    Priority::Search,
+    Priority::Dataset,
+    Priority::Dataset,
+];
+
+/// Progress wakes the listener at most this often.
+const PROGRESS_EVERY: Duration = Duration::from_millis(40);
+
+/// What a request is for. Of one key the latest request wins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct JobKey {
+    /// Which kind of work, as [`JobQueue::new_kind`] numbers them.
+    pub kind: u32,
+    /// For whom.
+    pub slot: u32,
+}
+
+/// Work that waits: it is run or ended without, once.
+pub(super) trait Job: Send {
+    /// Does the work on a thread with the given name. What it returns publishes the answer, or [`JobError::Superseded`]
+    /// in its place.
+    fn run(self: Box<Self>, id: JobId, thread: &str, monitor: &Monitor) -> Publish;
+
+    /// Publishes `why` as the answer.
+    fn end(self: Box<Self>, id: JobId, why: JobError);
+}
+
+/// Publishes an answer that is there; the argument says that it is not wanted any more.
+pub(super) type Publish = Box<dyn FnOnce(Standing) + Send>;
+
+/// Whether the answer of a request is still wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Standing {
+    /// It is the latest of its key.
+    Latest,
+    /// A newer one waits: an answer that comes in time is better than none.
+    Superseded,
+    /// A newer one is answered already.
+    Overtaken,
+}
+
+struct WaitingJob {
+    key: JobKey,
+    id: JobId,
+    priority: Priority,
+    grace: Duration,
+    job: Box<dyn Job>,
+}
+
+struct RunningJob {
+    key: JobKey,
+    id: JobId,
+    priority: Priority,
+    grace: Duration,
+    monitor: Monitor,
+    started: Instant,
+    standing: Standing,
+    progress: Arc<Mutex<Option<Progress>>>,
+}
+
+impl RunningJob {
+    /// Cancels it if it is not the latest and has had its grace.
+    fn enforce_grace(&self) {
+        if self.standing != Standing::Latest && self.started.elapsed() >= self.grace {
+            self.monitor.cancel();
+        }
+    }
+}
+
+#[derive(Default)]
+struct State {
+    /// In the order in which their keys asked.
+    waiting: Vec<WaitingJob>,
+    running: Vec<RunningJob>,
+    newest: u64,
+    kinds: u32,
+    stop: bool,
+}
+
+impl State {
+    fn next_id(&mut self) -> JobId {
+        self.newest += 1;
+        JobId(self.newest)
+    }
+
+    /// What runs under `key` is not the latest any more.
+    fn supersede(&mut self, key: JobKey, standing: Standing) {
+        for job in self.running.iter_mut().filter(|job| job.key == key) {
+            job.standing = job.standing.max(standing);
+            if standing == Standing::Overtaken {
+                job.monitor.cancel();
+            }
+            job.enforce_grace();
+        }
+    }
+
+    /// Takes out what a thread that takes nothing less urgent than `limit` does next: the most urgent, of those the one that
+    /// has waited longest, whose key has nothing running.
+    fn take(&mut self, limit: Priority) -> Option<WaitingJob> {
+        let is_free = |job: &WaitingJob| {
+            job.priority <= limit
+                && (!self.stop || job.priority == Priority::Write)
+                && !self.running.iter().any(|running| running.key == job.key)
+        };
+        let free = self.waiting.iter().enumerate().filter(|(_, job)| is_free(job));
+        let index = free.min_by_key(|(index, job)| (job.priority, *index))?.0;
+        Some(self.waiting.remove(index))
+    }
+}
+
+struct Shared {
+    state: Mutex<State>,
+    wake: Condvar,
+    on_update: OnUpdate,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // The work runs outside the lock and its panics are caught, so a poisoned lock still guards whole values.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The queue with its threads. Dropping it cancels what runs and what waits, but for files that are being written:
+/// those it finishes. It returns when all threads have ended.
+pub struct JobQueue {
+    shared: Arc<Shared>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl JobQueue {
+    /// Starts the threads. `on_update` is called, from any of them, whenever there is news.
+    pub fn new(on_update: OnUpdate) -> Self {
+        fault::install_hook();
+        let shared = Arc::new(Shared { state: Mutex::default(), wake: Condvar::new(), on_update });
+        let start = |limit: Priority| {
+            let (its, thread) = (shared.clone(), unique_key(limit));
+            std::thread::Builder::new()
+                .name(format!("{}{thread}", fault::THREAD_PREFIX))
+                .spawn(move || work(&its, &thread, limit))
+                .expect("the system can start a handful of threads")
+        };
+        let threads = THREADS.into_iter().map(start).collect();
+        Self { shared, threads }
+    }
+
+    /// A number for a kind of work that no other has.
+    pub(super) fn new_kind(&self) -> u32 {
+        let mut state = self.shared.lock();
+        state.kinds += 1;
+        state.kinds
+    }
+
+    /// Who is told of news.
+    pub(super) fn on_update(&self) -> &OnUpdate {
+        &self.shared.on_update
+    }
+
+    /// Asks under `key`, in place of what waits under it, and supersedes what runs under it.
+    pub(super) fn submit(&self, key: JobKey, priority: Priority, grace: Duration, job: Box<dyn Job>) -> JobId {
+        let mut state = self.shared.lock();
+        let id = state.next_id();
+        let new = WaitingJob { key, id, priority, grace, job };
+        match state.waiting.iter_mut().find(|job| job.key == key) {
+            Some(waiting) => {
+                let old = std::mem::replace(waiting, new);
+                old.job.end(old.id, JobError::Superseded);
+            }
+            None => state.waiting.push(new),
+        }
+        state.supersede(key, Standing::Superseded);
+        self.shared.wake.notify_all();
+        id
+    }
+
+    /// Answers a request under `key` that needs no work: `publish` puts the answer where it is polled.
+    pub(super) fn publish(&self, key: JobKey, publish: impl FnOnce(JobId)) -> JobId {
+        let mut state = self.shared.lock();
+        let id = state.next_id();
+        end_waiting(&mut state, key, &JobError::Superseded);
+        state.supersede(key, Standing::Overtaken);
+        publish(id);
+        drop(state);
+        (self.shared.on_update)();
+        id
+    }
+
+    /// Cancels what runs and what waits under `key`.
+    pub(super) fn cancel(&self, key: JobKey) {
+        let mut state = self.shared.lock();
+        state.running.iter().filter(|job| job.key == key).for_each(|job| job.monitor.cancel());
+        end_waiting(&mut state, key, &JobError::Cancelled);
+        drop(state);
+        (self.shared.on_update)();
+    }
+
+    /// Cancels superseded work that has had its grace.
+    pub(super) fn enforce_grace(&self) {
+        self.shared.lock().running.iter().for_each(RunningJob::enforce_grace);
+    }
+
+    /// The request of `key` that runs, or the one that waits to.
+    pub(super) fn running(&self, key: JobKey) -> Option<Running> {
+        let state = self.shared.lock();
+        let running = state.running.iter().find(|job| job.key == key).map(|job| Running {
+            id: job.id,
+            started: job.started,
+            progress: *job.progress.lock().unwrap_or_else(PoisonError::into_inner),
+        });
+        let waiting = || state.waiting.iter().find(|job| job.key == key);
+        running.or_else(|| waiting().map(|job| Running { id: job.id, started: Instant::now(), progress: None }))
+    }
+
+    /// Whether nothing of `kind` runs and nothing waits.
+    pub(super) fn is_idle(&self, kind: u32) -> bool {
+        let state = self.shared.lock();
+        state.waiting.iter().all(|job| job.key.kind != kind) && state.running.iter().all(|job| job.key.kind != kind)
+    }
+
+    /// Whether nothing runs and nothing waits.
+    pub fn is_all_idle(&self) -> bool {
+        let state = self.shared.lock();
+        state.waiting.is_empty() && state.running.is_empty()
+    }
+}
+
+impl Drop for JobQueue {
+    fn drop(&mut self) {
+        let mut state = self.shared.lock();
+        state.stop = true;
+        let (written, dropped): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut state.waiting).into_iter().partition(|job| job.priority == Priority::Write);
+        state.waiting = written;
+        dropped.into_iter().for_each(|job| job.job.end(job.id, JobError::Cancelled));
+        state.running.iter().filter(|job| job.priority != Priority::Write).for_each(|job| job.monitor.cancel());
+        drop(state);
+        self.shared.wake.notify_all();
+        for thread in self.threads.drain(..) {
+            // A panic of work is caught and told; one of the queue itself has been printed.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What waits under `key` ends without having begun.
+fn end_waiting(state: &mut State, key: JobKey, why: &JobError) {
+    while let Some(index) = state.waiting.iter().position(|job| job.key == key) {
+        let old = state.waiting.remove(index);
+        old.job.end(old.id, why.clone());
+    }
+}
+
+/// One thread of the queue.
+fn work(shared: &Shared, thread: &str, limit: Priority) {
+    // Made when there is work for it: many a thread never gets any.
+    let threads = std::cell::LazyCell::new(|| pool(thread));
+    loop {
+        let (WaitingJob { key, id, job, .. }, monitor) = {
+            let mut state = shared.lock();
+            loop {
+                if let Some(next) = state.take(limit) {
+                    let progress = Arc::new(Mutex::new(None));
+                    let monitor = listening_monitor(progress.clone(), shared.on_update.clone());
+                    state.running.push(RunningJob {
+                        key: next.key,
+                        id: next.id,
+                        priority: next.priority,
+                        grace: next.grace,
+                        monitor: monitor.clone(),
+                        started: Instant::now(),
+                        standing: Standing::Latest,
+                        progress,
+                    });
+                    break (next, monitor);
+                }
+                if state.stop {
+                    return;
+                }
+                state = shared.wake.wait(state).unwrap_or_else(PoisonError::into_inner);
+            }
+        };
+        let publish = match &*threads {
+            Some(pool) => pool.install(|| job.run(id, thread, &monitor)),
+            None => job.run(id, thread, &monitor),
+        };
+        let mut state = shared.lock();
+        let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
+        publish(standing);
+        state.running.retain(|job| job.id != id);
+        let waits = state.waiting.iter().any(|job| job.key == key);
+        drop(state);
+        if waits {
+            // It waited for this one to end; another thread may take it.
+            shared.wake.notify_all();
+        }
+        (shared.on_update)();
+    }
+}
+
+fn listening_monitor(progress: Arc<Mutex<Option<Progress>>>, on_update: OnUpdate) -> Monitor {
+    let told = Mutex::new(None::<Instant>);
+    Monitor::with_listener(move |now| {
+        *progress.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
+        let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.is_none_or(|at| at.elapsed() >= PROGRESS_EVERY) {
+            *told = Some(Instant::now());
+            on_update();
+        }
+    })
+}
+
+/// A name that no other thread of the program has, so that the place of a panic is found.
+fn unique_key(limit: Priority) -> String {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    format!("{}-{limit:?}", COUNTER.fetch_add(1, Ordering::Relaxed))
+}
+
+/// Threads for the parallel loops of one thread's work, named so that their panics are found; or `None` where the
+/// system has none to give: then the shared pool serves. Work given to the shared pool would wait behind all that a
+/// detection has queued there.
+fn pool(thread: &str) -> Option<rayon::ThreadPool> {
+    let thread = thread.to_owned();
+    rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{thread}.{i}", fault::THREAD_PREFIX)).build().ok()
+}

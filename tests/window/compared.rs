@@ -1,0 +1,103 @@
+//! What a change did, somebody else's features, and the command that finds what is seen.
+
+use crate::support::Start;
+use burstscope::app::project::against::{Kind, With};
+use burstscope::export::{write_colmap, write_csv};
+use burstscope::inspect::changes::{Spot, compare};
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+#[test]
+fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    let before: Vec<Spot> = window.app().model.features().iter().map(Spot::from).collect();
+    window.run_action("pin this result");
+    window.app_mut().model.params.levels = 3;
+    window.app_mut().model.params.max_features = 60;
+    window.settle();
+    let after: Vec<Spot> = window.app().model.features().iter().map(Spot::from).collect();
+    let expected = compare(&before, &after);
+    assert!(!expected.lost.is_empty() && !expected.same.is_empty());
+    let shown = window.app().model.shown_comparison().expect("a comparison");
+    assert_eq!((shown.with, shown.count(Kind::Theirs)), (With::Pinned, expected.lost.len()));
+    assert_eq!((shown.count(Kind::Ours), shown.count(Kind::Moved)), (expected.gained.len(), expected.moved().count()));
+    assert!(window.shows(&expected.summary()), "the counts in a line");
+    window.harness.get_by_role_and_label(Role::Row, "Lost 1").click();
+    window.settle();
+    assert_eq!(window.app().model.against.selected, Some(0));
+    assert_eq!(window.app().model.selected, None, "what is lost is none of ours");
+    window.snapshot("compared_with_pinned");
+    window.key(Key::Escape);
+    assert_eq!(window.app().model.against.selected, None);
+    window.run_action("unpin");
+    window.settle();
+    assert!(window.app().model.shown_comparison().is_none() && !window.shows("as before"));
+}
+
+#[test]
+fn pinning_a_result_and_changing_nothing_shows_no_change() {
+    let mut window = Start::default().open();
+    let count = window.app().model.features().len();
+    window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::D);
+    window.settle();
+    let shown = window.app().model.shown_comparison().expect("a comparison");
+    assert!([Kind::Theirs, Kind::Ours, Kind::Moved].into_iter().all(|kind| shown.count(kind) == 0));
+    // The orientations of one keypoint count as one.
+    assert!(shown.count(Kind::Same) > 0 && shown.count(Kind::Same) <= count);
+}
+
+#[test]
+fn features_of_others_are_laid_over_the_burst_and_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    let mut detection = (*window.app().model.found.as_ref().unwrap().detection).clone();
+    // Theirs lacks the strongest, and has one where we have none.
+    let lonely = burstscope::Feature { u: 5.0, v: 352.0, sigma: 1.7, ..detection.features[0] };
+    detection.features.remove(0);
+    detection.descriptors.remove(0);
+    detection.features.push(lonely);
+    detection.descriptors.push([0; 128]);
+    let (csv, txt) = (folder.path().join("theirs.csv"), folder.path().join("theirs.txt"));
+    write_csv(&csv, &detection).unwrap();
+    write_colmap(&txt, &detection).unwrap();
+    for path in [csv, txt] {
+        window.dialogs.will_choose(&path);
+        window.run_action("open features");
+        window.settle();
+        let shown = window.app().model.shown_comparison().expect("a comparison");
+        assert_eq!((shown.with, shown.count(Kind::Theirs)), (With::File, 1), "{}", path.display());
+        let row = &shown.rows[0];
+        assert!((row.pos_image[0] - 5.0).abs() < 0.01 && row.feature.is_none(), "{row:?}");
+        assert!(window.shows("1 only theirs"));
+    }
+    window.snapshot("compared_with_theirs");
+    window.run_action("close opened features");
+    window.settle();
+    assert!(window.app().model.shown_comparison().is_none());
+}
+
+#[test]
+fn a_file_that_holds_no_features_is_refused_with_a_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("notes.txt");
+    std::fs::write(&path, "nothing of the kind\n").unwrap();
+    let mut window = Start::default().open();
+    window.dialogs.will_choose(&path);
+    window.run_action("open features");
+    window.settle();
+    assert!(window.shows("begins neither a table of features"));
+}
+
+#[test]
+fn what_is_seen_is_copied_as_a_command() {
+    let mut window = Start::default().open();
+    window.app_mut().model.params.max_features = 25;
+    window.settle();
+    window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::C);
+    window.harness.run_steps(1);
+    let line = burstscope::cli::detect_line(&["demo".to_owned()], &window.app().model.asked());
+    assert!(line.starts_with("burstscope detect demo --out ") && line.contains("--max-features 25"), "{line}");
+    window.harness.run_steps(1);
+    assert!(window.shows(&format!("Copied {line}")));
+}

@@ -1,0 +1,97 @@
+//! A film that is opened as one burst, features of other parameters, and the database that COLMAP takes.
+
+use crate::datasets::{dataset, few_slopes, start, walk};
+use crate::support::{Start, noisy_stack};
+use burstscope::app::dataset::BurstState;
+use egui_kittest::kittest::Queryable;
+
+#[test]
+fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
+    let folder = tempfile::tempdir().unwrap();
+    // A few frames more than any burst has.
+    let film = folder.path().join("film");
+    std::fs::create_dir_all(&film).unwrap();
+    let (burst, truth) = burstscope::synth::synth_scene(
+        &burstscope::synth::SceneParams { width: 64, height: 48, frames: 36, ..Default::default() },
+        &burstscope::Monitor::default(),
+    )
+    .unwrap();
+    let path = film.join("walk");
+    burstscope::synth::write_burst(&path, &burst, &truth, &burstscope::Monitor::default()).unwrap();
+    let mut window = Start::of(&path).open();
+    assert!(window.shows("36 frames are long for one burst"));
+    let length = 36 / window.app().remembered().burst_length;
+    let label = format!("Cut into bursts of {}", window.app().remembered().burst_length);
+    window.click(&label);
+    window.settle();
+    assert_eq!(dataset(&window).bursts.len(), length);
+    assert!(!window.shows("frames are long for one burst"));
+    window.settle();
+    // A burst of the usual length is not talked about.
+    let stack = noisy_stack(folder.path(), 10, 40, 40);
+    let short = Start::of(&stack).open();
+    assert!(!short.shows("are long for one burst"));
+}
+
+#[test]
+fn features_of_other_parameters_are_replaced_only_after_a_question() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = start(walk(home.path())).open();
+    window.click("Detect all");
+    window.settle();
+    let features = |window: &crate::support::Window| -> Vec<usize> {
+        dataset(window).states.iter().map(|s| if let BurstState::Done(f) = s { f.features } else { 0 }).collect()
+    };
+    let before = features(&window);
+    assert!(before.iter().all(|count| *count > 2), "{before:?}");
+    window.app_mut().model.params.max_features = 2;
+    window.harness.run_steps(2);
+    window.click("Detect all");
+    assert!(window.shows("Replace features?") && window.shows("The bursts themselves are not touched"));
+    window.click("Cancel");
+    window.settle();
+    assert_eq!(features(&window), before);
+    window.click("Detect all");
+    window.click("Replace");
+    window.settle();
+    assert_eq!(features(&window), [2; 3]);
+    // The same parameters go on without a question.
+    window.click("Detect all");
+    window.settle();
+    assert!(!window.shows("Replace features?"));
+}
+
+#[cfg(feature = "colmap")]
+#[test]
+fn the_window_writes_the_database_that_the_command_writes() {
+    use burstscope::burst::OpenOptions;
+    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, ImageKind, export_colmap};
+    use burstscope::matching::{CameraModel, MatchParams, PairSelection};
+    let home = tempfile::tempdir().unwrap();
+    let mut window = start(walk(home.path())).open();
+    let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
+    window.dialogs.will_choose(&ours);
+    window.run_action("export colmap database");
+    window.settle();
+    assert!(window.shows("database.db: 3 images, 3 pairs"));
+    let job = ColmapJob {
+        features: FeatureJob {
+            detector: few_slopes().into(),
+            open: OpenOptions::default(),
+            images: ImageKind::default(),
+        },
+        matching: MatchParams::default(),
+        pairs: PairSelection::All,
+        camera: CameraChoice::Guessed(CameraModel::SimpleRadial),
+    };
+    let bursts = dataset(&window).bursts.clone();
+    let report = export_colmap(&bursts, &theirs, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
+    assert_eq!(report.images.len(), 3);
+    let read = |path: std::path::PathBuf| std::fs::read(path).unwrap();
+    for image in &report.images {
+        let file = format!("features/{}.txt", image.image);
+        assert_eq!(read(ours.join(&file)), read(theirs.join(&file)), "{file}");
+    }
+    assert_eq!(read(ours.join("database.db")), read(theirs.join("database.db")));
+    assert!(window.harness.query_by_label_contains("from-window").is_some() || window.shows("from-window"));
+}
