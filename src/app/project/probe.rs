@@ -46,9 +46,14 @@ impl ProbeModel {
         self.follows || self.question.is_some()
     }
 
-    /// Forgets everything but whether the panel is open.
+    /// Whether there is something for the panel to show.
+    pub fn is_in_use(&self) -> bool {
+        self.is_open || self.is_on() || self.answer.is_some()
+    }
+
+    /// Forgets everything, and closes the panel.
     pub fn clear(&mut self) {
-        *self = Self { is_open: self.is_open, ..Self::default() };
+        *self = Self::default();
     }
 
     /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.
