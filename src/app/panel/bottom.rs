@@ -37,8 +37,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
                     crate::app::panel::noise::summary_ui(ui, model);
                 });
             }
-            BottomTab::Profile | BottomTab::Region => {}
-            BottomTab::Compared => crate::app::panel::against::summary_ui(ui, model, queue),
+            BottomTab::Profile | BottomTab::Region | BottomTab::Compared => {}
         }
     });
     ui.separator();
@@ -51,7 +50,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         BottomTab::Noise => crate::app::panel::noise::noise_ui(ui, model),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
-        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets),
+        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets, queue),
     }
 }
 
