@@ -19,7 +19,6 @@ pub mod figure;
 mod files;
 pub mod gpu;
 pub mod histogram;
-pub mod history;
 pub mod inspector;
 mod jobs;
 pub mod measure;

@@ -1,7 +1,7 @@
 //! Refinement: where between the samples the extremum lies, in place and scale, then in slope; and the tests that need
 //! it.
 //!
-//! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to five moves of a pixel while the fitted
+//! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to four moves of a pixel while the fitted
 //! offset exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. Slope: no published
 //! implementation refines it. Around its peak D over slope is a mean of shifted blob responses, which is close to a
 //! Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes (to |D| itself where a neighbour has
@@ -36,7 +36,8 @@ pub struct Limits {
     pub edge_threshold: f32,
 }
 
-/// Most moves of the sample; the tile must hold this many pixels and one more on each side.
+/// Fits at most; between them the sample moves, so at most one time fewer. The tile holds this many pixels and one more
+/// on each side.
 pub const MAX_MOVES: usize = 5;
 
 /// Solves the symmetric 3×3 system `a·x = −g` by elimination with pivoting; `None` when it is singular.

@@ -4,7 +4,7 @@
 //! Coarser levels hold means of 2×2 pixels, so that a picture shown small is averaged, not thinned out. The side of a tile is a multiple of
 //! 2^(levels − 1), hence a cell of any level lies in one tile.
 
-use super::renderer::DeviceLimits;
+use super::limits::DeviceLimits;
 
 /// How one picture lies in a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

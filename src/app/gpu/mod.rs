@@ -6,6 +6,7 @@
 
 mod callback;
 mod layout;
+mod limits;
 mod pyramid;
 mod renderer;
 mod setup;
@@ -15,7 +16,8 @@ mod texture;
 mod tests;
 
 pub use callback::PicturePaint;
-pub use renderer::{DeviceLimits, PictureRenderer};
+pub use limits::DeviceLimits;
+pub use renderer::PictureRenderer;
 pub use setup::{AdapterChoice, Gpu, install, wgpu_configuration, wgpu_setup};
 
 use std::sync::atomic::{AtomicU64, Ordering};

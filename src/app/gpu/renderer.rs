@@ -2,6 +2,7 @@
 
 use super::PictureId;
 use super::layout::Layout;
+use super::limits::DeviceLimits;
 use super::texture::PictureTexture;
 use crate::plane::Plane;
 use crate::plane::colour_map::ColourMap;
@@ -14,23 +15,6 @@ const BUDGET_BYTES: u64 = 512 << 20;
 
 /// Panes not drawn for this many frames lose their bind group.
 const PANE_LIFETIME_FRAMES: u64 = 600;
-
-/// What the device can hold, as far as pictures are concerned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct DeviceLimits {
-    /// Longest side of a texture, in pixels.
-    pub max_side: u32,
-    /// Most layers of a texture array.
-    pub max_layers: u32,
-}
-
-impl DeviceLimits {
-    /// Those of `device`.
-    pub fn of(device: &wgpu::Device) -> Self {
-        let limits = device.limits();
-        Self { max_side: limits.max_texture_dimension_2d, max_layers: limits.max_texture_array_layers }
-    }
-}
 
 /// Why pictures could not be brought to the card.
 pub type Failures = Arc<Mutex<HashMap<PictureId, String>>>;

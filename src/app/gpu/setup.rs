@@ -1,6 +1,7 @@
 //! One description of the graphics device for the window, for drawing without a display and for tests.
 
-use super::renderer::{DeviceLimits, PictureRenderer};
+use super::limits::DeviceLimits;
+use super::renderer::PictureRenderer;
 use egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::sync::Arc;
 

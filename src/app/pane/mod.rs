@@ -26,7 +26,7 @@ pub use tiles::{arrangement_of, tree_of};
 use super::canvas::View;
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::Ranges;
-use crate::app::project::pair::Side;
+use crate::app::project::side::Side;
 use crate::detector::DetectorParams;
 use crate::engine::{OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
 use serde::{Deserialize, Serialize};

@@ -175,7 +175,7 @@ fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::pair::Side;
+    use crate::app::project::side::Side;
     use crate::detector::SlopeGrid;
 
     fn base(slope_u: f32) -> Pane {

@@ -4,7 +4,7 @@ use super::{Arrangement, Content, Over, Pane, PaneId, PaneLinks, Panes};
 use crate::app::canvas::View;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::look::Ranges;
-use crate::app::project::pair::Side;
+use crate::app::project::side::Side;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -4,7 +4,7 @@ use super::preset::Laid;
 use super::{Arrangement, Content, Direction, Link, MAX_PANES, Over, Pane, PaneId, Preset};
 use crate::app::canvas::View;
 use crate::app::project::cursor::Cursor;
-use crate::app::project::pair::Side;
+use crate::app::project::side::Side;
 use crate::detector::DetectorParams;
 use std::collections::BTreeMap;
 

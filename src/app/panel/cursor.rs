@@ -5,6 +5,7 @@ use crate::app::panel::slope_pad::slope_pad_ui;
 use crate::app::panel::widgets::{CursorRow, section_ui};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
+use crate::detector::localise::place::rim_radius;
 use crate::detector::scale_space::levels::ScaleSpace;
 use egui::Ui;
 
@@ -119,7 +120,8 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     }
     let space = ScaleSpace::of(model.cursor_params());
     let sigma = space.sigma_image(model.cursor().octave, f64::from(model.cursor().level));
-    ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(
-        "Blobs of about this σ answer most strongly: their radius is √2·σ, in pixels of the input image.",
-    );
+    let rim = rim_radius(sigma, space.levels);
+    ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(format!(
+        "In pixels of the input image. Of all discs one with a radius of {rim:.1} px answers most strongly here."
+    ));
 }

@@ -201,8 +201,8 @@ param_doc!(
     "kernel-cut",
     "Kernel cut",
     "σ",
-    "Where the Gaussian kernels end, in standard deviations.",
-    "4 is exact to a thousandth; 2 reproduces the authors' code, which misses some sizes of blobs by it."
+    "Where the kernel of each blur from level to level ends, in its standard deviations.",
+    "4 is exact to a thousandth; what a level sums up ends at 4.5 of its own in any case. 2 reproduces the authors' code, which misses some sizes of blobs by it."
 );
 param_doc!(
     LOCALISATION,

@@ -1,6 +1,6 @@
 //! Features over a picture: circles of true scale, orientation, motion over the burst.
 //!
-//! The circle's radius is √2·σ, the radius of the blob that answers most strongly at scale σ. The tick points along the orientation. The arrow
+//! The circle is the rim of the disc that D answers most strongly at scale σ. The tick points along the orientation. The arrow
 //! runs from where the feature is in the first frame to where it is in the last. Features whose slope lies on the rim of the searched grid have a
 //! dashed circle: their true motion may lie outside.
 
@@ -17,6 +17,7 @@ pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_line
 
 use super::{CanvasOutput, RectTransform};
 use crate::detector::feature::Feature;
+use crate::detector::localise::place::rim_radius;
 use egui::{Color32, Mesh, Pos2, Shape, pos2};
 use rayon::prelude::*;
 use strokes::Strokes;
@@ -61,10 +62,14 @@ impl<'a> OverlayStyle<'a> {
     }
 }
 
-/// Radius of a feature's circle, √2·σ, in image pixels.
+/// Radius of a feature's circle, in image pixels: the rim of the disc that D answers most strongly at its scale, for the
+/// usual five levels an octave 1.51·σ (four: 1.54·σ, ten: 1.46·σ).
 pub fn circle_radius_image(feature: &Feature) -> f32 {
-    std::f32::consts::SQRT_2 * feature.sigma
+    rim_radius(f64::from(feature.sigma), USUAL_LEVELS) as f32
 }
+
+/// Levels of the default parameters.
+const USUAL_LEVELS: usize = 5;
 
 /// Where a feature is in the first and in the last of `frames` frames, in image pixels.
 pub fn motion_image(feature: &Feature, frames: usize) -> (Pos2, Pos2) {

@@ -3,7 +3,7 @@
 //! The window tells the history what is set before and after each pass in which a person could change it. What changes by itself (slopes that were found, the
 //! slope with most features) is no step. While something goes on (a drag, typing, playing through the slopes) all of it is one step.
 
-use super::pane::PaneId;
+use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
