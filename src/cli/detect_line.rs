@@ -147,7 +147,10 @@ mod tests {
         };
         let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
         let apart = DetectorParams { distinct: Distinct::Radius(1.4), ..DetectorParams::default() };
-        let still = DetectorParams { slopes: SlopeGrid::single(crate::detector::Slope::default()), ..DetectorParams::default() };
+        let still = DetectorParams {
+            slopes: SlopeGrid::single(crate::detector::Slope::default()),
+            ..DetectorParams::default()
+        };
         let cases: [SearchParams; 6] =
             [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into()];
         for params in cases {

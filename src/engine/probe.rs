@@ -6,6 +6,7 @@
 
 use super::jobs::{JobAnswer, Jobs};
 use super::picture::job_error;
+use super::picture_jobs::PICTURE_GRACE;
 use super::queue::{JobQueue, Priority};
 use super::source::BurstId;
 use super::{DetectRequest, Detected, JobError, Running, detect_now};
@@ -81,7 +82,7 @@ impl ProbeWorker {
     pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
         Self {
             trails: Jobs::new(queue, Priority::Search, Duration::ZERO, traced),
-            places: Jobs::new(queue, Priority::Picture, GRACE, probed),
+            places: Jobs::new(queue, Priority::Picture, PICTURE_GRACE, probed),
             kept: Kept::default(),
         }
     }
