@@ -40,6 +40,8 @@ mod opening;
 mod pairs;
 #[path = "window/panes.rs"]
 mod panes;
+#[path = "window/probe.rs"]
+mod probe;
 #[path = "window/scrubbing.rs"]
 mod scrubbing;
 #[path = "window/slopes.rs"]

@@ -82,13 +82,12 @@ impl ProbeWorker {
     pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
         Self {
             trails: Jobs::new(queue, Priority::Search, Duration::ZERO, traced),
-            // What is superseded may still be shown, so that the panel follows the pointer.
             places: Jobs::new(queue, Priority::Picture, PICTURE_GRACE, probed),
             kept: Kept::default(),
         }
     }
 
-    /// Finding features, and giving their trails to these workers where they are to be kept.
+    /// Work that finds features, and gives their trails to these workers where they are to be kept.
     pub(super) fn detect_jobs(&self, queue: &Arc<JobQueue>) -> Jobs<(DetectRequest, KeepTrail), Detected> {
         let kept = self.kept.clone();
         Jobs::new(queue, Priority::Search, Duration::ZERO, move |(request, keep), monitor: &Monitor| {
@@ -115,12 +114,11 @@ impl ProbeWorker {
     /// The trail that was made since the last call, or why there is none. Never waits.
     pub fn poll_trail(&self) -> Option<Result<Traced, JobError>> {
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner).take();
-        kept.map(Ok).or_else(|| {
-            self.trails.take_answers().filter(|answer| !answer.is_superseded()).last().map(|answer| answer.result)
-        })
+        let made = self.trails.take_answers().filter(|answer| !answer.is_superseded()).last();
+        kept.map(Ok).or_else(|| made.map(|answer| answer.result))
     }
 
-    /// The last answer that came since the last call.
+    /// The answer that came since the last call.
     pub fn poll_answer(&self) -> Option<JobAnswer<Probed>> {
         self.places.take_answers().filter(|answer| !answer.is_superseded()).last()
     }
@@ -133,11 +131,6 @@ impl ProbeWorker {
     /// Whether a question is being answered, and since when.
     pub fn probing(&self) -> Option<Running> {
         self.places.running()
-    }
-
-    /// Whether nothing runs and nothing waits.
-    pub fn is_idle(&self) -> bool {
-        self.trails.is_idle() && self.places.is_idle()
     }
 }
 

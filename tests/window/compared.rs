@@ -59,8 +59,8 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     detection.features.push(lonely);
     detection.descriptors.push([0; 128]);
     let (csv, txt) = (folder.path().join("theirs.csv"), folder.path().join("theirs.txt"));
-    write_csv(&csv, &detection).unwrap();
-    write_colmap(&txt, &detection).unwrap();
+    write_csv(&csv, &detection.features).unwrap();
+    write_colmap(&txt, &detection.features, &detection.descriptors).unwrap();
     for path in [csv, txt] {
         window.dialogs.will_choose(&path);
         window.run_action("open features");
@@ -94,7 +94,7 @@ fn what_is_seen_is_copied_as_a_command() {
     let mut window = Start::default().open();
     window.app_mut().model.params.max_features = 25;
     window.settle();
-    window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::C);
+    window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);
     let line = burstscope::cli::detect_line(&["demo".to_owned()], &window.app().model.asked());
     assert!(line.starts_with("burstscope detect demo --out ") && line.contains("--max-features 25"), "{line}");

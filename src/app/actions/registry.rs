@@ -138,7 +138,7 @@ actions! {
     Undo, Edit 0, "Undo", [CTRL Z], "Take back the last change of a parameter or a slope";
     Redo, Edit 0, "Redo", [CTRL_SHIFT Z], "Make the change again that was taken back";
     CopyRow, Edit 1, "Copy row or value", [], "Copy the selected feature or match, or else the value under the pointer (also Ctrl+C)";
-    CopyCommand, Edit 1, "Copy as command", [CTRL_SHIFT C], "Copy the command that finds the features of this burst with these parameters";
+    CopyCommand, Edit 1, "Copy as command", [CTRL_SHIFT K], "Copy the command that finds the features of this burst with these parameters";
     CopyPicture, Edit 1, "Copy picture", [], "Copy the picture in focus as it is shown, in its range and colours";
     MeasureLine, Edit 2, "Line profile", [NONE Q], "Let the pointer draw a line: the values along it, in all linked panes";
     MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Let the pointer draw a rectangle: mean, deviation, range and noise in it";

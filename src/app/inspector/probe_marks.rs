@@ -50,7 +50,7 @@ pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn
     if !drawn.output.response.clicked() {
         return;
     }
-    if ui.input(|i| i.modifiers.shift) {
+    if is_with_shift(ui) {
         match (model.hovered, model.probe.pointer) {
             (Some(feature), _) => model.probe_feature(feature),
             (None, Some(place)) => model.probe_place(place),
@@ -61,6 +61,17 @@ pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn
         model.probe.follows = false;
         model.probe_place(place);
     }
+}
+
+/// Whether Shift was held when the button was let go.
+fn is_with_shift(ui: &egui::Ui) -> bool {
+    ui.input(|i| {
+        let let_go = i.events.iter().rev().find_map(|event| match event {
+            egui::Event::PointerButton { pressed: false, modifiers, .. } => Some(modifiers.shift),
+            _ => None,
+        });
+        let_go.unwrap_or(i.modifiers.shift)
+    })
 }
 
 fn marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {

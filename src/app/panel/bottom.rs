@@ -42,11 +42,10 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
             }
             BottomTab::Slopes => {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    crate::app::panel::slopes::summary_ui(ui, model)
+                    crate::app::panel::slopes::summary_ui(ui, model);
                 });
             }
-            BottomTab::Profile | BottomTab::Region => {}
-            BottomTab::Compared => crate::app::panel::against::summary_ui(ui, model, queue),
+            BottomTab::Profile | BottomTab::Region | BottomTab::Compared => {}
         }
     });
     ui.separator();
@@ -60,7 +59,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         BottomTab::Slopes => crate::app::panel::slopes::slopes_ui(ui, model),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
-        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets),
+        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets, queue),
     }
 }
 

@@ -26,7 +26,7 @@ pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::NextFeature, Some("Next"));
         button_ui(ui, model, queue, ActionId::GoToFeature, Some("Go to"));
         button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
-        if model.workspace == Workspace::Inspect {
+        if model.workspace == Workspace::Inspect && model.selected.is_some() {
             button_ui(ui, model, queue, ActionId::ProbeFeature, Some("Why?"));
         }
     });

@@ -6,6 +6,18 @@ use crate::detector::{ParamChange, SlopeChoice, SlopeGrid};
 use crate::engine::{BurstSource, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Running, Traced};
 use crate::inspect::probe::Wanted;
 use crate::synth::Example;
+use serde::{Deserialize, Serialize};
+
+/// What a session keeps of the probe.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedProbe {
+    /// The place, pixels at mid-burst.
+    pub place: [f32; 2],
+    /// Whether the panel showed it.
+    #[serde(default)]
+    pub is_open: bool,
+}
 
 /// What is probed and what is known of it.
 #[derive(Debug, Default)]
@@ -34,9 +46,14 @@ impl ProbeModel {
         self.follows || self.question.is_some()
     }
 
-    /// Forgets everything but whether the panel is open.
+    /// Whether there is something for the panel to show.
+    pub fn is_in_use(&self) -> bool {
+        self.is_open || self.is_on() || self.answer.is_some()
+    }
+
+    /// Forgets everything, and closes the panel.
     pub fn clear(&mut self) {
-        *self = Self { is_open: self.is_open, ..Self::default() };
+        *self = Self::default();
     }
 
     /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.
@@ -54,6 +71,11 @@ impl ProbeModel {
     /// What is to be asked of the trail that is there.
     pub fn wanted(&self) -> Option<ProbeRequest> {
         Some(ProbeRequest { traced: self.traced.clone()?, question: self.question? })
+    }
+
+    /// What a session keeps.
+    pub fn saved(&self) -> Option<SavedProbe> {
+        Some(SavedProbe { place: self.place()?, is_open: self.is_open })
     }
 
     /// Whether the answer is the one to what is asked now.
@@ -128,6 +150,17 @@ impl Model {
             let place = [feature.u, feature.v];
             self.selected = Some(index);
             self.ask_probe(ProbeQuestion::At { place, wanted: Wanted::Feature(index) });
+        }
+    }
+
+    /// Asks again what a session asked; without a place nothing is probed.
+    pub fn restore_probe(&mut self, saved: Option<SavedProbe>) {
+        self.probe.clear();
+        self.probe.is_open = saved.is_some_and(|saved| saved.is_open);
+        if let Some(SavedProbe { place, is_open }) = saved {
+            let right = self.panels.right;
+            self.probe_place(place);
+            (self.probe.is_open, self.panels.right) = (is_open, right);
         }
     }
 

@@ -20,7 +20,9 @@ pub fn inspect_workspace_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &
     }
     if app.model.panels.right {
         Panel::right("right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
-            panel::probe::tabs_ui(ui, &mut app.model);
+            if app.model.probe.is_in_use() {
+                panel::probe::tabs_ui(ui, &mut app.model);
+            }
             if app.model.probe.is_open {
                 panel::probe::probe_ui(ui, &mut app.model, &mut app.probe, queue);
                 return;
