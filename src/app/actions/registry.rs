@@ -155,7 +155,7 @@ actions! {
     ShowMerge, View 1, "Show merged frames", [NONE Num4], "Show the frames aligned tile by tile and merged into one image";
     ShowNoise, View 1, "Show local noise", [SHIFT N], "Show how strong the noise is where, at the slope, octave and level, as the noise gate takes it";
     ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show which share of the frames sees each place at the slope";
-    ShowMotion, View 1, "Show winning slope", [SHIFT W], "Show which slope answers most strongly where, at the octave and level: a picture of the motion";
+    ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show which slope answers most strongly where, at the octave and level: a picture of the motion";
     Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
@@ -197,7 +197,7 @@ actions! {
     SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
-    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found";
+    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting those at the limit of the range";
     Play, Cursor 0, "Play slopes", [NONE Space], "Run through the grid's slopes, there and back";
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back";
     FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on";

@@ -7,7 +7,9 @@ use crate::app::panel::features::frames_from_middle;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::detector::Slope;
+use crate::engine::ProbeQuestion;
 use crate::inspect::candidates::{CandidateMark, Survey};
+use crate::inspect::probe::Wanted;
 use crate::plane::colour_map::ColourMap;
 use egui::{Align2, Color32, Frame, Label, Margin, Pos2, RichText, Sense, Ui, pos2, vec2};
 use std::sync::Arc;
@@ -17,7 +19,10 @@ const MOST: usize = 20_000;
 
 /// Draws the candidates over the picture of pane `id`, and lets the pointer choose one.
 pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutput) {
-    let Some(test) = model.explained.shown_test else { return };
+    let Some(test) = model.explained.shown_test else {
+        model.explained.pointed = None;
+        return;
+    };
     let Some(pane) = model.panes.get(id).filter(|pane| pane.side == Side::A) else { return };
     let Some(found) = model.found.as_ref() else { return };
     let dt = frames_from_middle(pane.picture.as_ref(), &found.detection).unwrap_or(0.0);
@@ -41,9 +46,14 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     let text = format!("{} candidates{more}: {}; SNR {min_snr} and more", survey.marks.len(), test.reason());
     note_ui(ui, output, &text);
     let clip = output.painter.clip_rect();
-    let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos) && model.hovered.is_none()) else { return };
+    let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
     let pointed = circle_at(shown.iter().map(|&index| circle(&survey.marks[index])), output.ui_from_image, pointer);
     let pointed = pointed.map(|place| shown[place]);
+    // What is drawn on top is pointed at, not the features that it lies on.
+    model.explained.pointed = pointed;
+    if pointed.is_some() {
+        model.hovered = None;
+    }
     if output.response.clicked() {
         model.explained.selected = pointed;
     }
@@ -122,6 +132,11 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
                 pane.show(crate::app::project::cursor::ViewKind::Dog);
                 let [u, v] = mark.pos_image;
                 pane.view.look_at(pos2(u, v), 60.0 / mark.sigma.max(1.0));
+            }
+            if ui.button("Probe candidate").on_hover_text("Every test of it in order, and what would keep it").clicked()
+            {
+                let wanted = Wanted::Candidate(mark.of_sample());
+                model.ask_probe(ProbeQuestion::At { place: mark.pos_image, wanted });
             }
             if ui.button("Clear").on_hover_text("Select no candidate").clicked() {
                 model.explained.selected = None;

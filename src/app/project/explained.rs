@@ -20,6 +20,8 @@ pub struct ExplainedState {
     candidates: Option<(ExplainRequest, Arc<Survey>)>,
     /// The test whose candidates are drawn over the picture.
     pub shown_test: Option<Test>,
+    /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
+    pub pointed: Option<usize>,
     /// The candidate that is selected, among those of the survey.
     pub selected: Option<usize>,
     /// Whether the slopes of the detection on show are wanted although it took long.
@@ -36,7 +38,7 @@ impl ExplainedState {
             Explanation::Slopes(spectrum) => self.slopes = Some((request, spectrum)),
             Explanation::Candidates(survey) => {
                 self.candidates = Some((request, survey));
-                self.selected = None;
+                (self.selected, self.pointed) = (None, None);
             }
         }
     }
