@@ -13,7 +13,7 @@ use crate::app::panel::colour_bar::colour_bar_ui;
 use crate::app::panel::features::{FeatureOptions, features_ui};
 use crate::app::panel::picture::stale_ui;
 use crate::app::project::Model;
-use egui::{Sense, Stroke, StrokeKind, Ui, WidgetText};
+use egui::{Stroke, StrokeKind, Ui, WidgetText};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
 /// A picture that is at least this large, in points, has room for the legend.
@@ -98,9 +98,4 @@ impl Inspector<'_> {
             ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
         }
     }
-}
-
-/// A part of a header by which the pane is dragged.
-pub(super) fn grip_sense(many: bool) -> Sense {
-    if many { Sense::click_and_drag() } else { Sense::click() }
 }

@@ -1,6 +1,5 @@
 //! The line above a pane's picture: which pane it is, what it shows, what it shares, and the buttons that split and close it.
 
-use super::behaviour::grip_sense;
 use super::icons::{Icon, icon_button_ui};
 use super::menu::{Change, pane_menu_ui};
 use super::widgets::PaneWidgets;
@@ -13,7 +12,7 @@ use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::style;
 use crate::engine::MapKind;
-use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Ui, vec2};
+use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Sense, Ui, vec2};
 
 /// Headers narrower than this, in points, have the links on a line of their own.
 const ONE_LINE: f32 = 440.0;
@@ -196,4 +195,9 @@ fn buttons_ui(ui: &mut Ui, model: &mut Model, id: PaneId, width: f32, changes: &
         }
     }
     ui.add_space(4.0);
+}
+
+/// A part of a header by which the pane is dragged.
+fn grip_sense(many: bool) -> Sense {
+    if many { Sense::click_and_drag() } else { Sense::click() }
 }

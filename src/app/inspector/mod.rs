@@ -9,6 +9,7 @@ mod header;
 mod icons;
 mod marks;
 mod menu;
+mod menu_place;
 mod pane_ui;
 mod picture_menu;
 mod probe_marks;

@@ -1,24 +1,16 @@
 //! What a click with the second button on a picture shows: what can be done with the feature and the place there, and with the pane.
 
 use super::menu::{Change, pane_menu_ui};
+use super::menu_place::MenuPlace;
 use super::pane_ui::Drawn;
 use super::probe_marks::mid_burst;
 use super::widgets::PaneWidgets;
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::{Readout, number};
+use crate::app::canvas::number;
 use crate::app::clipboard;
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use egui::{RichText, Ui};
-
-/// What was under the pointer when the menu was opened.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct MenuPlace {
-    feature: Option<usize>,
-    readout: Option<Readout>,
-    /// The place at mid-burst.
-    mid_burst: Option<[f32; 2]>,
-}
 
 /// Shows the menu where the second button was pressed on the picture of pane `id`.
 pub(super) fn picture_menu_ui(

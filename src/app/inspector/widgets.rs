@@ -1,6 +1,6 @@
 //! What the panes' widgets keep from pass to pass.
 
-use super::picture_menu::MenuPlace;
+use super::menu_place::MenuPlace;
 use crate::app::canvas::{Readout, RectTransform};
 use crate::app::pane::PaneId;
 use crate::app::panel::display::DisplayState;

@@ -1,11 +1,10 @@
 //! Below the pictures: the table of features, the tally, the noise, and what was measured on the pictures, as tabs.
 
-use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::actions::Queue;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
-use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
-use egui::{Align, Label, Layout, RichText, Ui};
+use egui::{Align, Layout, Ui};
 
 /// Where there is less room than this, in points, the tabs stand closer.
 const ROOMY: f32 = 600.0;
@@ -51,7 +50,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
     ui.separator();
     match model.bottom_tab {
         BottomTab::Table => {
-            advice_ui(ui, model, queue);
+            crate::app::panel::advice::advice_ui(ui, model, queue);
             crate::app::panel::table::table_ui(ui, model, queue);
         }
         BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model, queue),
@@ -60,19 +59,5 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
         BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets, queue),
-    }
-}
-
-/// Why there is nothing or little, or most of it at the slope limit, as long as that is so with the present parameters.
-pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let advice = model.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
-    if let Some(advice) = advice {
-        let text = RichText::new(advice.for_window()).color(crate::app::style::warning(ui));
-        ui.horizontal_wrapped(|ui| {
-            ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
-            if model.features().is_empty() && model.workspace == Workspace::Inspect {
-                button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
-            }
-        });
     }
 }

@@ -1,6 +1,7 @@
 //! The parts of the window. Each draws from the model, changes the model, and puts the actions that were asked for into a queue.
 
 pub mod about;
+pub mod advice;
 pub mod against;
 pub mod bottom;
 pub mod candidates;

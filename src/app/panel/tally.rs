@@ -60,7 +60,7 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         line_ui(ui, &row, None);
         crate::app::panel::noise::warnings_ui(ui, &found);
         ui.add_space(4.0);
-        crate::app::panel::bottom::advice_ui(ui, model, queue);
+        crate::app::panel::advice::advice_ui(ui, model, queue);
     });
 }
 

@@ -1,13 +1,13 @@
 //! The pictures of the methods: a pane for each, or two in one place.
 
-use crate::app::canvas::CanvasOutput;
+use super::pane::{in_rect, pane_ui};
 use crate::app::inspector::over_handle_ui;
 use crate::app::project::compare::{Contender, Layout};
 use crate::app::project::pair::Side;
 use crate::app::window::BurstscopeApp;
 use crate::app::workspace::compare::matches::matches_ui;
 use crate::app::workspace::compare::pictures::{ComparePictures, features_ui, label_ui};
-use egui::{Align, Align2, Rect, Ui, UiBuilder, pos2, vec2};
+use egui::{Align2, Rect, Ui, pos2, vec2};
 
 /// Points between panes.
 const GAP: f32 = 6.0;
@@ -45,10 +45,6 @@ pub(crate) fn pane_rects(room: Rect, count: usize) -> Vec<Rect> {
         .collect()
 }
 
-pub(crate) fn in_rect<T>(ui: &mut Ui, rect: Rect, draw: impl FnOnce(&mut Ui) -> T) -> T {
-    ui.scope_builder(UiBuilder::new().max_rect(rect).layout(egui::Layout::top_down(Align::Min)), draw).inner
-}
-
 fn panes_ui(ui: &mut Ui, app: &mut BurstscopeApp, contenders: &[Contender]) {
     let room = ui.available_rect_before_wrap();
     for (method, rect) in contenders.iter().zip(pane_rects(room, contenders.len())) {
@@ -61,14 +57,6 @@ fn flip_ui(ui: &mut Ui, app: &mut BurstscopeApp) {
     let look = &app.model.compare.look;
     let method = look.two[usize::from(look.flipped)];
     pane_ui(ui, app, (method, Side::A));
-}
-
-/// Draws the pane of a method; all of one side share the view of that side's pane.
-pub(crate) fn pane_ui(ui: &mut Ui, app: &mut BurstscopeApp, (method, side): (Contender, Side)) -> CanvasOutput {
-    let mut view = app.model.panes.of(side).view;
-    let output = app.compare_pictures.pane_ui(ui, &app.model, (method, side), &mut view);
-    app.model.panes.of_mut(side).view = view;
-    output
 }
 
 fn wipe_ui(ui: &mut Ui, app: &mut BurstscopeApp) {

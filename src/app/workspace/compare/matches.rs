@@ -5,7 +5,7 @@ use crate::app::inspector::chip_ui;
 use crate::app::project::compare::Contender;
 use crate::app::project::pair::Side;
 use crate::app::window::BurstscopeApp;
-use crate::app::workspace::compare::layouts::{in_rect, pane_ui};
+use crate::app::workspace::compare::pane::{in_rect, pane_ui};
 use egui::{Align2, Rect, Ui, pos2, vec2};
 
 /// Points between panes.

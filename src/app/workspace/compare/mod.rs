@@ -3,6 +3,7 @@
 mod controls;
 mod layouts;
 mod matches;
+mod pane;
 mod pictures;
 mod table;
 
