@@ -2,7 +2,7 @@
 //! neighbours.
 
 use super::actions::{self, ActionId, Queue};
-use super::canvas::{Readout, number};
+use super::canvas::Readout;
 use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, SystemDialogs};
 use super::inspector::{PaneWidgets, PlaceValue};
@@ -13,6 +13,7 @@ use super::session::Session;
 use super::settings::Settings;
 use crate::app::jobs::against::AgainstAsked;
 use crate::app::jobs::compare::CompareAsked;
+use crate::app::jobs::explain::ExplainAsked;
 use crate::app::jobs::losses::LossesAsked;
 use crate::app::jobs::pair::PairAsked;
 use crate::app::jobs::panes::CursorsBefore;
@@ -111,6 +112,7 @@ pub struct BurstscopeApp {
     pub(super) asked: Asked,
     pub(super) pair_asked: PairAsked,
     pub(super) compare_asked: CompareAsked,
+    pub(super) explain_asked: ExplainAsked,
     pub(super) against_asked: AgainstAsked,
     pub(super) losses_asked: LossesAsked,
     pub(super) play: Play,
@@ -153,6 +155,7 @@ impl BurstscopeApp {
             asked: Asked::default(),
             pair_asked: PairAsked::default(),
             compare_asked: CompareAsked::default(),
+            explain_asked: ExplainAsked::default(),
             against_asked: AgainstAsked::default(),
             losses_asked: LossesAsked::default(),
             play: Play::default(),
@@ -190,6 +193,7 @@ impl BurstscopeApp {
             && self.pair_is_settled()
             && self.probe_is_settled()
             && self.compare_is_settled()
+            && self.explanations_are_settled()
             && self.comparison_is_settled()
     }
 
@@ -202,6 +206,7 @@ impl BurstscopeApp {
         self.take_probe_updates();
         self.take_pair_updates();
         self.take_compare_updates();
+        self.take_explanations();
         self.take_against_updates();
         self.take_losses();
         self.take_answers();
@@ -291,7 +296,7 @@ impl BurstscopeApp {
     pub(super) fn readout(&self) -> Option<String> {
         if self.model.workspace == Workspace::Inspect && self.model.panes.are_many() {
             let (first, rest) = self.widgets.values.split_first()?;
-            let value = |v: &PlaceValue| format!("{}: {}", v.number, number(v.readout.value, 4));
+            let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
             let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
             return Some(format!("u {:.1}  v {:.1}   {}", first.readout.u, first.readout.v, values.join("  ")));
         }

@@ -1,10 +1,10 @@
 //! What COLMAP's mapper takes, made of a whole dataset: the work of the command `colmap`, as a request.
 
 use super::DatasetEvent;
-use super::dataset::job_error;
-use super::fault::JobError;
 use crate::burst::{BurstSource, OpenOptions};
-use crate::dataset::{CameraChoice, ColmapJob, ColmapReport, Event, FeatureJob, ImageKind, export_colmap};
+use crate::dataset::{
+    CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, export_colmap,
+};
 use crate::detector::SearchParams;
 use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::monitor::Monitor;
@@ -50,12 +50,15 @@ pub struct ColmapDone {
 }
 
 /// Does it. `tell` hears of each burst; bursts whose features are in the folder already are not done again.
+///
+/// # Errors
+/// As [`export_colmap`].
 pub(super) fn run(
     bursts: &[BurstSource],
     request: &ColmapRequest,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
-) -> Result<ColmapDone, JobError> {
+) -> Result<ColmapDone, DatasetError> {
     let (mut left_out, mut at) = (Vec::new(), 0);
     let mut on = |event: Event<'_>| match event {
         Event::Begin { index, .. } => {
@@ -69,6 +72,6 @@ pub(super) fn run(
         }
         Event::Matching { .. } => {}
     };
-    let report = export_colmap(bursts, &request.out, &request.job(), &mut on, monitor).map_err(job_error)?;
+    let report = export_colmap(bursts, &request.out, &request.job(), &mut on, monitor)?;
     Ok(ColmapDone { report, left_out })
 }

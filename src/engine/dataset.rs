@@ -242,9 +242,9 @@ fn run(request: DatasetRequest, tell: &dyn Fn(DatasetEvent), monitor: &Monitor) 
             match_all(&bursts, &keeping, &pairs, &matching, tell, monitor)
         }
         #[cfg(feature = "colmap")]
-        DatasetRequest::Colmap { bursts, request } => {
-            super::colmap::run(&bursts, &request, tell, monitor).map(|done| DatasetAnswer::Colmap(Box::new(done)))
-        }
+        DatasetRequest::Colmap { bursts, request } => super::colmap::run(&bursts, &request, tell, monitor)
+            .map(|done| DatasetAnswer::Colmap(Box::new(done)))
+            .map_err(job_error),
     }
 }
 
@@ -345,7 +345,7 @@ fn match_all(
     Ok(DatasetAnswer::Matched { left_out: pairs.len() - indices.len() })
 }
 
-pub(super) fn job_error(error: DatasetError) -> JobError {
+fn job_error(error: DatasetError) -> JobError {
     match error {
         DatasetError::Cancelled(cancelled) => cancelled.into(),
         error => JobError::Failed(error.to_string()),

@@ -14,9 +14,11 @@ mod cache;
 mod colmap;
 mod compare;
 mod dataset;
+mod explain;
 mod fault;
 mod jobs;
 mod losses;
+mod map;
 mod pair;
 mod picture;
 mod picture_jobs;
@@ -34,9 +36,11 @@ pub use compare::{CompareRequest, Compared, Comparer};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
 };
+pub use explain::{ExplainQuestion, ExplainRequest, ExplainSubject, Explained, Explainer, Explanation};
 pub use fault::JobError;
 pub use jobs::{JobAnswer, Jobs};
 pub use losses::{FoundLosses, LossWorkers, LossesRequest};
+pub use map::{MapKind, MotionMap};
 pub use pair::{MatchRequest, Matched, PairJobs, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use picture_jobs::PictureSlot;
@@ -144,6 +148,7 @@ pub struct Engine {
     probe: ProbeWorker,
     pair: PairWorkers,
     comparer: Comparer,
+    explainer: Explainer,
     /// Where features of a pair were lost.
     pub losses: LossWorkers,
     /// Comparisons of features with others.
@@ -174,6 +179,7 @@ impl Engine {
         let queue = Arc::new(JobQueue::new(on_update));
         let probe = ProbeWorker::new(&queue);
         Self {
+            explainer: Explainer::new(&queue, cache.trails()),
             open: open_jobs(&queue),
             pictures: PictureJobs::new(&queue, &cache),
             patch: PictureJobs::new(&queue, &cache),
@@ -204,6 +210,11 @@ impl Engine {
     /// The worker that compares methods. What it publishes is polled there.
     pub fn comparer(&self) -> &Comparer {
         &self.comparer
+    }
+
+    /// The worker that explains a detection as a whole. What it publishes is polled there.
+    pub fn explainer(&self) -> &Explainer {
+        &self.explainer
     }
 
     /// Opens a burst in the background.

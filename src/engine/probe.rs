@@ -6,6 +6,7 @@
 
 use super::jobs::{JobAnswer, Jobs};
 use super::picture::job_error;
+use super::picture_jobs::PICTURE_GRACE;
 use super::queue::{JobQueue, Priority};
 use super::source::BurstId;
 use super::{DetectRequest, Detected, JobError, Running, detect_now};
@@ -16,9 +17,6 @@ use crate::inspect::{Probe, ProbeCache, ProbeError, ProbeOptions, probe};
 use crate::monitor::Monitor;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-
-/// An answer that is overtaken may still come within this time, so that the panel follows the pointer.
-const GRACE: Duration = Duration::from_millis(250);
 
 /// A detection of a burst with all that it left behind.
 #[derive(Debug, Clone)]
@@ -84,7 +82,7 @@ impl ProbeWorker {
     pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
         Self {
             trails: Jobs::new(queue, Priority::Search, Duration::ZERO, traced),
-            places: Jobs::new(queue, Priority::Picture, GRACE, probed),
+            places: Jobs::new(queue, Priority::Picture, PICTURE_GRACE, probed),
             kept: Kept::default(),
         }
     }
@@ -102,7 +100,7 @@ impl ProbeWorker {
         self.trails.submit(request);
     }
 
-    /// Asks about a place; what was asked before and is not answered yet is overtaken.
+    /// Asks about a place; what was asked before and is not answered yet is superseded.
     pub fn ask(&self, request: ProbeRequest) {
         self.places.submit(request);
     }

@@ -94,7 +94,7 @@ fn what_is_seen_is_copied_as_a_command() {
     let mut window = Start::default().open();
     window.app_mut().model.params.max_features = 25;
     window.settle();
-    window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::C);
+    window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);
     let line = burstscope::cli::detect_line(&["demo".to_owned()], &window.app().model.asked());
     assert!(line.starts_with("burstscope detect demo --out ") && line.contains("--max-features 25"), "{line}");

@@ -66,3 +66,59 @@ fn panels_can_be_hidden_and_shown() {
     window.ctrl(Key::B);
     assert!(window.shows("Reset all"));
 }
+
+#[test]
+fn escape_closes_a_drop_down_and_nothing_else() {
+    let mut window = Start::default().open();
+    window.key(Key::Home);
+    assert_eq!(window.app().model.selected, Some(0));
+    window.click("Features");
+    assert!(window.shows("Clear filter"), "the menu is open");
+    window.key(Key::Escape);
+    window.harness.run_steps(3);
+    assert!(!window.shows("Clear filter"), "the menu is closed");
+    assert_eq!(window.app().model.selected, Some(0));
+    window.key(Key::Escape);
+    assert_eq!(window.app().model.selected, None);
+}
+
+#[test]
+fn a_slow_click_is_a_click() {
+    let mut window = Start::without_auto_detect().open();
+    window.app_mut().model.focused_mut().cursor.slope.u = 1.0;
+    window.settle();
+    let button = window.harness.get_by_role_and_label(egui::accesskit::Role::Button, "Zero").rect().center();
+    window.harness.drag_at(button);
+    let pressed = window.harness.ctx.input(|i| i.time);
+    while window.harness.ctx.input(|i| i.time) < pressed + 1.5 {
+        window.harness.step();
+    }
+    window.harness.drop_at(button);
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.cursor().slope.u, 0.0);
+}
+
+#[test]
+fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
+    let mut window = Start::without_auto_detect().open();
+    window.ctrl(Key::P);
+    window.harness.run_steps(3);
+    let row = |window: &crate::support::Window, label: &str| {
+        window.harness.query_all_by_label_contains(label).map(|node| node.rect()).next()
+    };
+    let first = row(&window, "Find features with").or_else(|| row(&window, "Detect"));
+    assert!(first.is_some());
+    let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Find an action");
+    field.type_text("keyb");
+    window.harness.run_steps(3);
+    for _ in 0..4 {
+        window.key(Key::Backspace);
+    }
+    window.harness.run_steps(3);
+    // As many rows as before can be seen again.
+    let seen = ACTIONS.iter().filter(|a| row(&window, a.label).is_some()).count();
+    assert!(seen > 8, "{seen} rows");
+    window.key(Key::Enter);
+    window.settle();
+    assert!(window.app().model.found.is_some(), "with nothing typed Enter detects");
+}

@@ -248,3 +248,20 @@ fn theme_panels_and_recent_bursts_are_remembered() {
     assert_eq!(settings.recent.len(), 1);
     assert!(!settings.auto_detect);
 }
+
+#[test]
+fn typing_gives_a_file_another_name_and_a_new_folder_is_announced() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start::default().open();
+    // Nobody answers for the system's dialog, so the field opens with a name whose first part is selected.
+    window.run_action("export features as csv");
+    window.wait("the field opens", |app| !app.choice().is_empty() || app.is_settled());
+    window.harness.run_steps(3);
+    let wanted = folder.path().join("new").join("mine");
+    window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path").type_text(wanted.to_str().unwrap());
+    window.harness.run_steps(3);
+    assert!(window.shows(&format!("The folder {} will be made", wanted.parent().unwrap().display())));
+    window.key(egui::Key::Enter);
+    window.settle();
+    assert!(wanted.with_extension("csv").is_file(), "the kind of file stays");
+}

@@ -138,7 +138,7 @@ actions! {
     Undo, Edit 0, "Undo", [CTRL Z], "Take back the last change of a parameter or a slope";
     Redo, Edit 0, "Redo", [CTRL_SHIFT Z], "Make the change again that was taken back";
     CopyRow, Edit 1, "Copy row or value", [], "Copy the selected feature or match, or else the value under the pointer (also Ctrl+C)";
-    CopyCommand, Edit 1, "Copy as command", [CTRL_SHIFT C], "Copy the command that finds the features of this burst with these parameters";
+    CopyCommand, Edit 1, "Copy as command", [CTRL_SHIFT K], "Copy the command that finds the features of this burst with these parameters";
     CopyPicture, Edit 1, "Copy picture", [], "Copy the picture in focus as it is shown, in its range and colours";
     MeasureLine, Edit 2, "Line profile", [NONE Q], "Let the pointer draw a line: the values along it, in all linked panes";
     MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Let the pointer draw a rectangle: mean, deviation, range and noise in it";
@@ -153,6 +153,9 @@ actions! {
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
     ShowMerge, View 1, "Show merged frames", [NONE Num4], "Show the frames aligned tile by tile and merged into one image";
+    ShowNoise, View 1, "Show local noise", [SHIFT N], "Show how strong the noise is where, at the slope, octave and level, as the noise gate takes it";
+    ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show which share of the frames sees each place at the slope";
+    ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show which slope answers most strongly where, at the octave and level: a picture of the motion";
     Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
@@ -194,7 +197,7 @@ actions! {
     SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
-    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found";
+    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting those at the limit of the range";
     Play, Cursor 0, "Play slopes", [NONE Space], "Run through the grid's slopes, there and back";
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back";
     FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on";

@@ -15,7 +15,7 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use crate::app::window::BurstscopeApp;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
-use crate::engine::{BurstSource, ProbeQuestion};
+use crate::engine::{BurstSource, MapKind, ProbeQuestion};
 use crate::synth::Example;
 
 impl BurstscopeApp {
@@ -295,8 +295,12 @@ fn move_hand(model: &mut Model, id: ActionId) {
     match id {
         A::ShowFrame | A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
         A::ShowStack => pane.show(ViewKind::Stack),
-        A::ShowDog | A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show(ViewKind::Dog),
+        A::ShowDog => pane.show(ViewKind::Dog),
+        A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
         A::ShowMerge => pane.content = Content::Merge,
+        A::ShowNoise => pane.content = Content::Map(MapKind::Noise),
+        A::ShowMotion => pane.content = Content::Map(MapKind::Motion),
+        A::ShowCoverage => pane.content = Content::Map(MapKind::Coverage),
         _ => {}
     }
     model.check_params();

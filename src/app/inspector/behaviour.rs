@@ -8,6 +8,8 @@ use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::measure::{draw_ui, measure_ui};
 use crate::app::pane::{Content, PaneId};
+use crate::app::panel::candidates::candidates_ui;
+use crate::app::panel::colour_bar::colour_bar_ui;
 use crate::app::panel::features::{FeatureOptions, features_ui};
 use crate::app::panel::picture::stale_ui;
 use crate::app::project::Model;
@@ -50,6 +52,8 @@ impl Behavior<PaneId> for Inspector<'_> {
         let in_focus = self.model.focus() == id;
         let options = FeatureOptions { legend: in_focus && size.x > LEGEND_ROOM.x && size.y > LEGEND_ROOM.y };
         features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, options);
+        colour_bar_ui(ui, self.model, drawn.shown, drawn.output.response.rect);
+        candidates_ui(ui, self.model, drawn.shown, &drawn.output);
         over_names_ui(ui, self.model, id, &drawn);
         draw_ui(self.model, id, &drawn.output);
         measure_ui(self.model, id, &drawn.output);

@@ -12,6 +12,7 @@ use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::style;
+use crate::engine::MapKind;
 use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Ui, vec2};
 
 /// Headers narrower than this, in points, have the links on a line of their own.
@@ -50,6 +51,10 @@ fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
     let what = match (pane.content, cursor.kind) {
         (Content::Merge, _) if tiny => "Merged".to_owned(),
         (Content::Merge, _) => "Merged frames".to_owned(),
+        (Content::Map(MapKind::Noise), _) => format!("σ {}/{} {slope}", cursor.octave, cursor.level),
+        (Content::Map(MapKind::Motion), _) => format!("Winning slope {}/{}", cursor.octave, cursor.level),
+        (Content::Map(map), _) if tiny => map.label().to_owned(),
+        (Content::Map(map), _) => format!("{} {slope}", map.label()),
         (Content::Slice(_), _) if tiny => "Slice".to_owned(),
         (Content::Slice(axis), _) => axis.label().to_owned(),
         (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),

@@ -5,6 +5,7 @@ use crate::app::pane::{Content, Direction, Link, Over, PaneId, Preset, SliceAxis
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
+use crate::engine::MapKind;
 use egui::{Button, Ui};
 
 /// What a pane asks for that changes which panes there are.
@@ -59,6 +60,11 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     }
     if ui.radio(pane.content == Content::Merge, "Merged frames").clicked() {
         pane.content = Content::Merge;
+    }
+    for map in MapKind::ALL {
+        if ui.radio(pane.content == Content::Map(map), map.label()).on_hover_text(map.help()).clicked() {
+            pane.content = Content::Map(map);
+        }
     }
     for axis in SliceAxis::ALL {
         if ui.radio(pane.content == Content::Slice(axis), axis.label()).on_hover_text(axis.help()).clicked() {

@@ -3,12 +3,9 @@
 use crate::app::window::BurstscopeApp;
 use crate::engine::{AgainstRequest, JobError};
 
-/// What was asked for last, and whether it came to nothing.
+/// What was asked for last.
 #[derive(Default)]
-pub(in crate::app) struct AgainstAsked {
-    asked: Option<AgainstRequest>,
-    failed: bool,
-}
+pub(in crate::app) struct AgainstAsked(Option<AgainstRequest>);
 
 impl BurstscopeApp {
     /// Takes what the worker published.
@@ -16,11 +13,8 @@ impl BurstscopeApp {
         for answer in self.engine.against.poll().filter(|answer| !answer.is_superseded()) {
             match answer.result {
                 Ok(compared) => self.model.take_comparison(compared),
-                Err(JobError::Cancelled) => self.against_asked.failed = true,
-                Err(error) => {
-                    self.against_asked.failed = true;
-                    self.model.against.problem = Some(error.to_string());
-                }
+                Err(JobError::Cancelled) => self.model.against.problem = Some("Cancelled".to_owned()),
+                Err(error) => self.model.against.problem = Some(error.to_string()),
             }
         }
         self.model.against.busy = self.engine.against.running();
@@ -30,23 +24,25 @@ impl BurstscopeApp {
     pub(in crate::app) fn request_comparison(&mut self) {
         self.model.check_against();
         let Some(wanted) = self.model.wanted_comparison() else {
-            if self.against_asked.asked.take().is_some() {
+            if self.against_asked.0.take().is_some() {
                 self.engine.against.cancel();
             }
             return;
         };
-        // While features are being found, those on show are about to be replaced.
-        let is_asked = self.against_asked.asked.as_ref().is_some_and(|asked| asked.same_comparison(&wanted));
+        let is_asked = self.against_asked.0.as_ref().is_some_and(|asked| asked.same_comparison(&wanted));
         let is_there = self.model.shown_comparison().is_some_and(|shown| Some(shown.with) == self.model.against.with);
-        if !is_asked || !(is_there || self.against_asked.failed || self.engine.against.running().is_some()) {
+        let ended = is_there || self.model.against.problem.is_some();
+        if !is_asked || !(ended || self.engine.against.running().is_some()) {
             self.engine.against.start(wanted.clone());
-            self.against_asked = AgainstAsked { asked: Some(wanted), failed: false };
+            self.against_asked = AgainstAsked(Some(wanted));
             self.model.against.problem = None;
         }
     }
 
     /// Whether the comparison that is wanted is there.
     pub(in crate::app) fn comparison_is_settled(&self) -> bool {
-        self.model.wanted_comparison().is_none() || self.model.shown_comparison().is_some() || self.against_asked.failed
+        self.model.wanted_comparison().is_none()
+            || self.model.shown_comparison().is_some()
+            || self.model.against.problem.is_some()
     }
 }

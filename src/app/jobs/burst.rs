@@ -123,8 +123,8 @@ impl BurstscopeApp {
             self.engine.pair().cancel(kind);
         }
         self.engine.comparer().cancel();
-        self.engine.probe().cancel();
         self.engine.against.cancel();
+        self.engine.probe().cancel();
     }
 
     /// Whether features of the present parameters are missing, and were not looked for in vain.
@@ -186,6 +186,7 @@ impl BurstscopeApp {
         self.request_for_probe(dragging);
         self.request_for_pair(dragging);
         self.request_for_compare(dragging);
+        self.request_explanations();
         self.request_comparison();
         self.request_losses();
         self.thumbnails.request(&self.engine.datasets);

@@ -4,6 +4,7 @@
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
 use crate::engine::{LossesRequest, PictureRequest};
+use std::sync::Arc;
 
 /// What was asked for last.
 #[derive(Default)]
@@ -21,7 +22,7 @@ impl BurstscopeApp {
     pub(in crate::app) fn take_losses(&mut self) {
         // What was cancelled or failed is asked for again with the next matches.
         for found in self.engine.losses.poll().filter_map(|answer| answer.result.ok()) {
-            self.model.pair.lost.found = Some(found);
+            self.model.pair.lost.found = Some(Arc::new(found));
         }
         for pictures in self.engine.losses.poll_pictures().filter_map(|answer| answer.result.ok()) {
             self.model.pair.lost.pictures = pictures;

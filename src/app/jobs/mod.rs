@@ -9,6 +9,7 @@ pub(super) mod burst;
 mod colmap;
 pub(super) mod compare;
 pub(super) mod dataset;
+pub(super) mod explain;
 pub(super) mod losses;
 pub(super) mod pair;
 pub(super) mod panes;

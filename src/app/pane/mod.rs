@@ -28,7 +28,7 @@ use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::Ranges;
 use crate::app::project::side::Side;
 use crate::detector::DetectorParams;
-use crate::engine::{OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
+use crate::engine::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
 use serde::{Deserialize, Serialize};
 
 /// Names a pane, for as long as it is open.
@@ -57,6 +57,8 @@ pub enum Content {
     Cursor,
     /// The frames of its burst, aligned and merged into one image.
     Merge,
+    /// What decides in the search, by place, where the cursor is.
+    Map(MapKind),
     /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
     /// A slice through the frames at the place that is probed.
@@ -191,15 +193,25 @@ impl Pane {
         self.content == Content::Cursor && self.cursor.kind == kind
     }
 
-    /// A slope was moved, which cannot be seen in a frame: shows the motion stack then.
+    /// A slope was moved, which cannot be seen in a frame: shows the motion stack then. Maps are of a slope.
     pub fn show_slope(&mut self) {
         self.slope_chosen = true;
-        if matches!(self.content, Content::Slice(_)) {
+        let is_seen = match self.content {
+            Content::Cursor => self.cursor.kind != ViewKind::Frame,
+            Content::Map(map) => map.is_of_slope(),
             // There the slope is a line.
-            return;
-        }
-        if self.content != Content::Cursor || self.cursor.kind == ViewKind::Frame {
+            Content::Slice(_) => true,
+            Content::Merge | Content::Difference(..) => false,
+        };
+        if !is_seen {
             self.show(ViewKind::Stack);
+        }
+    }
+
+    /// Octave or level was moved, which can be seen in few pictures: shows the DoG where it cannot.
+    pub fn show_scale(&mut self) {
+        if !matches!(self.content, Content::Map(map) if map.is_of_octave()) {
+            self.show(ViewKind::Dog);
         }
     }
 
@@ -213,6 +225,10 @@ impl Pane {
         let kind = match self.content {
             Content::Cursor => self.cursor_within(burst, params).picture_kind(),
             Content::Merge => PictureKind::Merge,
+            Content::Map(map) => {
+                let Cursor { octave, level, slope, .. } = self.cursor_within(burst, params);
+                PictureKind::Map { map, octave, level, slope }
+            }
             Content::Difference(..) | Content::Slice(_) => return None,
         };
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
@@ -222,7 +238,7 @@ impl Pane {
     pub fn others(&self) -> Vec<PaneId> {
         let mut others = match self.content {
             Content::Difference(a, b) => vec![a, b],
-            Content::Cursor | Content::Merge | Content::Slice(_) => Vec::new(),
+            Content::Cursor | Content::Merge | Content::Map(_) | Content::Slice(_) => Vec::new(),
         };
         others.extend(self.over.map(Over::other));
         others

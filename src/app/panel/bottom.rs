@@ -19,6 +19,8 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Table, "Table");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Tally, "Tally");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Noise, "Noise");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Slopes, "Slopes")
+            .on_hover_text("Which slopes the burst needs: features and evidence at each slope, and advice");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Profile, "Profile")
             .on_hover_text("The values along a line: draw one with Q");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Region, "Region")
@@ -38,8 +40,12 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
                     crate::app::panel::noise::summary_ui(ui, model);
                 });
             }
-            BottomTab::Profile | BottomTab::Region => {}
-            BottomTab::Compared => crate::app::panel::against::summary_ui(ui, model, queue),
+            BottomTab::Slopes => {
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    crate::app::panel::slopes::summary_ui(ui, model);
+                });
+            }
+            BottomTab::Profile | BottomTab::Region | BottomTab::Compared => {}
         }
     });
     ui.separator();
@@ -50,9 +56,10 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         }
         BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model, queue),
         BottomTab::Noise => crate::app::panel::noise::noise_ui(ui, model),
+        BottomTab::Slopes => crate::app::panel::slopes::slopes_ui(ui, model),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
-        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets),
+        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets, queue),
     }
 }
 

@@ -3,7 +3,9 @@
 pub mod about;
 pub mod against;
 pub mod bottom;
+pub mod candidates;
 pub mod chooser;
+pub mod colour_bar;
 pub mod cursor;
 pub mod descriptor;
 pub mod display;
@@ -18,6 +20,7 @@ pub mod picture;
 pub mod probe;
 pub mod selection;
 pub mod slope_pad;
+pub mod slopes;
 pub mod sorted_table;
 pub mod status;
 pub mod table;

@@ -7,6 +7,7 @@ pub mod against;
 mod checking;
 pub mod compare;
 pub mod cursor;
+pub mod explained;
 pub mod filter;
 mod found;
 pub mod history;
@@ -31,6 +32,7 @@ use crate::app::project::history::History;
 use crate::detector::{DetectorParams, ParamError, SearchParams, SlopeChoice};
 use crate::engine::{OpenBurst, Picture, Running};
 use compare::Compare;
+use explained::ExplainedState;
 use filter::{Column, Filter};
 use look::Look;
 use messages::Messages;
@@ -71,6 +73,8 @@ pub enum BottomTab {
     Tally,
     /// What is known of the noise.
     Noise,
+    /// Which slopes the burst needs.
+    Slopes,
     /// The values along a line.
     Profile,
     /// The values in a rectangle.
@@ -151,6 +155,8 @@ pub struct Model {
     pub history: History,
     /// A line and a rectangle on a picture.
     pub measure: Measure,
+    /// What is known of the detection as a whole.
+    pub explained: ExplainedState,
     /// The place that is probed.
     pub probe: ProbeModel,
     /// What the engine is doing.

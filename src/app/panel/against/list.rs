@@ -10,8 +10,8 @@ use crate::app::project::against::{Kind, Row, Shown, With};
 use egui::{Align, Label, Layout, ProgressBar, RichText, Sense, Ui, pos2};
 use egui_extras::{Column, TableBuilder};
 
-/// The switch between what is compared with, beside the tabs.
-pub fn summary_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+/// The switch between what is compared with.
+fn switch_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     for with in With::ALL {
         let (on, there) = (model.against.with == Some(with), model.against.has(with));
         let button = egui::Button::selectable(on, with.label()).frame_when_inactive(true);
@@ -38,7 +38,8 @@ pub fn summary_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 }
 
 /// Draws the list, or why there is none.
-pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets) {
+pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: &mut Queue) {
+    ui.horizontal_wrapped(|ui| switch_ui(ui, model, queue));
     let Some(shown) = model.against.shown.clone() else {
         ui.centered_and_justified(|ui| match &model.against.problem {
             Some(problem) => ui.label(RichText::new(problem).color(ui.visuals().error_fg_color)),

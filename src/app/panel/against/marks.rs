@@ -38,8 +38,11 @@ pub fn marks_ui(ui: &Ui, model: &mut Model, shown: &Shown, picture: Option<&Pict
     if pointer.is_some() {
         model.against.hovered = pointed.map(|mark| rows[mark]);
     }
+    // What is selected or pointed at elsewhere is one of ours.
+    let of_ours = |feature: usize| rows.iter().position(|row| shown.rows[*row].feature == Some(feature));
     let focus = model.against.hovered.or(model.against.selected);
     let highlighted = focus.and_then(|row| rows.iter().position(|r| *r == row));
+    let highlighted = highlighted.or_else(|| model.hovered.or(model.selected).and_then(of_ours));
     draw_compared(output, &marks, highlighted);
     if output.response.clicked() && output.response.interact_pointer_pos().is_none_or(|pos| clip.contains(pos)) {
         select(model, shown, pointed.map(|mark| rows[mark]));

@@ -3,7 +3,7 @@
 mod list;
 mod marks;
 
-pub use list::{against_ui, summary_ui};
+pub use list::against_ui;
 pub use marks::{legend_ui, marks_ui};
 
 use crate::app::project::against::{Kind, With};

@@ -98,7 +98,7 @@ pub struct Against {
     /// What is on show.
     pub with: Option<With>,
     /// The comparison, as far as it was made.
-    pub shown: Option<Shown>,
+    pub shown: Option<Arc<Shown>>,
     /// Kinds that are not drawn and not listed.
     pub hidden: Vec<Kind>,
     /// The selected row.
@@ -211,12 +211,12 @@ impl Model {
             file.features = Some(read.clone());
         }
         let (rows, summary) = rows::of(with, &request.detection, &against);
-        self.against.shown = Some(Shown { with, detection: request.detection, rows, summary });
+        self.against.shown = Some(Arc::new(Shown { with, detection: request.detection, rows, summary }));
         (self.against.selected, self.against.hovered, self.against.problem) = (None, None, None);
     }
 
     /// The comparison that is drawn over the pictures of A: that of the features on show.
-    pub fn shown_comparison(&self) -> Option<&Shown> {
+    pub fn shown_comparison(&self) -> Option<&Arc<Shown>> {
         let found = self.found.as_ref()?;
         self.against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
     }

@@ -16,7 +16,7 @@ pub const PATCHES: usize = 3;
 #[derive(Debug, Default)]
 pub struct LostFeatures {
     /// Where each was lost.
-    pub found: Option<FoundLosses>,
+    pub found: Option<Arc<FoundLosses>>,
     /// The feature of A that is asked about while no match is selected.
     pub selected: Option<usize>,
     /// Why the feature in focus is matched as it is.
@@ -70,7 +70,7 @@ impl Model {
     }
 
     /// What is known of the pair on show.
-    pub fn losses(&self) -> Option<&FoundLosses> {
+    pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
         let wanted = self.wanted_losses()?;
         self.pair.lost.found.as_ref().filter(|found| found.request.same_pair(&wanted))
     }
