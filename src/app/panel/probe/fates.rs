@@ -167,7 +167,7 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, fate: &Fate, queue: &mut Queue) {
 }
 
 /// A sentence with its capital letter and its full stop.
-fn sentence(text: &str) -> String {
+pub(super) fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
     format!("{first}{}.", letters.as_str())

@@ -1,9 +1,10 @@
 //! The probe: what happened at a place, why, and what would change it.
 //!
-//! Everything that is shown is what [`crate::inspect`] answers: the fates of the candidates near the place, the response
-//! over slope and scale, each frame's share, and what may be wrong with a feature.
+//! All of it is what [`crate::inspect`] answers: the fates of the candidates near the place, the response over slope
+//! and scale, each frame's share, and what may be wrong with a feature.
 
 mod fates;
+mod map_area;
 mod response;
 mod shares;
 mod suspicions;
@@ -71,7 +72,7 @@ pub fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &
 
 const HOW: &str = "Shift+click a place of a picture to see why there is a feature, or why there is none.";
 
-fn tools_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+fn tools_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         button_ui(ui, model, queue, ActionId::ProbeFollow, Some("Follow pointer"));

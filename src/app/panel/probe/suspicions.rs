@@ -1,6 +1,7 @@
 //! What may be wrong with a feature that was kept, with what speaks for it.
 
 use super::apply_ui;
+use super::fates::sentence;
 use crate::app::actions::Queue;
 use crate::app::project::Model;
 use crate::app::style;
@@ -35,7 +36,7 @@ pub(super) fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, que
 fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &mut Queue) {
     let (name, help) = title(suspicion.kind);
     ui.label(RichText::new(name).strong().color(style::warning(ui))).on_hover_text(help);
-    ui.add(Label::new(counted_from_one(&suspicion.evidence)).wrap());
+    ui.add(Label::new(sentence(&counted_from_one(&suspicion.evidence))).wrap());
     if suspicion.change.is_none() && suspicion.other.is_none() {
         return;
     }
