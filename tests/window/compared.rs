@@ -59,8 +59,8 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     detection.features.push(lonely);
     detection.descriptors.push([0; 128]);
     let (csv, txt) = (folder.path().join("theirs.csv"), folder.path().join("theirs.txt"));
-    write_csv(&csv, &detection).unwrap();
-    write_colmap(&txt, &detection).unwrap();
+    write_csv(&csv, &detection.features).unwrap();
+    write_colmap(&txt, &detection.features, &detection.descriptors).unwrap();
     for path in [csv, txt] {
         window.dialogs.will_choose(&path);
         window.run_action("open features");

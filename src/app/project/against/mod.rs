@@ -1,5 +1,5 @@
-//! With what the features of the open burst are compared: an earlier result that was pinned, somebody else's features, what
-//! is really there. All three can be there; one of them is on show.
+//! With what the features of the open burst are compared: an earlier result that was pinned, somebody else's
+//! features, what is really there. All three can be there; one of them is on show.
 
 mod rows;
 

@@ -1,5 +1,5 @@
-//! Why a feature of A has no match, or this one: its best candidates in B with their patches, where the geometry expects it,
-//! and what was lost where in the whole pair.
+//! Why a feature of A has no match, or this one: its best candidates in B with their patches, where the geometry
+//! expects it, and what was lost where in the whole pair.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
