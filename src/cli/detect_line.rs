@@ -6,8 +6,8 @@ use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice};
 /// The folder that the command writes to.
 const OUT: &str = "features";
 
-/// The `burstscope detect …` line that finds features in `inputs` (paths, or one of the words for what is built in) with
-/// `params`, as a shell takes it. Only what differs from the defaults is said.
+/// The `burstscope detect …` line that finds features in `inputs` (paths, or one of the words for what is built in)
+/// with `params`, as a shell takes it. Only what differs from the defaults is said.
 pub fn detect_line(inputs: &[String], params: &SearchParams) -> String {
     let mut words = vec!["burstscope".to_owned(), "detect".to_owned()];
     // What begins with a dash would be an option.
@@ -73,10 +73,10 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::commands::{Cli, Command};
+    use crate::cli::{Cli, Command};
     use crate::detector::{
         DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
-        SlopeExtrema, SlopeGrid, SlopeNeighbours,
+        Slope, SlopeExtrema, SlopeGrid, SlopeNeighbours,
     };
     use clap::Parser;
     use std::path::PathBuf;
@@ -147,10 +147,7 @@ mod tests {
         };
         let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
         let apart = DetectorParams { distinct: Distinct::Radius(1.4), ..DetectorParams::default() };
-        let still = DetectorParams {
-            slopes: SlopeGrid::single(crate::detector::Slope::default()),
-            ..DetectorParams::default()
-        };
+        let still = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..DetectorParams::default() };
         let cases: [SearchParams; 6] =
             [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into()];
         for params in cases {

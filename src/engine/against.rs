@@ -1,4 +1,5 @@
-//! The worker that compares the features of a burst with others: an earlier result, somebody else's, what is really there.
+//! The worker that compares the features of a burst with others: an earlier result, somebody else's, what is really
+//! there.
 
 use super::Running;
 use super::fault::JobError;

@@ -255,6 +255,11 @@ fn distance(a: &Descriptor, b: &Descriptor) -> f32 {
     f64::from(squared).sqrt() as f32
 }
 
+/// How people number features: by strength, from 1, as tables do.
+fn rank_name(index: usize) -> String {
+    format!("feature #{}", index + 1)
+}
+
 fn sentence(
     pair: Pair<'_>,
     lost: Lost,
@@ -266,15 +271,23 @@ fn sentence(
         return "the other picture has no feature to compare with".to_owned();
     };
     let where_it_is = match there.first() {
-        Some((feature, 0)) => format!("; the nearest, feature {feature}, lies where the geometry expects it"),
+        Some((feature, 0)) => format!("; the nearest, {}, lies where the geometry expects it", rank_name(*feature)),
         Some((feature, rank)) => {
-            format!("; feature {feature} lies where the geometry expects it, but {rank} others have nearer descriptors")
+            format!(
+                "; {} lies where the geometry expects it, but {rank} others have nearer descriptors",
+                rank_name(*feature)
+            )
         }
         None => String::new(),
     };
     match lost {
         Lost::Not => {
-            format!("matched with feature {} at distance {:.0}, ratio {:.2}", best.feature, best.distance, best.ratio)
+            format!(
+                "matched with {} at distance {:.0}, ratio {:.2}",
+                rank_name(best.feature),
+                best.distance,
+                best.ratio
+            )
         }
         Lost::NoKeypoint => {
             "the other picture has no keypoint of its size where the geometry says that it must be".to_owned()
@@ -285,21 +298,24 @@ fn sentence(
                 Some(second) if second.is_same_blob => ", which lies on the same blob: of the two one is too many",
                 _ => "",
             };
-            let who = second.map_or_else(String::new, |second| format!(" to feature {}{twin}", second.feature));
+            let who = second.map_or_else(String::new, |second| format!(" to {}{twin}", rank_name(second.feature)));
             format!(
-                "ratio test: the nearest is feature {} at {:.0}, {:.2} times the distance{who}; at most {:.2} is allowed{where_it_is}",
-                best.feature, best.distance, best.ratio, pair.params.ratio
+                "ratio test: the nearest is {} at {:.0}, {:.2} times the distance{who}; at most {:.2} is allowed{where_it_is}",
+                rank_name(best.feature),
+                best.distance,
+                best.ratio,
+                pair.params.ratio
             )
         }
         Lost::MutualCheck => format!(
-            "mutual check: its nearest, feature {}, is nearer to feature {} of this picture{where_it_is}",
-            best.feature,
-            preferred.map_or_else(|| "?".to_owned(), |index| index.to_string())
+            "mutual check: its nearest, {}, is nearer to {} of this picture{where_it_is}",
+            rank_name(best.feature),
+            preferred.map_or_else(|| "another".to_owned(), rank_name)
         ),
         Lost::Geometry => {
             let error =
                 best.error_px.map_or_else(String::new, |error| format!(": {error:.1} px from where it must be"));
-            format!("geometry: its match, feature {}, does not fit{error}", best.feature)
+            format!("geometry: its match, {}, does not fit{error}", rank_name(best.feature))
         }
     }
 }

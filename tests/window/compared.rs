@@ -13,8 +13,9 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let before: Vec<Spot> = window.app().model.features().iter().map(Spot::from).collect();
     window.run_action("pin this result");
-    window.app_mut().model.params.levels = 3;
-    window.app_mut().model.params.max_features = 60;
+    window.app_mut().model.params.edge_threshold = 8.0;
+    window.app_mut().model.params.noise_gate = burstscope::detector::NoiseGate::Factor(5.5);
+    window.app_mut().model.params.levels = 4;
     window.settle();
     let after: Vec<Spot> = window.app().model.features().iter().map(Spot::from).collect();
     let expected = compare(&before, &after);

@@ -12,7 +12,7 @@ fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
     let film = folder.path().join("film");
     std::fs::create_dir_all(&film).unwrap();
     let (burst, truth) = burstscope::synth::synth_scene(
-        &burstscope::synth::SceneParams { width: 64, height: 48, frames: 36, ..Default::default() },
+        &burstscope::synth::SceneParams { width: 64, height: 48, frames: 36, max_slope: 0.3, ..Default::default() },
         &burstscope::Monitor::default(),
     )
     .unwrap();
@@ -47,11 +47,13 @@ fn features_of_other_parameters_are_replaced_only_after_a_question() {
     window.app_mut().model.params.max_features = 2;
     window.harness.run_steps(2);
     window.click("Detect all");
+    window.harness.run_steps(3);
     assert!(window.shows("Replace features?") && window.shows("The bursts themselves are not touched"));
     window.click("Cancel");
     window.settle();
     assert_eq!(features(&window), before);
     window.click("Detect all");
+    window.harness.run_steps(3);
     window.click("Replace");
     window.settle();
     assert_eq!(features(&window), [2; 3]);

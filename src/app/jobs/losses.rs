@@ -1,5 +1,5 @@
-//! Where the features of a pair were lost: asked for once there are matches, and with it the patches of what they were compared
-//! with.
+//! Where the features of a pair were lost: asked for once there are matches, and with it the patches of what they
+//! were compared with.
 
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;

@@ -1,5 +1,5 @@
-//! Features of ours and of others over a picture: circles of true scale in a colour for what became of each, dashed where only
-//! the others have it, with a line from where it was.
+//! Features of ours and of others over a picture: circles of true scale in a colour for what became of each, dashed
+//! where only the others have it, with a line from where it was.
 
 use super::strokes::Strokes;
 use super::{CanvasOutput, MIN_RADIUS_POINTS};

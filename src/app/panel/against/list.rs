@@ -54,10 +54,13 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
         }
         ui.separator();
         for &kind in Kind::of(shown.with) {
-            key_ui(ui, &shown, kind);
             let mut on = model.against.shows(kind);
-            let text = format!("{} {}", kind.label(shown.with), shown.count(kind));
-            if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
+            let text = format!("{} {}", shown.label(kind), shown.count(kind));
+            let changed = ui.horizontal(|ui| {
+                key_ui(ui, &shown, kind);
+                ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed()
+            });
+            if changed.inner {
                 model.against.hidden.retain(|hidden| *hidden != kind);
                 if !on {
                     model.against.hidden.push(kind);
@@ -113,7 +116,7 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> Option<usize> {
                 table_row.set_hovered(model.against.hovered == Some(index));
                 table_row.col(|ui| {
                     key_ui(ui, shown, row.kind);
-                    ui.add(Label::new(row.kind.label(shown.with)).selectable(false));
+                    ui.add(Label::new(shown.label(row.kind)).selectable(false));
                 });
                 for text in cells(row) {
                     table_row.col(|ui| {
@@ -124,7 +127,7 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> Option<usize> {
                     ui.add(Label::new(&row.note).selectable(false).truncate());
                 });
                 let response = table_row.response();
-                let name = format!("{} {}", row.kind.label(shown.with), index + 1);
+                let name = format!("{} {}", shown.label(row.kind), index + 1);
                 response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &name));
                 if response.hovered() {
                     hovered = Some(index);

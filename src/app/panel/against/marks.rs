@@ -61,7 +61,7 @@ pub(super) fn select(model: &mut Model, shown: &Shown, row: Option<usize>) {
 fn tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
     let slope = row.slope.map_or_else(String::new, |s| format!("  slope ({:+.2}, {:+.2}) px/frame", s.u, s.v));
     let note = if row.note.is_empty() { String::new() } else { format!("\n{}", row.note) };
-    let text = format!("{}  σ {:.2} px{slope}{note}", row.kind.label(shown.with), row.sigma);
+    let text = format!("{}  σ {:.2} px{slope}{note}", shown.label(row.kind), row.sigma);
     let (id, anchor) = (egui::Id::unique("compared tip"), egui::PopupAnchor::Pointer);
     egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(14.0).show(|ui| {
         ui.set_max_width(420.0);
@@ -87,7 +87,7 @@ pub fn legend_ui(ui: &mut Ui, model: &Model, shown: &Shown, output: &CanvasOutpu
             for kind in kinds {
                 ui.horizontal(|ui| {
                     key_ui(ui, shown, kind);
-                    ui.label(RichText::new(format!("{} {}", kind.label(shown.with), shown.count(kind))).small());
+                    ui.label(RichText::new(format!("{} {}", shown.label(kind), shown.count(kind))).small());
                 });
             }
         });

@@ -1,5 +1,5 @@
-//! With what the features of the open burst are compared: an earlier result that was pinned, somebody else's features, what
-//! is really there. All three can be there; one of them is on show.
+//! With what the features of the open burst are compared: an earlier result that was pinned, somebody else's
+//! features, what is really there. All three can be there; one of them is on show.
 
 mod rows;
 
@@ -44,7 +44,7 @@ impl With {
                 "Somebody else's features: in both, only in theirs, only in ours. Open them from the Features menu"
             }
             Self::Truth => {
-                "What is really there: found, missed, repeated and false. Synthetic bursts and the demo know it"
+                "What is really there: found, missed, repeated and false. Synthetic bursts and the demo know it; of a scene it tells some of what is there"
             }
         }
     }
@@ -61,9 +61,20 @@ pub struct Shown {
     pub rows: Vec<Row>,
     /// The counts in a line.
     pub summary: String,
+    /// Whether the truth tells of all that is there, as that of a chart does; a scene's tells of some of it.
+    pub is_whole_truth: bool,
 }
 
 impl Shown {
+    /// What rows of `kind` are called.
+    pub fn label(&self, kind: Kind) -> &'static str {
+        if kind == Kind::Ours && self.with == With::Truth && !self.is_whole_truth {
+            // There is more in a scene than its truth tells of.
+            return "Elsewhere";
+        }
+        kind.label(self.with)
+    }
+
     /// How many rows are of `kind`.
     pub fn count(&self, kind: Kind) -> usize {
         self.rows.iter().filter(|row| row.kind == kind).count()
@@ -210,8 +221,17 @@ impl Model {
         if let (Answered::Changes { read: Some(read), .. }, Some(file)) = (&against, &mut self.against.file) {
             file.features = Some(read.clone());
         }
-        let (rows, summary) = rows::of(with, &request.detection, &against);
-        self.against.shown = Some(Arc::new(Shown { with, detection: request.detection, rows, summary }));
+        let is_whole_truth =
+            !matches!(&against, Answered::Truth { truth, .. } if truth.kind != crate::synth::TruthKind::Chart);
+        if self.against.shown.is_none() && !is_whole_truth {
+            self.against.hidden = vec![Kind::Ours];
+        }
+        let (rows, mut summary) = rows::of(with, &request.detection, &against);
+        if !is_whole_truth {
+            summary = summary.replace(" false", " elsewhere");
+        }
+        self.against.shown =
+            Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth }));
         (self.against.selected, self.against.hovered, self.against.problem) = (None, None, None);
     }
 

@@ -1,5 +1,5 @@
-//! Why features of A have no match, or the one that they have: what is known of all of them, and of the one that is asked
-//! about.
+//! Why features of A have no match, or the one that they have: what is known of all of them, and of the one that is
+//! asked about.
 
 use crate::app::project::Model;
 use crate::app::project::pair::Side;

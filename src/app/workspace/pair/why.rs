@@ -1,5 +1,5 @@
-//! Why a feature of A has no match, or this one: its best candidates in B with their patches, where the geometry expects it,
-//! and what was lost where in the whole pair.
+//! Why a feature of A has no match, or this one: its best candidates in B with their patches, where the geometry
+//! expects it, and what was lost where in the whole pair.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
@@ -71,7 +71,7 @@ fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchSides<'_>) -> Vec<St
     let best = unmatched.candidates.first();
     if let Some(second) = unmatched.candidates.get(1).filter(|second| second.is_same_blob) {
         notes.push(format!(
-            "The second best, feature {}, is a duplicate: it lies on the same blob as the best.",
+            "The second best, feature #{}, is a duplicate: it lies on the same blob as the best.",
             second.feature + 1
         ));
     }
@@ -138,7 +138,7 @@ fn on_ground(ui: &Ui, place: usize) -> Color32 {
 fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
     Grid::new("candidates").num_columns(5).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {
         let headings = [
-            ("B", "The nearest descriptors of B, nearest first: the feature's rank by strength"),
+            ("B", "The nearest descriptors of B, nearest first: the feature's rank by strength; = lies on the same blob as the first"),
             ("Dist.", "Euclidean distance of the descriptors"),
             ("Ratio", "That distance over the one of the next of this list"),
             ("Error", "Distance from where the geometry says that it must be, pixels"),
@@ -190,7 +190,7 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
         Some((feature, rank)) => {
             let count = crate::inspect::words::counted(unmatched.there.len(), "keypoint");
             format!(
-                "{place}; {count} of its size there, the most alike #{} with the {}. nearest descriptor.",
+                "{place}; {count} of its size there, the most alike #{} (rank {} by descriptor).",
                 feature + 1,
                 rank + 1
             )
