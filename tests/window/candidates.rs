@@ -6,6 +6,7 @@ use burstscope::Monitor;
 use burstscope::detector::{DetectorParams, SlopeGrid, Test};
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::candidates::{SurveyOptions, survey};
+use egui::accesskit::Role;
 use egui::pos2;
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
@@ -55,14 +56,19 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     let cursor = *window.app().model.cursor();
     assert_eq!((cursor.octave, cursor.level), (chosen.octave, chosen.level));
     // Another row takes its place; the same row again puts them away.
-    window.click(Test::Edge.reason());
-    window.settle();
+    switch(&mut window, Test::Edge);
     let edge = window.app().model.survey().unwrap().clone();
     assert!(edge.marks.iter().all(|m| m.first_failed == Some(Test::Edge)));
     assert_eq!(edge.counts, shown.counts);
-    window.click(Test::Edge.reason());
-    window.settle();
+    switch(&mut window, Test::Edge);
     assert!(window.app().model.survey().is_none() && !window.shows("candidates: on an edge"));
+}
+
+/// Switches a row of the tally, which may have to be scrolled to.
+fn switch(window: &mut Window, test: Test) {
+    window.harness.get_by_role_and_label(Role::Button, test.reason()).click_accesskit();
+    window.harness.run_steps(2);
+    window.settle();
 }
 
 #[test]

@@ -42,6 +42,16 @@ fn open(folder: &Path) -> Window {
     window
 }
 
+/// The slopes are looked at by themselves, unless the detection took long.
+fn look_at_slopes(window: &mut Window) {
+    window.app_mut().model.bottom_tab = BottomTab::Slopes;
+    window.settle();
+    if window.shows("Look at the slopes") {
+        window.click("Look at the slopes");
+        window.settle();
+    }
+}
+
 fn axis(window: &Window) -> SlopeAxis {
     window.app().model.params.slopes.u
 }
@@ -51,8 +61,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
     let slope = window.app().model.cursor().slope;
-    window.click("Slopes");
-    window.settle();
+    look_at_slopes(&mut window);
     let spectrum = window.app().model.spectrum().unwrap().clone();
     let advice = &spectrum.advice[0];
     assert!(!advice.changes.is_empty() && window.shows("moves faster than the range"), "{advice:?}");
@@ -68,7 +77,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     assert_eq!(axis(&window), before, "it is undone as any change of a parameter");
     window.click("Apply");
     window.run_action("detect");
-    window.settle();
+    look_at_slopes(&mut window);
     let spectrum = window.app().model.spectrum().unwrap().clone();
     assert_eq!(spectrum.grid.u, wider, "the slopes are those of the new detection");
     assert!((spectrum.most_features().unwrap().u - 2.5).abs() < 0.6);
@@ -107,8 +116,7 @@ fn the_ends_of_the_range_are_dragged_below_the_slider() {
 #[test]
 fn a_plane_of_slopes_has_cells() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
-    window.app_mut().model.bottom_tab = BottomTab::Slopes;
-    window.settle();
+    look_at_slopes(&mut window);
     assert!(window.app().model.spectrum().unwrap().grid.is_plane());
     assert!(window.shows("Evidence by slope") && window.shows("Cost: "));
     assert!(window.harness.query_by_label("Features and evidence below the slider").is_none());
