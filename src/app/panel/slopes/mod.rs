@@ -11,7 +11,7 @@ use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
 use crate::inspect::spectrum::{SlopeAdvice, Spectrum};
-use egui::{Button, Label, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
 /// Width of the charts, points; the advice has the rest.
@@ -43,7 +43,7 @@ pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     let height = ui.available_height();
     ui.horizontal_top(|ui| {
         let width = CHART_WIDTH.min(0.55 * ui.available_width());
-        ui.allocate_ui(vec2(width, height), |ui| {
+        ui.allocate_ui_with_layout(vec2(width, height), Layout::top_down(Align::Min), |ui| {
             ui.set_width(width);
             chart::chart_ui(ui, &spectrum, model.cursor().slope, height);
         });
