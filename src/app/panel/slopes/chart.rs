@@ -151,8 +151,8 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, height: f32) {
     let grid = spectrum.grid;
     let lut = ColourMap::Viridis.lut();
     ui.horizontal_top(|ui| {
-        let charts: [(&str, fn(&SlopeBar) -> f32); 2] =
-            [("Features", |bar| bar.features as f32), ("Evidence", |bar| bar.evidence)];
+        type Value = fn(&SlopeBar) -> f32;
+        let charts: [(&str, Value); 2] = [("Features", |bar| bar.features as f32), ("Evidence", |bar| bar.evidence)];
         for (name, value) in charts {
             ui.vertical(|ui| {
                 ui.set_width(half);

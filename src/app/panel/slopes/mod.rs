@@ -85,13 +85,9 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
             piece_ui(ui, model, index, advice);
         }
         let cost = &spectrum.cost;
-        let text = format!(
-            "Cost: {} slopes, {} samples, {} s of search",
-            cost.slopes,
-            grouped(cost.samples),
-            number(cost.search_secs, 2)
-        );
-        ui.add(Label::new(RichText::new(text).weak()).wrap());
+        let text = format!("Cost: {} slopes, {} samples", cost.slopes, grouped(cost.samples));
+        let tip = format!("{} s of search, by the clock", number(cost.search_secs, 2));
+        ui.add(Label::new(RichText::new(text).weak()).wrap()).on_hover_text(tip);
         if let Some(alias) = spectrum.aliases.first() {
             ui.add_space(4.0);
             chart::kernel_ui(ui, alias, spectrum.frames);
