@@ -47,12 +47,11 @@ pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if found.detection.noise.is_local {
+            show_ui(ui, model, &found.detection.noise);
             ui.horizontal(|ui| {
                 curve_ui(ui, &found.detection.noise);
                 ui.add_space(16.0);
                 map_ui(ui, model, &found.detection.noise);
-                ui.add_space(8.0);
-                ui.vertical(|ui| show_ui(ui, model, &found.detection.noise));
             });
         } else {
             ui.weak("The noise model is white, or there is too little to tell noise from texture: two frames of 20 pixels a side are needed.");
@@ -63,18 +62,18 @@ pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
 
 /// The curve's numbers, and a button that opens the map in the picture.
 fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
-    ui.add_space(18.0);
     let curve = &noise.transfer;
-    let text = format!("σ² = a·I + b\na = {}\nb = {}", number(curve.slope), number(curve.dark));
-    ui.label(RichText::new(text).monospace()).on_hover_text(
-        "The variance of a frame's noise over its brightness I, both of full scale: a is the shot noise of one unit of \
-         light, b the variance in the dark",
-    );
-    ui.add_space(6.0);
-    let tip = format!("{} (Shift+N)", MapKind::Noise.help());
-    if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
-        model.focused_mut().content = Content::Map(MapKind::Noise);
-    }
+    ui.horizontal(|ui| {
+        let text = format!("σ² = a·I + b:  a = {}, b = {}", number(curve.slope), number(curve.dark));
+        ui.label(text).on_hover_text(
+            "The variance of a frame's noise over its brightness I, both of full scale: a is the shot noise of one \
+             unit of light, b the variance in the dark",
+        );
+        let tip = format!("{} (Shift+N)", MapKind::Noise.help());
+        if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
+            model.focused_mut().content = Content::Map(MapKind::Noise);
+        }
+    });
 }
 
 /// What does not hold of what the search assumes of the noise.

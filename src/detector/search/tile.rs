@@ -166,7 +166,7 @@ impl Search<'_> {
 
     /// See [`place_factor`], at one of the grid's slopes.
     pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
-        place_factor(&self.noise, octave, &self.offsets[slope_index], (x, y), self.size_image)
+        place_factor(self.noise, octave, &self.offsets[slope_index], (x, y), self.size_image)
     }
 }
 

@@ -58,7 +58,7 @@ pub(super) fn bar_text(bar: &SlopeBar) -> String {
 fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
     let bars = on_line(spectrum);
     key_ui(ui);
-    let size = vec2(ui.available_width(), (height - 24.0).clamp(80.0, 300.0));
+    let size = vec2(ui.available_width(), (height - 32.0).clamp(60.0, 300.0));
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
@@ -146,13 +146,13 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, height: f32) {
     let ((i0, i1), (j0, j1)) = (range(0), range(1));
     let (columns, rows) = ((i1 - i0 + 1) as f32, (j1 - j0 + 1) as f32);
     let half = 0.5 * (ui.available_width() - 16.0);
-    let side = ((height - 40.0).clamp(60.0, 300.0) / rows).min(half / columns).max(1.0);
+    let side = ((height - 52.0).clamp(50.0, 300.0) / rows).min(half / columns).max(1.0);
     let size = vec2(side * columns, side * rows);
     let grid = spectrum.grid;
     let lut = ColourMap::Viridis.lut();
     ui.horizontal_top(|ui| {
-        let charts: [(&str, fn(&SlopeBar) -> f32); 2] =
-            [("Features", |bar| bar.features as f32), ("Evidence", |bar| bar.evidence)];
+        type Value = fn(&SlopeBar) -> f32;
+        let charts: [(&str, Value); 2] = [("Features", |bar| bar.features as f32), ("Evidence", |bar| bar.evidence)];
         for (name, value) in charts {
             ui.vertical(|ui| {
                 ui.set_width(half);

@@ -11,7 +11,7 @@ use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
 use crate::inspect::spectrum::{SlopeAdvice, Spectrum};
-use egui::{Button, Label, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
 /// Width of the charts, points; the advice has the rest.
@@ -43,7 +43,7 @@ pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     let height = ui.available_height();
     ui.horizontal_top(|ui| {
         let width = CHART_WIDTH.min(0.55 * ui.available_width());
-        ui.allocate_ui(vec2(width, height), |ui| {
+        ui.allocate_ui_with_layout(vec2(width, height), Layout::top_down(Align::Min), |ui| {
             ui.set_width(width);
             chart::chart_ui(ui, &spectrum, model.cursor().slope, height);
         });
@@ -85,13 +85,9 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
             piece_ui(ui, model, index, advice);
         }
         let cost = &spectrum.cost;
-        let text = format!(
-            "Cost: {} slopes, {} samples, {} s of search",
-            cost.slopes,
-            grouped(cost.samples),
-            number(cost.search_secs, 2)
-        );
-        ui.add(Label::new(RichText::new(text).weak()).wrap());
+        let text = format!("Cost: {} slopes, {} samples", cost.slopes, grouped(cost.samples));
+        let tip = format!("{} s of search, by the clock", number(cost.search_secs, 2));
+        ui.add(Label::new(RichText::new(text).weak()).wrap()).on_hover_text(tip);
         if let Some(alias) = spectrum.aliases.first() {
             ui.add_space(4.0);
             chart::kernel_ui(ui, alias, spectrum.frames);

@@ -97,7 +97,7 @@ fn set_axis(model: &mut Model, second: bool, axis: SlopeAxis) {
 }
 
 /// Features upwards, evidence as a thin bar in front of them.
-fn bars_ui(ui: &mut Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) -> f32) {
+fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) -> f32) {
     let painter = ui.painter_at(rect.expand2(vec2(3.0, 0.0)));
     painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 2.0, ui.visuals().extreme_bg_color);
     let response = ui.interact(rect, ui.scope_id().with(("slope strip", second)), Sense::hover());
