@@ -8,6 +8,9 @@ mod drawing;
 mod inspecting;
 #[path = "commands/interrupting.rs"]
 mod interrupting;
+#[cfg(feature = "colmap")]
+#[path = "commands/killed.rs"]
+mod killed;
 #[path = "commands/making.rs"]
 mod making;
 #[path = "commands/matching.rs"]

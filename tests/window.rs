@@ -6,6 +6,8 @@ mod common;
 #[path = "window/support.rs"]
 mod support;
 
+#[path = "window/candidates.rs"]
+mod candidates;
 #[path = "window/compared.rs"]
 mod compared;
 #[path = "window/dataset_matches.rs"]
@@ -24,20 +26,28 @@ mod long_films;
 mod looks;
 #[path = "window/lost_matches.rs"]
 mod lost_matches;
+#[path = "window/maps.rs"]
+mod maps;
 #[path = "window/measuring.rs"]
 mod measuring;
 #[path = "window/methods.rs"]
 mod methods;
+#[path = "window/noise.rs"]
+mod noise;
 #[path = "window/opening.rs"]
 mod opening;
 #[path = "window/pairs.rs"]
 mod pairs;
 #[path = "window/panes.rs"]
 mod panes;
+#[path = "window/probe.rs"]
+mod probe;
 #[path = "window/scrubbing.rs"]
 mod scrubbing;
 #[path = "window/slopes.rs"]
 mod slopes;
+#[path = "window/spectrum.rs"]
+mod spectrum;
 #[path = "window/steps_back.rs"]
 mod steps_back;
 #[path = "window/trajectories.rs"]

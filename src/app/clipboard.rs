@@ -9,7 +9,6 @@ use crate::app::project::workspace::Workspace;
 use crate::detector::Feature;
 use crate::engine::BurstSource;
 use crate::export::{COLUMNS, FeatureRow};
-use crate::plane::display::to_rgba8;
 
 /// The features' columns and one feature's numbers, tabs between them: what a spreadsheet takes as two rows.
 pub fn feature_text(feature: &Feature) -> String {
@@ -38,7 +37,7 @@ pub fn place_text(readout: &Readout) -> String {
 pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
     let picture = model.panes.get(id)?.picture.as_ref()?;
     let (width, height) = picture.plane.size();
-    let rgba = to_rgba8(&picture.plane, &model.display_of(id));
+    let rgba = picture.rgba(&model.display_of(id));
     Some(egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw()))
 }
 
@@ -123,6 +122,7 @@ mod tests {
             value: -0.25,
             full_scale: 255.0,
             image_from_picture_scale: 1.0,
+            quantity: Default::default(),
         };
         assert_eq!((value_text(&readout), place_text(&readout)), ("-0.25".to_owned(), "12.35, 6.00".to_owned()));
     }

@@ -4,12 +4,13 @@ use super::dataset::Which;
 use super::dialogs::{Answer, ExportKind, PathField, Purpose, Question};
 use super::session::Session;
 use super::window::BurstscopeApp;
+use crate::app::pane::Content;
 use crate::app::project::BottomTab;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
-use crate::engine::BurstSource;
+use crate::engine::{BurstSource, MapKind};
 use std::path::PathBuf;
 
 impl BurstscopeApp {
@@ -73,14 +74,23 @@ impl BurstscopeApp {
             Purpose::SaveSession => format!("{stem}.burstscope.toml"),
             Purpose::SaveParams => "params.toml".to_owned(),
             Purpose::Export(kind) => {
-                let what = match (kind, self.model.cursor().kind) {
-                    (ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz, _) => "features",
-                    (ExportKind::Matches | ExportKind::MatchPicture, _) => "matches",
-                    (ExportKind::Profile, _) => "profile",
-                    (ExportKind::Svg | ExportKind::FigurePng, _) => "figure",
-                    (_, ViewKind::Frame) => "frame",
-                    (_, ViewKind::Stack) => "stack",
-                    (_, ViewKind::Dog) => "dog",
+                let of_picture = match (self.model.focused().content, self.model.cursor().kind) {
+                    (Content::Map(MapKind::Noise), _) => "noise",
+                    (Content::Map(MapKind::Coverage), _) => "coverage",
+                    (Content::Map(MapKind::Motion), _) => "winning-slopes",
+                    (Content::Merge, _) => "merge",
+                    (Content::Slice(_), _) => "slice",
+                    (Content::Difference(..), _) => "difference",
+                    (Content::Cursor, ViewKind::Frame) => "frame",
+                    (Content::Cursor, ViewKind::Stack) => "stack",
+                    (Content::Cursor, ViewKind::Dog) => "dog",
+                };
+                let what = match kind {
+                    ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz => "features",
+                    ExportKind::Matches | ExportKind::MatchPicture => "matches",
+                    ExportKind::Profile => "profile",
+                    ExportKind::Svg | ExportKind::FigurePng => "figure",
+                    ExportKind::Tiff | ExportKind::Png => of_picture,
                 };
                 format!("{stem}-{what}.{}", kind.extension())
             }

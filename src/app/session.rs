@@ -12,6 +12,7 @@ use crate::app::project::filter::{Column, Filter};
 use crate::app::project::look::Look;
 use crate::app::project::order::Order;
 use crate::app::project::pair::{Links, MatchColumn, MatchLook, SavedMatch, Side};
+use crate::app::project::probe::SavedProbe;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, SavedSelection};
 use crate::dataset::DatasetSource;
@@ -98,6 +99,9 @@ pub struct Session {
     /// The selected feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
+    /// The place that is probed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub probe: Option<SavedProbe>,
     /// The dataset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dataset: Option<SavedDataset>,
@@ -201,6 +205,7 @@ impl Session {
             filter: model.filter,
             order: model.order,
             selection: model.saved_selection(),
+            probe: model.probe.saved(),
             workspace: model.workspace,
             pair: PairSession::of(model),
             methods: model.compare.look.clone(),
@@ -258,6 +263,7 @@ impl Session {
         model.reselect = self.selection;
         model.workspace = self.workspace;
         model.compare.look = self.methods.clone().sanitised();
+        model.restore_probe(self.probe);
         model.check_params();
     }
 }

@@ -2,7 +2,7 @@
 //! neighbours.
 
 use super::actions::{self, ActionId, Queue};
-use super::canvas::{Readout, number};
+use super::canvas::Readout;
 use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::{Desk, FileDialogs, SystemDialogs};
 use super::inspector::{PaneWidgets, PlaceValue};
@@ -13,9 +13,12 @@ use super::session::Session;
 use super::settings::Settings;
 use crate::app::jobs::against::AgainstAsked;
 use crate::app::jobs::compare::CompareAsked;
+use crate::app::jobs::explain::ExplainAsked;
 use crate::app::jobs::losses::LossesAsked;
 use crate::app::jobs::pair::PairAsked;
 use crate::app::jobs::panes::CursorsBefore;
+use crate::app::jobs::probe::ProbeAsked;
+use crate::app::panel::probe::ProbePanel;
 use crate::app::panel::selection::SelectionState;
 use crate::app::project::Model;
 use crate::app::project::history;
@@ -77,6 +80,7 @@ pub(super) struct Asked {
     pub detecting: Option<SearchParams>,
     /// What was looked for in vain.
     pub failed: Option<SearchParams>,
+    pub probe: ProbeAsked,
 }
 
 /// Where playing through the slopes is.
@@ -100,6 +104,7 @@ pub struct BurstscopeApp {
     /// What the workspace of methods keeps.
     pub compare_pictures: ComparePictures,
     pub(super) selection: SelectionState,
+    pub(super) probe: ProbePanel,
     /// What was computed of the rectangle that is measured.
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
@@ -107,6 +112,7 @@ pub struct BurstscopeApp {
     pub(super) asked: Asked,
     pub(super) pair_asked: PairAsked,
     pub(super) compare_asked: CompareAsked,
+    pub(super) explain_asked: ExplainAsked,
     pub(super) against_asked: AgainstAsked,
     pub(super) losses_asked: LossesAsked,
     pub(super) play: Play,
@@ -142,12 +148,14 @@ impl BurstscopeApp {
             pair_panels: PairPanels::default(),
             compare_pictures: ComparePictures::default(),
             selection: SelectionState::default(),
+            probe: ProbePanel::default(),
             regions: RegionCache::default(),
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
             asked: Asked::default(),
             pair_asked: PairAsked::default(),
             compare_asked: CompareAsked::default(),
+            explain_asked: ExplainAsked::default(),
             against_asked: AgainstAsked::default(),
             losses_asked: LossesAsked::default(),
             play: Play::default(),
@@ -183,7 +191,9 @@ impl BurstscopeApp {
             && !self.thumbnails.is_waiting()
             && !(self.model.auto_detect && self.wants_detection())
             && self.pair_is_settled()
+            && self.probe_is_settled()
             && self.compare_is_settled()
+            && self.explanations_are_settled()
             && self.comparison_is_settled()
     }
 
@@ -193,8 +203,10 @@ impl BurstscopeApp {
         ctx.set_theme(self.model.theme);
         let cursors_before = CursorsBefore::of(&self.model);
         self.take_updates(&ctx);
+        self.take_probe_updates();
         self.take_pair_updates();
         self.take_compare_updates();
+        self.take_explanations();
         self.take_against_updates();
         self.take_losses();
         self.take_answers();
@@ -284,7 +296,7 @@ impl BurstscopeApp {
     pub(super) fn readout(&self) -> Option<String> {
         if self.model.workspace == Workspace::Inspect && self.model.panes.are_many() {
             let (first, rest) = self.widgets.values.split_first()?;
-            let value = |v: &PlaceValue| format!("{}: {}", v.number, number(v.readout.value, 4));
+            let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
             let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
             return Some(format!("u {:.1}  v {:.1}   {}", first.readout.u, first.readout.v, values.join("  ")));
         }

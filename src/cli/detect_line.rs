@@ -73,10 +73,10 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::{Cli, Command};
+    use crate::cli::commands::{Cli, Command};
     use crate::detector::{
         DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
-        Slope, SlopeExtrema, SlopeGrid, SlopeNeighbours,
+        SlopeExtrema, SlopeGrid, SlopeNeighbours,
     };
     use clap::Parser;
     use std::path::PathBuf;
@@ -147,7 +147,10 @@ mod tests {
         };
         let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
         let apart = DetectorParams { distinct: Distinct::Radius(1.4), ..DetectorParams::default() };
-        let still = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..DetectorParams::default() };
+        let still = DetectorParams {
+            slopes: SlopeGrid::single(crate::detector::Slope::default()),
+            ..DetectorParams::default()
+        };
         let cases: [SearchParams; 6] =
             [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into()];
         for params in cases {

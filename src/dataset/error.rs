@@ -26,6 +26,14 @@ pub enum DatasetError {
     /// The folder holds something else.
     #[error("this folder holds files, but no dataset that was begun by this command; name a new or an empty folder: {}", .0.display())]
     Occupied(PathBuf),
+    /// Another process writes into the folder.
+    #[error("{owner} writes into this folder; wait until it has finished, or name another folder: {}", .folder.display())]
+    Locked {
+        /// The folder.
+        folder: PathBuf,
+        /// Who.
+        owner: String,
+    },
     /// Fewer than two bursts.
     #[error(
         "{count} bursts have features, and matching needs two or more; name a folder of bursts, or cut a long sequence with --burst-length"

@@ -1,12 +1,15 @@
 //! The features of each burst of a dataset: found once, kept in files, and taken from there the next time.
 
-use super::manifest::{DETECTOR_KEY, FileStamp, Finished, Manifest};
+use super::lock::FolderLock;
+use super::manifest::{Checksum, DETECTOR_KEY, FileStamp, Manifest, Record};
 use super::picture::{ImageKind, write_picture};
 use super::{CameraChoice, DatasetError};
 use crate::baseline::{Searched, search};
 use crate::burst::{Burst, BurstSource, OpenOptions};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
-use crate::export::{ColmapKeypoint, read_colmap, safe_file_name, write_colmap_keypoints};
+use crate::export::{
+    ColmapKeypoint, ExportError, parse_colmap, remove_temporary_files, safe_file_name, write_colmap_keypoints,
+};
 use crate::monitor::Monitor;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -96,7 +99,10 @@ pub enum BurstEvent<'a> {
 pub struct FeatureStore {
     folder: PathBuf,
     job: FeatureJob,
-    manifest: Manifest,
+    /// With what features are found now.
+    made_with: Manifest,
+    /// Taken when something is written first.
+    lock: Option<FolderLock>,
 }
 
 impl FeatureStore {
@@ -115,8 +121,9 @@ impl FeatureStore {
         settings.insert(DETECTOR_KEY.to_owned(), Value::String(job.detector.to_toml()));
         settings.insert("bias".to_owned(), json!(bias));
         settings.insert("full_scale".to_owned(), json!(job.open.full_scale));
-        let manifest = Manifest::read(folder, Value::Object(settings))?;
-        Ok(Self { folder: folder.into(), job: job.clone(), manifest })
+        Manifest::check_folder(folder)?;
+        let made_with = Manifest::new(Value::Object(settings));
+        Ok(Self { folder: folder.into(), job: job.clone(), made_with, lock: None })
     }
 
     /// The parameters with which the features in `folder` were found; `None` where there are none, or where another
@@ -128,17 +135,22 @@ impl FeatureStore {
 
     /// Whether `source` is finished, as far as can be told without reading its features.
     pub fn finished(&self, source: &BurstSource) -> Option<FinishedBurst> {
-        let finished = self.manifest_entry(source)?;
-        let there = self.feature_file(&image_name(source)).is_file();
-        there.then_some(FinishedBurst { features: finished.features, seconds: finished.seconds })
+        let Record { features, content, seconds, .. } = self.record(source)?;
+        let there = content.is_as_long_as(&self.feature_file(&image_name(source)));
+        there.then_some(FinishedBurst { features, seconds })
     }
 
     /// The features of `source` if it is finished, from its files.
     pub fn kept(&self, source: &BurstSource) -> Option<BurstFeatures> {
-        let Finished { size, features, seconds, .. } = self.manifest_entry(source)?.clone();
-        let image_name = image_name(source);
-        let (keypoints, descriptors) = read_colmap(&self.feature_file(&image_name)).ok()?;
-        let name = source.name.clone();
+        let Record { size, features, content, seconds, .. } = self.record(source)?;
+        let (name, image_name) = (source.name.clone(), image_name(source));
+        let path = self.feature_file(&image_name);
+        // A file of another length was altered; it is not even read.
+        let bytes = content.is_as_long_as(&path).then(|| std::fs::read(&path).ok())??;
+        if Checksum::of(&bytes) != content {
+            return None;
+        }
+        let (keypoints, descriptors) = parse_colmap(&path, &String::from_utf8(bytes).ok()?).ok()?;
         let whole = keypoints.len() == features;
         whole.then_some(BurstFeatures {
             name,
@@ -164,7 +176,8 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<BurstFeatures, DatasetError> {
         let stamps = FileStamp::of(&source.files()?)?;
-        let picture_file = self.folder.join(IMAGES_FOLDER).join(image_name(source));
+        let image_name = image_name(source);
+        let picture_file = self.folder.join(IMAGES_FOLDER).join(&image_name);
         let (found, opened) = match self.kept(source) {
             Some(kept) => (kept, None),
             None => {
@@ -173,24 +186,51 @@ impl FeatureStore {
             }
         };
         camera.for_images(found.size)?;
-        let same_picture = self.manifest.bursts.get(&source.name).is_some_and(|f| f.picture == self.job.images);
-        let has_picture = found.resumed && same_picture && picture_file.is_file();
-        if !has_picture {
-            let burst = match opened {
-                Some(burst) => burst,
-                None => self.burst(source, monitor)?,
-            };
-            write_picture(&picture_file, &burst, self.job.images, &self.job.detector.detector, monitor)?;
-            let BurstFeatures { size, seconds, .. } = found;
-            let features = found.keypoints.len();
-            let finished = Finished { files: stamps, size, features, picture: self.job.images, seconds };
-            self.manifest.bursts.insert(source.name.clone(), finished);
-            self.manifest.write(&self.folder)?;
+        let same_picture = self.record(source).is_some_and(|record| record.picture == self.job.images);
+        if found.resumed && same_picture && picture_file.is_file() {
+            return Ok(found);
         }
+        self.begin_writing()?;
+        let path = self.feature_file(&image_name);
+        if opened.is_some() {
+            Record::remove(&self.folder, &image_name)?;
+            write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
+        }
+        let content = Checksum::of(&std::fs::read(&path).map_err(|e| ExportError::write(&path, &e))?);
+        let burst = match opened {
+            Some(burst) => burst,
+            None => self.burst(source, monitor)?,
+        };
+        write_picture(&picture_file, &burst, self.job.images, &self.job.detector.detector, monitor)?;
+        let record = Record {
+            made_with: self.made_with.clone(),
+            files: stamps,
+            size: found.size,
+            features: found.keypoints.len(),
+            content,
+            picture: self.job.images,
+            seconds: found.seconds,
+        };
+        record.write(&self.folder, &image_name)?;
         Ok(found)
     }
 
-    /// Finds the features and writes their file.
+    /// Before anything is written: takes the folder for this process, clears what a killed run left, and says with what
+    /// the dataset is made.
+    fn begin_writing(&mut self) -> Result<(), DatasetError> {
+        if self.lock.is_none() {
+            let lock = FolderLock::take(&self.folder)?;
+            let folders = [IMAGES_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
+            for folder in folders.iter().chain([&self.folder, &Record::folder(&self.folder)]) {
+                remove_temporary_files(folder);
+            }
+            self.made_with.write(&self.folder)?;
+            self.lock = Some(lock);
+        }
+        Ok(())
+    }
+
+    /// Finds the features.
     fn find(
         &self,
         source: &BurstSource,
@@ -203,7 +243,6 @@ impl FeatureStore {
         let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
         let image_name = image_name(source);
         let keypoints: Vec<ColmapKeypoint> = detection.features.iter().map(ColmapKeypoint::from).collect();
-        write_colmap_keypoints(&self.feature_file(&image_name), &keypoints, &detection.descriptors)?;
         let found = BurstFeatures {
             name: source.name.clone(),
             image_name,
@@ -217,11 +256,11 @@ impl FeatureStore {
         Ok((found, burst))
     }
 
-    /// What the manifest has of `source`, if its files are as they were.
-    fn manifest_entry(&self, source: &BurstSource) -> Option<&Finished> {
-        let entry = self.manifest.bursts.get(&source.name)?;
+    /// The record of `source`, if it was made with what is asked for now from files that are as they were.
+    fn record(&self, source: &BurstSource) -> Option<Record> {
+        let record = Record::read(&self.folder, &image_name(source))?;
         let stamps = FileStamp::of(&source.files().ok()?).ok()?;
-        (entry.files == stamps).then_some(entry)
+        (record.made_with == self.made_with && record.files == stamps).then_some(record)
     }
 
     fn burst(&self, source: &BurstSource, monitor: &Monitor) -> Result<Burst, DatasetError> {

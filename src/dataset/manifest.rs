@@ -1,22 +1,25 @@
-//! What has been done already: a small file beside the features, so that a dataset that was interrupted goes on where
-//! it was.
+//! What has been begun and finished already, so that a dataset that was interrupted goes on where it was.
 //!
-//! A burst is finished when its features were found by the same version of the program and the same revision of its
-//! detector, with the same parameters from the same files (of the same size and time), and the feature file is still
-//! there. Anything else is done again: features of two detectors do not match one another as well as those of one.
+//! `manifest.json` says with which program and settings the folder was begun; it is written before anything else. Each
+//! finished burst has a record of its own, `records/NAME.png.json`, which names all that its features were made from, and
+//! the checksum of their file. It is removed before the features are written and written after them, so at whatever
+//! moment a run ends, a record speaks of the file that is there or there is no record. A burst without one, or with one
+//! that says anything else than what is asked for now, is done again: features of two detectors do not match one another
+//! as well as those of one.
 
 use super::DatasetError;
 use crate::burst::OpenError;
 use crate::detector::REVISION;
-use crate::export::{ExportError, write_whole};
+use crate::export::{ExportError, is_temporary_name, write_whole};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 /// The name of the file.
 pub(super) const MANIFEST_FILE: &str = "manifest.json";
+/// The folder of records in the dataset's folder.
+const RECORDS_FOLDER: &str = "records";
 
 /// The detector's parameters among the settings.
 pub(super) const DETECTOR_KEY: &str = "detector";
@@ -48,23 +51,7 @@ impl FileStamp {
     }
 }
 
-/// What is known of a finished burst.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Finished {
-    /// Its files.
-    pub files: Vec<FileStamp>,
-    /// (columns, rows) of its frames.
-    pub size: (usize, usize),
-    /// Number of features.
-    pub features: usize,
-    /// The kind of picture that was written.
-    pub picture: super::ImageKind,
-    /// How long it took to open the burst and find the features, seconds; absent in older files.
-    #[serde(default)]
-    pub seconds: Option<f64>,
-}
-
-/// The content of the file.
+/// With what features are found, beside the bursts' own files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Manifest {
     /// The program's version.
@@ -72,31 +59,33 @@ pub(super) struct Manifest {
     /// The detector's [`REVISION`]; absent in files of programs that had none.
     #[serde(default)]
     detector_revision: Option<u32>,
-    /// Everything that decides the features, beside the burst's own files.
+    /// Everything that decides the features.
     settings: serde_json::Value,
-    /// Finished bursts by their names.
-    pub bursts: BTreeMap<String, Finished>,
 }
 
 impl Manifest {
-    /// The manifest of `folder` for `settings`: what was finished with just these, or nothing.
-    ///
-    /// # Errors
-    /// [`DatasetError::Occupied`] when the folder holds files but no manifest: it is somebody's own.
-    pub(super) fn read(folder: &Path, settings: serde_json::Value) -> Result<Self, DatasetError> {
-        let fresh = Self::fresh(settings);
-        let Ok(text) = std::fs::read_to_string(folder.join(MANIFEST_FILE)) else {
-            let empty = std::fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
-            return if empty { Ok(fresh) } else { Err(DatasetError::Occupied(folder.into())) };
-        };
-        let earlier = serde_json::from_str::<Self>(&text).ok();
-        Ok(earlier.filter(|e| e.is_of_this_program() && e.settings == fresh.settings).unwrap_or(fresh))
+    /// What this program finds with `settings`.
+    pub(super) fn new(settings: serde_json::Value) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION").to_owned(), detector_revision: Some(REVISION), settings }
     }
 
-    /// Nothing is finished yet.
-    fn fresh(settings: serde_json::Value) -> Self {
-        let version = env!("CARGO_PKG_VERSION").to_owned();
-        Self { version, detector_revision: Some(REVISION), settings, bursts: BTreeMap::new() }
+    /// # Errors
+    /// [`DatasetError::Occupied`] when `folder` holds files but no manifest: it is somebody's own.
+    pub(super) fn check_folder(folder: &Path) -> Result<(), DatasetError> {
+        if folder.join(MANIFEST_FILE).is_file() {
+            return Ok(());
+        }
+        let ours = |entry: std::io::Result<std::fs::DirEntry>| {
+            entry
+                .is_ok_and(|entry| is_temporary_name(&entry.file_name()) || entry.file_name() == super::lock::LOCK_FILE)
+        };
+        let empty = std::fs::read_dir(folder).map_or(true, |mut entries| entries.all(ours));
+        if empty { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
+    }
+
+    /// The one in `folder`, if it can be read.
+    fn read(folder: &Path) -> Option<Self> {
+        serde_json::from_str(&std::fs::read_to_string(folder.join(MANIFEST_FILE)).ok()?).ok()
     }
 
     /// Whether this program would find the same bits.
@@ -107,18 +96,90 @@ impl Manifest {
     /// The detector's parameters, as text, with which this program found the features in `folder`; `None` where it did
     /// not.
     pub(super) fn detector_text(folder: &Path) -> Option<String> {
-        let text = std::fs::read_to_string(folder.join(MANIFEST_FILE)).ok()?;
-        let manifest: Self = serde_json::from_str(&text).ok()?;
-        manifest.settings.get(DETECTOR_KEY).filter(|_| manifest.is_of_this_program())?.as_str().map(str::to_owned)
+        let manifest = Self::read(folder).filter(Self::is_of_this_program)?;
+        manifest.settings.get(DETECTOR_KEY)?.as_str().map(str::to_owned)
     }
 
-    /// Writes it into `folder`.
+    /// Writes it into `folder`, unless it is there.
     pub(super) fn write(&self, folder: &Path) -> Result<(), ExportError> {
-        write_whole(&folder.join(MANIFEST_FILE), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            out.write_all(b"\n")
-        })
+        if Self::read(folder).as_ref() == Some(self) { Ok(()) } else { write_json(&folder.join(MANIFEST_FILE), self) }
     }
+}
+
+/// What is known of a finished burst.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Record {
+    /// With what its features were found.
+    #[serde(flatten)]
+    pub made_with: Manifest,
+    /// Its files.
+    pub files: Vec<FileStamp>,
+    /// (columns, rows) of its frames.
+    pub size: (usize, usize),
+    /// Number of features.
+    pub features: usize,
+    /// The file of features.
+    pub content: Checksum,
+    /// The kind of picture that was written.
+    pub picture: super::ImageKind,
+    /// How long it took to open the burst and find the features, seconds.
+    pub seconds: Option<f64>,
+}
+
+/// What tells a file from another one or an altered one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Checksum {
+    bytes: u64,
+    crc32: u32,
+}
+
+impl Checksum {
+    /// Of these bytes.
+    pub(super) fn of(bytes: &[u8]) -> Self {
+        Self { bytes: bytes.len() as u64, crc32: crc32fast::hash(bytes) }
+    }
+
+    /// Whether the file at `path` is as long, which is told without reading it.
+    pub(super) fn is_as_long_as(&self, path: &Path) -> bool {
+        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == self.bytes)
+    }
+}
+
+impl Record {
+    fn path(folder: &Path, image_name: &str) -> PathBuf {
+        folder.join(RECORDS_FOLDER).join(format!("{image_name}.json"))
+    }
+
+    /// The record of the burst with this image, if there is one that can be read.
+    pub(super) fn read(folder: &Path, image_name: &str) -> Option<Self> {
+        serde_json::from_str(&std::fs::read_to_string(Self::path(folder, image_name)).ok()?).ok()
+    }
+
+    /// Writes it.
+    pub(super) fn write(&self, folder: &Path, image_name: &str) -> Result<(), ExportError> {
+        write_json(&Self::path(folder, image_name), self)
+    }
+
+    /// Removes the record, before what it speaks of is changed.
+    pub(super) fn remove(folder: &Path, image_name: &str) -> Result<(), ExportError> {
+        let path = Self::path(folder, image_name);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(ExportError::write(&path, &error)),
+            _ => Ok(()),
+        }
+    }
+
+    /// The folders in which a killed run may have left temporary files.
+    pub(super) fn folder(folder: &Path) -> PathBuf {
+        folder.join(RECORDS_FOLDER)
+    }
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ExportError> {
+    write_whole(path, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        out.write_all(b"\n")
+    })
 }
 
 #[cfg(test)]
@@ -126,45 +187,61 @@ mod tests {
     use super::*;
     use serde_json::{Value, json};
 
-    /// A folder with a manifest in which burst `night` is finished, changed by `change`.
-    fn kept(change: impl FnOnce(&mut Value)) -> (tempfile::TempDir, Value) {
+    /// A folder with a manifest, changed by `change`.
+    fn begun(change: impl FnOnce(&mut Value)) -> tempfile::TempDir {
         let home = tempfile::tempdir().expect("a folder");
-        let settings = json!({ DETECTOR_KEY: "levels = 4" });
-        let mut manifest = Manifest::fresh(settings.clone());
-        let picture = super::super::ImageKind::Middle;
-        let finished = Finished { files: Vec::new(), size: (8, 6), features: 3, picture, seconds: None };
-        manifest.bursts.insert("night".to_owned(), finished);
+        let manifest = Manifest::new(json!({ DETECTOR_KEY: "levels = 4" }));
         let mut value = serde_json::to_value(&manifest).expect("plain values");
         change(&mut value);
         std::fs::write(home.path().join(MANIFEST_FILE), value.to_string()).expect("written");
-        (home, settings)
+        home
     }
 
     #[test]
-    fn what_this_detector_found_is_finished() {
-        let (home, settings) = kept(|_| ());
-        let read = Manifest::read(home.path(), settings).expect("a manifest");
-        assert_eq!(read.bursts.keys().collect::<Vec<_>>(), ["night"]);
-        assert_eq!(Manifest::detector_text(home.path()).as_deref(), Some("levels = 4"));
-        read.write(home.path()).expect("written");
-        let text = std::fs::read_to_string(home.path().join(MANIFEST_FILE)).expect("a file");
-        let written: Value = serde_json::from_str(&text).expect("JSON");
-        assert_eq!(written["detector_revision"], json!(REVISION));
-    }
-
-    #[test]
-    fn what_another_detector_found_is_not() {
-        let changes: [fn(&mut Value); 4] = [
+    fn the_parameters_of_a_folder_are_those_that_this_program_would_find_again() {
+        assert_eq!(Manifest::detector_text(begun(|_| ()).path()).as_deref(), Some("levels = 4"));
+        let changes: [fn(&mut Value); 5] = [
             |manifest| manifest["detector_revision"] = json!(REVISION + 1),
             |manifest| manifest["detector_revision"] = Value::Null,
             |manifest| drop(manifest.as_object_mut().expect("an object").remove("detector_revision")),
             |manifest| manifest["version"] = json!("0.0.1"),
+            |manifest| *manifest = json!([1, 2]),
         ];
         for change in changes {
-            let (home, settings) = kept(change);
-            let read = Manifest::read(home.path(), settings.clone()).expect("a manifest");
-            assert_eq!(read, Manifest::fresh(settings));
-            assert_eq!(Manifest::detector_text(home.path()), None);
+            assert_eq!(Manifest::detector_text(begun(change).path()), None);
         }
+    }
+
+    #[test]
+    fn what_an_interrupted_run_leaves_is_no_reason_to_refuse_a_folder() {
+        let home = tempfile::tempdir().expect("a folder");
+        std::fs::write(home.path().join(super::super::lock::LOCK_FILE), "").expect("written");
+        std::fs::write(home.path().join(".burstscope-abc.tmp"), "").expect("written");
+        assert_eq!(Manifest::check_folder(home.path()), Ok(()));
+        std::fs::write(home.path().join("holiday.png"), "").expect("written");
+        assert_eq!(Manifest::check_folder(home.path()), Err(DatasetError::Occupied(home.path().into())));
+        assert_eq!(Manifest::check_folder(begun(|_| ()).path()), Ok(()));
+        assert_eq!(Manifest::check_folder(&home.path().join("new")), Ok(()));
+    }
+
+    #[test]
+    fn records_come_back_and_go() {
+        let home = tempfile::tempdir().expect("a folder");
+        let record = Record {
+            made_with: Manifest::new(json!({ DETECTOR_KEY: "levels = 4" })),
+            files: Vec::new(),
+            size: (8, 6),
+            features: 3,
+            content: Checksum::of(b"3 128\n"),
+            picture: super::super::ImageKind::Middle,
+            seconds: Some(0.25),
+        };
+        assert_eq!(Record::read(home.path(), "night.png"), None);
+        record.write(home.path(), "night.png").expect("written");
+        assert_eq!(Record::read(home.path(), "night.png").as_ref(), Some(&record));
+        assert_ne!(Checksum::of(b"4 128\n"), record.content);
+        Record::remove(home.path(), "night.png").expect("removed");
+        Record::remove(home.path(), "night.png").expect("it is not there");
+        assert_eq!(Record::read(home.path(), "night.png"), None);
     }
 }

@@ -11,6 +11,7 @@ mod error;
 pub mod features;
 #[cfg(feature = "colmap")]
 mod geometry;
+mod lock;
 mod manifest;
 pub mod pairs;
 mod picture;

@@ -2,15 +2,18 @@
 //! the noise by place.
 
 use super::error::DetectError;
+use super::noise::gate::gate_factor;
 use super::noise_model::pyramid::sample_at;
 use super::params::{DetectorParams, ParamError, doc};
-use super::search::inputs::known_noise;
+use super::search::inputs::{Inputs, known_noise};
+use super::search::tile::place_factor;
 use crate::burst::Burst;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::levels::{ScaleSpace, octave_size, searched_octaves};
 use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
-use crate::detector::stack::offsets::{frame_offsets, motion_stack};
+use crate::detector::stack::offsets::{coverage, frame_offsets, motion_stack};
 use crate::kernel::gaussian_bank::FilterScratch;
+use crate::kernel::offset::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile, cuts, split_mut};
@@ -45,23 +48,7 @@ pub fn dog_view(
     level: i32,
     monitor: &Monitor,
 ) -> Result<Plane, DetectError> {
-    let octaves = searched_octaves(params, burst.size());
-    if !octaves.contains(&octave) {
-        return Err(ParamError {
-            parameter: doc::OCTAVES.name,
-            problem: format!("there is no octave {octave} in this search"),
-            remedy: format!("give {} to {}, or change octaves and first-octave", octaves.start, octaves.end - 1),
-        }
-        .into());
-    }
-    if !(-1..=params.levels as i32).contains(&level) {
-        return Err(ParamError {
-            parameter: doc::LEVELS.name,
-            problem: format!("there is no DoG level {level}"),
-            remedy: format!("give -1 to {}", params.levels),
-        }
-        .into());
-    }
+    let octaves = octaves_with(burst, params, octave, level)?;
     let used = params.used_frames(burst.len());
     let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
     let offsets = frame_offsets(frames.len(), slope, params.interpolation);
@@ -81,6 +68,26 @@ pub fn dog_view(
     unreachable!("the octave was checked to be among those searched")
 }
 
+/// The octaves of the search, among which `octave` is, as `level` is among the levels.
+fn octaves_with(burst: &Burst, params: &DetectorParams, octave: i32, level: i32) -> Result<Range<i32>, ParamError> {
+    let octaves = searched_octaves(params, burst.size());
+    if !octaves.contains(&octave) {
+        return Err(ParamError {
+            parameter: doc::OCTAVES.name,
+            problem: format!("there is no octave {octave} in this search"),
+            remedy: format!("give {} to {}, or change octaves and first-octave", octaves.start, octaves.end - 1),
+        });
+    }
+    if !(-1..=params.levels as i32).contains(&level) {
+        return Err(ParamError {
+            parameter: doc::LEVELS.name,
+            problem: format!("there is no DoG level {level}"),
+            remedy: format!("give -1 to {}", params.levels),
+        });
+    }
+    Ok(octaves)
+}
+
 /// Where the noise is how strong: σ of the noise of one frame at each pixel of the image, fraction of full scale, as
 /// the search of `params` takes it at its finest octave (see [`super::noise_model`]). The same everywhere for white
 /// noise.
@@ -95,6 +102,68 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
     let cells = noise.sigma_map((width, height), NOISE_CELL_PX);
     let at = |u, v| sample_at(&cells, NOISE_CELL_PX, u as f32, v as f32);
     Ok(Plane::from_fn(width, height, at))
+}
+
+/// σ of the noise in D at each pixel of an octave, as the noise gate takes it: of the motion-stack image at any `slope`
+/// (px/frame, on the grid or between) at `octave` and `level` (−1 … levels). A candidate must be as many times as large
+/// as the gate's factor says. On the pixels of `octave`, as [`dog_view`]; fraction of full scale.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst and for an octave or level that they do not
+/// have, [`DetectError::Cancelled`] once `monitor` was cancelled.
+pub fn gate_noise_map(
+    burst: &Burst,
+    params: &DetectorParams,
+    slope: Slope,
+    octave: i32,
+    level: i32,
+    monitor: &Monitor,
+) -> Result<Plane, DetectError> {
+    octaves_with(burst, params, octave, level)?;
+    let inputs = Inputs::new(burst, params, &monitor.silent())?;
+    let offsets = offsets_of(&inputs, slope);
+    let min = inputs.noise.sigma_d(&inputs.space, (octave, level), (slope, &offsets), gate_factor(params));
+    let at = |x, y| min * place_factor(&inputs.noise, octave, &offsets, (x, y), inputs.size_image);
+    Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
+}
+
+/// The share (0 … 1) of the frames that take part in the search that see each pixel of the image at `slope` (px/frame,
+/// on the grid or between). Where fewer do, the mean over them is noisier.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
+pub fn coverage_view(
+    burst: &Burst,
+    params: &DetectorParams,
+    slope: Slope,
+    monitor: &Monitor,
+) -> Result<Plane, DetectError> {
+    let inputs = Inputs::new(burst, params, &monitor.silent())?;
+    let (offsets, size) = (offsets_of(&inputs, slope), inputs.size_image);
+    let share = |u, v| coverage(&offsets, u, v, size) as f32 / offsets.len().max(1) as f32;
+    Ok(plane_of(size, share, monitor)?)
+}
+
+/// Where the frames that take part are read at `slope`.
+fn offsets_of(inputs: &Inputs, slope: Slope) -> Vec<FrameOffset> {
+    let times = &inputs.times;
+    times.of(frame_offsets(times.frame_count, slope, inputs.params.interpolation))
+}
+
+/// The plane of `size` with the value `at` each (column, row); rows in parallel.
+fn plane_of(
+    size: (usize, usize),
+    at: impl Fn(usize, usize) -> f32 + Sync,
+    monitor: &Monitor,
+) -> Result<Plane, Cancelled> {
+    let mut plane = Plane::zeros(size.0, size.1);
+    plane.data_mut().par_chunks_mut(size.0.max(1)).enumerate().try_for_each(|(y, row)| {
+        monitor.check()?;
+        row.iter_mut().enumerate().for_each(|(x, value)| *value = at(x, y));
+        Ok(())
+    })?;
+    Ok(plane)
 }
 
 /// Side of the squares between whose middles a map of the noise is interpolated, pixels: the finest squares whose
@@ -183,7 +252,7 @@ fn next_first_level(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{NoiseModelKind, SlopeGrid};
+    use super::super::{NoiseModelKind, SlopeExtrema, SlopeGrid, detect_with_trail};
     use super::*;
     use crate::synth::NoiseCase;
 
@@ -202,6 +271,40 @@ mod tests {
         }
         let white = map(NoiseModelKind::White);
         assert!(white.data().iter().all(|x| *x == white.data()[0]) && white.at(0, 0) > 0.02);
+    }
+
+    #[test]
+    fn the_gate_s_map_is_what_the_search_compares_with() {
+        let burst = NoiseCase::NoisyHalf.burst((160, 120), 5, 0.02, 7, &Monitor::default()).expect("not cancelled");
+        let monitor = Monitor::default();
+        for slope_extrema in [SlopeExtrema::Each, SlopeExtrema::Joint] {
+            let params = DetectorParams {
+                slopes: SlopeGrid::line(-2.0..=2.0, 5),
+                octaves: 2,
+                slope_extrema,
+                ..DetectorParams::default()
+            };
+            let trail = detect_with_trail(&burst, &params, &monitor).expect("not cancelled");
+            let all: Vec<usize> = (0..trail.frames().0.len()).collect();
+            for (octave, level, slope) in [(0, 1, Slope::new(2.0, 0.0)), (1, 2, Slope::new(-0.7, 0.0))] {
+                let map = gate_noise_map(&burst, &params, slope, octave, level, &monitor).expect("a map");
+                assert_eq!(map.size(), octave_size(burst.size(), octave));
+                for (x, y) in [(1, 30), (20, 5), (40, 55), (map.width() - 1, map.height() - 1)] {
+                    let place = ((x << octave) as f32, (y << octave) as f32);
+                    assert_eq!(map.at(x, y), trail.sigma_d_at((octave, level), (place, slope), &all), "({x}, {y})");
+                }
+            }
+            let slope = Slope::new(2.0, 0.0);
+            let share = coverage_view(&burst, &params, slope, &monitor).expect("a map");
+            let counts = crate::detector::stack::offsets::coverage;
+            for (u, v) in [(0, 3), (80, 60), (159, 119)] {
+                let count = counts(&trail.offsets(slope), u, v, burst.size());
+                assert_eq!(share.at(u, v), count as f32 / all.len() as f32);
+            }
+            assert!(share.at(0, 3) < 1.0 && share.at(80, 60) == 1.0);
+        }
+        let wrong = gate_noise_map(&burst, &DetectorParams::default(), Slope::default(), 9, 0, &monitor);
+        assert!(matches!(wrong, Err(DetectError::Param(_))));
     }
 
     #[test]

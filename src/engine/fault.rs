@@ -33,6 +33,14 @@ pub enum JobError {
     },
 }
 
+/// The engine's error for one of the detector's.
+pub(super) fn job_error(error: crate::detector::DetectError) -> JobError {
+    match error {
+        crate::detector::DetectError::Cancelled(_) => JobError::Cancelled,
+        crate::detector::DetectError::Param(error) => JobError::Failed(error.to_string()),
+    }
+}
+
 impl From<crate::monitor::Cancelled> for JobError {
     fn from(_: crate::monitor::Cancelled) -> Self {
         Self::Cancelled

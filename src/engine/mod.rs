@@ -14,13 +14,16 @@ mod cache;
 mod colmap;
 mod compare;
 mod dataset;
+mod explain;
 mod fault;
 mod jobs;
 mod losses;
+mod map;
 mod pair;
 mod picture;
 mod picture_jobs;
 mod poses;
+mod probe;
 mod queue;
 mod source;
 mod task;
@@ -33,20 +36,23 @@ pub use compare::{CompareRequest, Compared, Comparer};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
 };
+pub use explain::{ExplainQuestion, ExplainRequest, ExplainSubject, Explained, Explainer, Explanation};
 pub use fault::JobError;
 pub use jobs::{JobAnswer, Jobs};
 pub use losses::{FoundLosses, LossWorkers, LossesRequest};
+pub use map::{MapKind, MotionMap};
 pub use pair::{MatchRequest, Matched, PairJobs, PairUpdate, PairWorkers, Patches, PatchesRequest};
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use picture_jobs::PictureSlot;
 pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
+pub use probe::{ProbeQuestion, ProbeRequest, ProbeWorker, Probed, Traced};
 pub use queue::{JobId, JobKey, JobQueue, Priority};
 pub use source::{BurstId, BurstSource, OpenBurst};
 pub use task::{TaskDone, TaskId};
 
 use crate::baseline::{Searched, search};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
-use crate::monitor::Progress;
+use crate::monitor::{Monitor, Progress};
 use picture_jobs::{PictureJobs, SharedCache};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -138,9 +144,11 @@ pub struct Engine {
     open: Jobs<BurstSource, OpenBurst>,
     pictures: PictureJobs,
     patch: PictureJobs,
-    detect: Jobs<DetectRequest, Detected>,
+    detect: Jobs<(DetectRequest, probe::KeepTrail), Detected>,
+    probe: ProbeWorker,
     pair: PairWorkers,
     comparer: Comparer,
+    explainer: Explainer,
     /// Where features of a pair were lost.
     pub losses: LossWorkers,
     /// Comparisons of features with others.
@@ -169,11 +177,14 @@ impl Engine {
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let cache = SharedCache::new(cache_bytes);
         let queue = Arc::new(JobQueue::new(on_update));
+        let probe = ProbeWorker::new(&queue);
         Self {
+            explainer: Explainer::new(&queue, cache.trails()),
             open: open_jobs(&queue),
             pictures: PictureJobs::new(&queue, &cache),
             patch: PictureJobs::new(&queue, &cache),
-            detect: detect_jobs(&queue),
+            detect: probe.detect_jobs(&queue),
+            probe,
             pair: PairWorkers::new(&queue, &cache),
             comparer: Comparer::new(&queue),
             losses: LossWorkers::new(&queue, &cache),
@@ -199,6 +210,11 @@ impl Engine {
     /// The worker that compares methods. What it publishes is polled there.
     pub fn comparer(&self) -> &Comparer {
         &self.comparer
+    }
+
+    /// The worker that explains a detection as a whole. What it publishes is polled there.
+    pub fn explainer(&self) -> &Explainer {
+        &self.explainer
     }
 
     /// Opens a burst in the background.
@@ -228,7 +244,17 @@ impl Engine {
 
     /// Starts a detection; the one that runs is cancelled.
     pub fn detect(&self, request: DetectRequest) -> JobId {
-        self.detect.submit(request)
+        self.detect.submit((request, false))
+    }
+
+    /// The same with the trail kept, which [`ProbeWorker::poll_trail`] gives once the detection has ended.
+    pub fn detect_with_trail(&self, request: DetectRequest) -> JobId {
+        self.detect.submit((request, true))
+    }
+
+    /// The workers of the probe. What they publish is polled there.
+    pub fn probe(&self) -> &ProbeWorker {
+        &self.probe
     }
 
     /// Runs `work` (writing a file, say). `label` says what it does, for messages. It is finished even when the window
@@ -304,11 +330,13 @@ fn open_jobs(queue: &Arc<JobQueue>) -> Jobs<BurstSource, OpenBurst> {
 
 /// Finding features.
 fn detect_jobs(queue: &Arc<JobQueue>) -> Jobs<DetectRequest, Detected> {
-    Jobs::new(queue, Priority::Search, Duration::ZERO, |request: DetectRequest, monitor| {
-        let found = search(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
-        let Searched { detection, params, finding, .. } = found;
-        Ok(Detected { burst: request.burst.id, asked: request.params, params, finding, detection: Arc::new(detection) })
-    })
+    Jobs::new(queue, Priority::Search, Duration::ZERO, detect_now)
+}
+
+fn detect_now(request: DetectRequest, monitor: &Monitor) -> Result<Detected, JobError> {
+    let found = search(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
+    let Searched { detection, params, finding, .. } = found;
+    Ok(Detected { burst: request.burst.id, asked: request.params, params, finding, detection: Arc::new(detection) })
 }
 
 #[cfg(test)]

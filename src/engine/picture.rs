@@ -1,14 +1,20 @@
-//! What can be shown of a burst: a frame, a motion-stack image, a DoG response, the merged frames, or the difference of
+//! What can be shown of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the difference of
 //! two of these.
 
+use super::explain::Trails;
 use super::fault::JobError;
+pub(super) use super::fault::job_error;
+use super::map::{MapKind, MotionMap};
 use super::source::{BurstId, OpenBurst};
 use crate::baseline::{merge_burst, prepare};
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{DetectError, DetectorParams, Interpolation, Method, Slope};
+use crate::detector::{DetectorParams, Interpolation, Method, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
+use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::difference;
+use image::RgbaImage;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 /// Which picture.
@@ -32,6 +38,17 @@ pub enum PictureKind {
     },
     /// The frames that are used, aligned tile by tile and merged into one.
     Merge,
+    /// What decides in the search, by place.
+    Map {
+        /// Which map.
+        map: MapKind,
+        /// Octave; −1 is the doubled image.
+        octave: i32,
+        /// Level within the octave.
+        level: i32,
+        /// Pixels per frame.
+        slope: Slope,
+    },
 }
 
 impl PictureKind {
@@ -39,7 +56,8 @@ impl PictureKind {
     pub fn input_px_per_pixel(self) -> f32 {
         match self {
             Self::Dog { octave, .. } => (octave as f32).exp2(),
-            Self::Frame(_) | Self::Stack { .. } | Self::Merge => 1.0,
+            Self::Map { map, octave, .. } if map.is_of_octave() => (octave as f32).exp2(),
+            Self::Frame(_) | Self::Stack { .. } | Self::Merge | Self::Map { .. } => 1.0,
         }
     }
 }
@@ -68,8 +86,24 @@ pub(super) struct PictureKey {
 enum KindKey {
     Frame(usize),
     Stack(StackKey),
-    Dog { stack: StackKey, octave: i32, level: i32, levels: u32, first_octave: i32, kernel_cut_bits: u32 },
-    Merge { frames: (usize, usize) },
+    Dog {
+        stack: StackKey,
+        octave: i32,
+        level: i32,
+        levels: u32,
+        first_octave: i32,
+        kernel_cut_bits: u32,
+    },
+    Merge {
+        frames: (usize, usize),
+    },
+    /// Nearly all parameters decide a map, those of the noise among them; their text stands for them.
+    Map {
+        map: MapKind,
+        at: Option<(i32, i32)>,
+        stack: StackKey,
+        params: u64,
+    },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -133,6 +167,12 @@ impl PictureRequest {
                 kernel_cut_bits: self.params.kernel_cut.to_bits(),
             },
             PictureKind::Merge => KindKey::Merge { frames: (used.start, used.end) },
+            PictureKind::Map { map, octave, level, slope } => KindKey::Map {
+                map,
+                at: map.is_of_octave().then_some((octave, level)),
+                stack: stack(if map.is_of_slope() { slope } else { Slope::default() }),
+                params: hash_of(&self.params),
+            },
         }
     }
 
@@ -146,9 +186,16 @@ impl PictureRequest {
     /// # Errors
     /// [`JobError::Failed`] for a frame that the burst has not, [`JobError::Cancelled`] once `monitor` was cancelled.
     pub fn compute(&self, monitor: &Monitor) -> Result<Picture, JobError> {
+        self.compute_with(&Trails::default(), monitor)
+    }
+
+    /// The same, where a trail that is needed may be there already.
+    pub(super) fn compute_with(&self, trails: &Trails, monitor: &Monitor) -> Result<Picture, JobError> {
         if let Some(minus) = self.minus() {
-            return Ok(self.alone().compute(monitor)?.minus(&minus.compute(monitor)?));
+            let picture = self.alone().compute_with(trails, monitor)?;
+            return Ok(picture.minus(&minus.compute_with(trails, monitor)?));
         }
+        let mut motion = None;
         let burst = &self.burst.burst;
         let plane = match self.kind {
             PictureKind::Frame(index) => burst.frames.get(index).cloned().ok_or_else(|| {
@@ -171,17 +218,22 @@ impl PictureRequest {
                 }
                 merge_burst(burst, used, monitor)?.frames[0].clone()
             }
+            PictureKind::Map { map, octave, level, slope } => {
+                let at = (slope, octave, level);
+                let (plane, colours) = map.compute(&self.burst, &self.params, at, (trails, monitor))?;
+                motion = colours.map(Arc::new);
+                Arc::new(plane)
+            }
         };
-        Ok(Picture { request: self.clone(), plane })
+        Ok(Picture { request: self.clone(), plane, motion })
     }
 }
 
-/// The engine's error for one of the detector's.
-pub(super) fn job_error(error: DetectError) -> JobError {
-    match error {
-        DetectError::Cancelled(_) => JobError::Cancelled,
-        DetectError::Param(error) => JobError::Failed(error.to_string()),
-    }
+/// A number that differs, for all practical purposes, where the parameters differ.
+fn hash_of(params: &DetectorParams) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    format!("{params:?}").hash(&mut hasher);
+    hasher.finish()
 }
 
 /// A picture with what was asked for. Cheap to clone.
@@ -191,12 +243,22 @@ pub struct Picture {
     pub request: PictureRequest,
     /// Its pixels; fraction of full scale.
     pub plane: Arc<Plane>,
+    /// Of a map of winning slopes: which they are, and the colours in which they are shown.
+    pub motion: Option<Arc<MotionMap>>,
 }
 
 impl Picture {
     /// Bytes of its pixels.
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.plane.data())
+        let pixels = std::mem::size_of_val(self.plane.data());
+        // Three planes and the colours, a number for each pixel.
+        if self.motion.is_some() { 5 * pixels } else { pixels }
+    }
+
+    /// The picture as it is shown: one opaque pixel for each value, in `display`'s range and colours unless it has its
+    /// own.
+    pub fn rgba(&self, display: &Display) -> RgbaImage {
+        self.motion.as_ref().map_or_else(|| to_rgba8(&self.plane, display), |motion| motion.colours.clone())
     }
 
     /// This picture minus `other`, on this picture's pixels: between its pixels `other` is taken linearly; beside it
@@ -206,6 +268,7 @@ impl Picture {
         Self {
             request: self.request.alone().less(&other.request),
             plane: Arc::new(difference(&self.plane, &other.plane, step / step_other)),
+            motion: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Making pictures and keeping them: what is still in the cache is answered at once.
 
 use super::cache::PictureCache;
+use super::explain::Trails;
 use super::fault::JobError;
 use super::jobs::Jobs;
 use super::picture::{Picture, PictureRequest};
@@ -16,11 +17,16 @@ pub(super) const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 /// The cache that all pictures of an engine share. Cheap to clone.
 #[derive(Debug, Clone)]
-pub(super) struct SharedCache(Arc<Mutex<PictureCache>>);
+pub(super) struct SharedCache(Arc<Mutex<PictureCache>>, Trails);
 
 impl SharedCache {
     pub(super) fn new(budget_bytes: usize) -> Self {
-        Self(Arc::new(Mutex::new(PictureCache::new(budget_bytes))))
+        Self(Arc::new(Mutex::new(PictureCache::new(budget_bytes))), Trails::default())
+    }
+
+    /// The trail from which some pictures are made.
+    pub(super) fn trails(&self) -> &Trails {
+        &self.1
     }
 
     pub(super) fn lock(&self) -> MutexGuard<'_, PictureCache> {
@@ -34,7 +40,7 @@ impl SharedCache {
             return Ok(picture);
         }
         let picture = match request.minus() {
-            None => request.compute(monitor)?,
+            None => request.compute_with(&self.1, monitor)?,
             // Both pictures are kept too: they are mostly on show beside their difference.
             Some(minus) => {
                 let picture = self.get_or_make(&request.alone(), monitor)?;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::burst::Burst;
 use crate::detector::Slope;
-use crate::monitor::{Monitor, Stage};
+use crate::monitor::Stage;
 use crate::plane::Plane;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -53,13 +53,32 @@ pub(super) fn replace_whole(
 /// A temporary file that has the permissions of any other new file (left to itself, the library would make it private).
 fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".burstscope-").suffix(".tmp");
+    builder.prefix(TEMPORARY_PREFIX).suffix(TEMPORARY_SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder)
+}
+
+const TEMPORARY_PREFIX: &str = ".burstscope-";
+const TEMPORARY_SUFFIX: &str = ".tmp";
+
+/// Whether a file of this name is one that [`write_whole`] has not finished.
+pub fn is_temporary_name(name: &std::ffi::OsStr) -> bool {
+    name.to_str().is_some_and(|name| name.starts_with(TEMPORARY_PREFIX) && name.ends_with(TEMPORARY_SUFFIX))
+}
+
+/// Removes what killed runs have left unfinished in `folder`, if there is such a folder. Only for a folder in which
+/// nobody else writes.
+pub fn remove_temporary_files(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if is_temporary_name(&entry.file_name()) {
+            // One that cannot be removed does no harm.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
 }
 
 #[cfg(test)]
@@ -87,6 +106,17 @@ mod tests {
         assert!(matches!(error, Err(ExportError::Write { ref reason, .. }) if reason == "disk full"), "{error:?}");
         assert_eq!(std::fs::read(&path).expect("read"), b"old");
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("folder");
+        let (_, left) = temporary_in(folder.path()).expect("made").keep().expect("kept");
+        std::fs::write(folder.path().join("a.tmp"), "somebody's").expect("written");
+        assert!(left.exists());
+        remove_temporary_files(folder.path());
+        assert_eq!(names(folder.path()), ["a.tmp"]);
+        remove_temporary_files(&folder.path().join("none"));
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub enum ExportError {
 
 impl ExportError {
     /// A failed write to `path`.
-    pub(super) fn write(path: &Path, error: &std::io::Error) -> Self {
+    pub(crate) fn write(path: &Path, error: &std::io::Error) -> Self {
         Self::Write { path: path.into(), reason: error.to_string() }
     }
 }

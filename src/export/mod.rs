@@ -19,9 +19,9 @@ mod png;
 mod profile;
 mod tiff;
 
-pub use atomic::{FileWriter, write_whole};
+pub use atomic::{FileWriter, is_temporary_name, remove_temporary_files, write_whole};
 pub use base64::picture_as_data_url;
-pub use colmap::{ColmapKeypoint, read_colmap, write_colmap, write_colmap_keypoints};
+pub use colmap::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};
 #[cfg(feature = "colmap")]
 pub use colmap::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,

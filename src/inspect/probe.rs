@@ -71,6 +71,8 @@ pub enum Wanted {
         /// Index in the grid.
         slope_index: usize,
     },
+    /// A candidate near the place, by its sample; as [`Wanted::Best`] where none near it has that one.
+    Candidate(Sample),
 }
 
 /// How a place is probed.
@@ -287,7 +289,12 @@ fn subject(trail: &Trail, place: [f32; 2], fates: &[Fate], wanted: Wanted) -> Re
         let fate = fates.iter().position(|f| (f.octave, f.level, f.slope_index) == (octave, level, slope_index));
         return Ok(Subject { fate, pos_image: place, slope: grid.slope(slope_index), slope_index, octave, level });
     }
+    let by_sample = match wanted {
+        Wanted::Candidate(sample) => fates.iter().position(|fate| fate.of_sample() == sample),
+        _ => None,
+    };
     let index = match wanted {
+        _ if by_sample.is_some() => by_sample,
         Wanted::Feature(feature) => fates.iter().position(|fate| fate.features.contains(&feature)),
         // What was kept comes first; then what is strong and near, in its own scale.
         _ => {

@@ -33,7 +33,9 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
         return match fate.features[..] {
             [] => format!("kept as a keypoint{limit}"),
             [one] => format!("kept as feature {one}{limit}"),
-            [first, ..] => format!("kept as {} features, the first of them {first}{limit}", fate.features.len()),
+            [first, ..] => {
+                format!("kept as {} features, the first of them feature {first}{limit}", fate.features.len())
+            }
         };
     };
     let report = fate.report(test);

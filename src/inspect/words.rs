@@ -42,9 +42,35 @@ pub fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}s") }
 }
 
+/// A sentence in which features are counted from 1, as the window does; commands count them from 0.
+pub fn counted_from_one(text: &str) -> String {
+    const WORD: &str = "feature ";
+    let mut out = String::with_capacity(text.len() + 4);
+    let mut rest = text;
+    while let Some(at) = rest.find(WORD) {
+        let (before, after) = rest.split_at(at + WORD.len());
+        out.push_str(before);
+        let digits = after.find(|c: char| !c.is_ascii_digit()).unwrap_or(after.len());
+        match after[..digits].parse::<usize>() {
+            Ok(index) => out.push_str(&(index + 1).to_string()),
+            Err(_) => out.push_str(&after[..digits]),
+        }
+        rest = &after[digits..];
+    }
+    out + rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn features_are_counted_from_one_and_nothing_else_is() {
+        let text = "the same blob as feature 9 at (3, 4); feature 0, which is stronger; 2 features, a feature here";
+        let expected =
+            "the same blob as feature 10 at (3, 4); feature 1, which is stronger; 2 features, a feature here";
+        assert_eq!(counted_from_one(text), expected);
+    }
 
     #[test]
     fn numbers_are_short() {

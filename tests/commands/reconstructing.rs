@@ -108,7 +108,10 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     let next =
         "colmap mapper --database_path 'my rec/database.db' --image_path 'my rec/images' --output_path 'my rec/sparse'";
     assert!(text.contains(next), "{text}");
-    assert_eq!(names(&home.path().join("my rec")), ["database.db", "features", "images", "manifest.json"]);
+    assert_eq!(
+        names(&home.path().join("my rec")),
+        [".burstscope-lock", "database.db", "features", "images", "manifest.json", "records"]
+    );
     // With a camera from a file, and as JSON; the features are there already.
     fs::write(
         home.path().join("lens.toml"),
@@ -124,11 +127,13 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
     assert!(json["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == true)));
     // What another revision of the detector kept is not mixed with what this one finds.
-    let manifest = home.path().join("my rec/manifest.json");
-    let mut kept: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(&manifest).expect("a file")).expect("JSON");
-    kept["detector_revision"] = 0.into();
-    fs::write(&manifest, kept.to_string()).expect("written");
+    for name in names(&home.path().join("my rec/records")) {
+        let record = home.path().join("my rec/records").join(name);
+        let mut kept: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(&record).expect("a file")).expect("JSON");
+        kept["detector_revision"] = 0.into();
+        fs::write(&record, kept.to_string()).expect("written");
+    }
     let again = run_well(home.path(), &[&arguments[..], &["--json"]].concat());
     let again: serde_json::Value = serde_json::from_str(&again).expect("JSON");
     assert!(again["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == false)));

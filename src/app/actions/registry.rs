@@ -153,6 +153,9 @@ actions! {
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
     ShowMerge, View 1, "Show merged frames", [NONE Num4], "Show the frames aligned tile by tile and merged into one image";
+    ShowNoise, View 1, "Show local noise", [SHIFT N], "Show how strong the noise is where, at the slope, octave and level, as the noise gate takes it";
+    ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show which share of the frames sees each place at the slope";
+    ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show which slope answers most strongly where, at the octave and level: a picture of the motion";
     Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
@@ -182,6 +185,7 @@ actions! {
     LayoutFiveSlopes, Panes 1, "Layout: strip of 5 slopes", [NONE Num8], "Show five neighbouring slopes of the grid, which move together";
     LayoutSevenSlopes, Panes 1, "Layout: strip of 7 slopes", [], "Show seven neighbouring slopes of the grid, which move together";
     LayoutNineSlopes, Panes 1, "Layout: strip of 9 slopes", [], "Show nine neighbouring slopes of the grid, which move together";
+    LayoutSlice, Panes 1, "Layout: stack and slice", [], "Show the motion stack above the slice of the frames through the probed place, in which motion is a slanted line";
     LayoutScales, Panes 1, "Layout: strip of scales", [], "Show the DoG responses of all levels of the octave";
     LayoutTwoByTwo, Panes 1, "Layout: 2 × 2", [NONE Num9], "Show frame, motion stack, DoG response and merged frames of the same place";
     NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one as a wipe, a flip or not at all; of methods: panes, a wipe, a flip, rows of matches";
@@ -193,7 +197,7 @@ actions! {
     SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
-    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found";
+    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting those at the limit of the range";
     Play, Cursor 0, "Play slopes", [NONE Space], "Run through the grid's slopes, there and back";
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back";
     FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on";
@@ -218,12 +222,17 @@ actions! {
     StrongestFeature, Features 0, "First feature or match", [NONE Home], "Select the first feature (or match, with two bursts) of the table";
     GoToFeature, Features 0, "Go to the selection", [NONE Enter], "Show the motion stack at the slope of the selected feature or match, with it in the middle";
     ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match";
-    ClearFilter, Features 1, "Clear filter", [], "Show all features";
-    PinResult, Features 2, "Pin this result", [SHIFT D], "Keep these features: what later detections gain, lose and move is shown against them";
-    UnpinResult, Features 2, "Unpin", [], "Forget the pinned result";
-    OpenFeatures, Features 2, "Open features…", [], "Lay somebody else's features over the burst: our CSV table, or the text that COLMAP imports";
-    CloseFeatures, Features 2, "Close opened features", [], "Forget the features that were opened";
-    ShowTruth, Features 2, "Compare with the truth", [], "Mark what was found, missed, found twice and found falsely, where that is known";
+    ProbePlace, Features 1, "Probe this place", [SHIFT P], "Say why there is a feature at the place under the pointer, or why there is none (also Shift+click)";
+    ProbeFeature, Features 1, "Why this feature?", [SHIFT W], "Probe the selected feature: its tests, its response, each frame's share, and what may be wrong with it";
+    ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not";
+    ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked";
+    CloseProbe, Features 1, "Clear probe", [], "Probe nothing, and forget what was kept for it";
+    ClearFilter, Features 2, "Clear filter", [], "Show all features";
+    PinResult, Features 3, "Pin this result", [SHIFT D], "Keep these features: what later detections gain, lose and move is shown against them";
+    UnpinResult, Features 3, "Unpin", [], "Forget the pinned result";
+    OpenFeatures, Features 3, "Open features…", [], "Lay somebody else's features over the burst: our CSV table, or the text that COLMAP imports";
+    CloseFeatures, Features 3, "Close opened features", [], "Forget the features that were opened";
+    ShowTruth, Features 3, "Compare with the truth", [], "Mark what was found, missed, found twice and found falsely, where that is known";
 
     OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst";
     OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst";

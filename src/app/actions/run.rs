@@ -15,7 +15,7 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use crate::app::window::BurstscopeApp;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
-use crate::engine::BurstSource;
+use crate::engine::{BurstSource, MapKind, ProbeQuestion};
 use crate::synth::Example;
 
 impl BurstscopeApp {
@@ -102,6 +102,7 @@ impl BurstscopeApp {
             A::LayoutFiveSlopes => self.lay_out(Preset::Slopes(5)),
             A::LayoutSevenSlopes => self.lay_out(Preset::Slopes(7)),
             A::LayoutNineSlopes => self.lay_out(Preset::Slopes(9)),
+            A::LayoutSlice => self.lay_out(Preset::Slice),
             A::LayoutScales => self.lay_out(Preset::Scales),
             A::LayoutTwoByTwo => self.lay_out(Preset::TwoByTwo),
             A::Undo | A::Redo => {
@@ -114,6 +115,14 @@ impl BurstscopeApp {
                 self.model.history = history;
                 // Every pane goes to where it was, and none follows another.
                 (self.cursors_set, self.history_set) = (true, true);
+            }
+            A::ProbePlace => self.probe_here(),
+            A::ProbeFeature => self.model.selected.into_iter().for_each(|index| self.model.probe_feature(index)),
+            A::ProbeStrongest => self.model.ask_probe(ProbeQuestion::Strongest),
+            A::ProbeFollow => self.follow_with_probe(),
+            A::CloseProbe => {
+                self.forget_probe();
+                self.model.probe.clear();
             }
             A::CopyRow => self.copy_row(ctx),
             A::PinResult => {
@@ -286,8 +295,12 @@ fn move_hand(model: &mut Model, id: ActionId) {
     match id {
         A::ShowFrame | A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
         A::ShowStack => pane.show(ViewKind::Stack),
-        A::ShowDog | A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show(ViewKind::Dog),
+        A::ShowDog => pane.show(ViewKind::Dog),
+        A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
         A::ShowMerge => pane.content = Content::Merge,
+        A::ShowNoise => pane.content = Content::Map(MapKind::Noise),
+        A::ShowMotion => pane.content = Content::Map(MapKind::Motion),
+        A::ShowCoverage => pane.content = Content::Map(MapKind::Coverage),
         _ => {}
     }
     model.check_params();

@@ -10,7 +10,7 @@ use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams};
-use crate::engine::BurstSource;
+use crate::engine::{BurstSource, MapKind};
 use crate::matching::MatchParams;
 
 /// Whether the action can be done now.
@@ -53,8 +53,9 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::LayoutSevenSlopes
         | A::LayoutNineSlopes
         | A::LayoutScales
+        | A::LayoutSlice
         | A::LayoutTwoByTwo => has_burst && in_inspect,
-        A::ShowMerge => has_burst,
+        A::ShowMerge | A::ShowNoise | A::ShowCoverage | A::ShowMotion => has_burst,
         A::CompareAgain => in_methods,
         A::OpenGoldA => has_burst,
         A::OpenGoldB => has_burst && has_second,
@@ -93,6 +94,11 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
         A::ClearSelection => model.selected_feature().is_some() || model.against.selected.is_some(),
         A::GoToFeature => model.selected_feature().is_some(),
+        A::ProbePlace | A::ProbeFollow | A::ProbeStrongest => {
+            has_burst && in_inspect && (model.found.is_some() || model.param_error.is_none())
+        }
+        A::ProbeFeature => in_inspect && model.selected_feature().is_some(),
+        A::CloseProbe => model.probe.is_on() || model.probe.answer.is_some(),
         A::ClearFilter => !model.filter.is_open(),
         A::DetectAll => model.datasets.can_detect(model.asked().validate().is_ok()),
         A::CancelDataset => model.datasets.work.is_some(),
@@ -138,6 +144,9 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ShowStack => kind(ViewKind::Stack),
         A::ShowDog => kind(ViewKind::Dog),
         A::ShowMerge => Some(model.focused().content == Content::Merge),
+        A::ShowNoise => Some(model.focused().content == Content::Map(MapKind::Noise)),
+        A::ShowMotion => Some(model.focused().content == Content::Map(MapKind::Motion)),
+        A::ShowCoverage => Some(model.focused().content == Content::Map(MapKind::Coverage)),
         A::LinkCursors => Some(links.cursor),
         A::LinkViews => Some(links.views),
         A::LinkRanges => Some(model.ranges_are_linked()),
@@ -158,6 +167,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
         A::ShowTruth => Some(model.against.with == Some(With::Truth)),
+        A::ProbeFollow => Some(model.probe.follows),
         A::Play => Some(model.playing),
         A::MeasureLine => Some(model.measure.tool == Tool::Line),
         A::MeasureRegion => Some(model.measure.tool == Tool::Region),

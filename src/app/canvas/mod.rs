@@ -27,7 +27,7 @@ mod values;
 mod view;
 
 pub use picture::Picture;
-pub use readout::{Readout, number, readout, signed_number};
+pub use readout::{Quantity, Readout, number, readout, signed_number};
 pub use transform::RectTransform;
 pub use values::{GRID_MIN_POINTS, VALUE_MIN_POINTS, readable_on};
 pub use view::{MAX_POINTS_PER_PIXEL, View, Zoom};

@@ -1,7 +1,27 @@
 //! The value under the pointer, for the status bar.
 
 use super::Picture;
+use crate::detector::Slope;
 use egui::Pos2;
+
+/// What a value is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Quantity {
+    /// A brightness, or a difference of such.
+    #[default]
+    Value,
+    /// A standard deviation of the noise, as a fraction of full scale.
+    Sigma,
+    /// The share of the frames that see the place, 0 … 1.
+    FramesShare,
+    /// The response of the slope that wins there, over its noise.
+    Slope {
+        /// The slope, px/frame.
+        slope: Slope,
+        /// How far all others stay behind, 0 … 1; 0 where nothing reaches the gate.
+        confidence: f32,
+    },
+}
 
 /// A place of the image and the value that a picture has there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +38,8 @@ pub struct Readout {
     pub full_scale: f32,
     /// Image pixels from one pixel of the picture to the next.
     pub image_from_picture_scale: f32,
+    /// What the value is.
+    pub quantity: Quantity,
 }
 
 /// The value of `picture` at `pos_image`, without interpolation; `None` beside the picture. `full_scale` is the burst's.
@@ -30,6 +52,7 @@ pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Re
         value: picture.plane.at(pixel.0, pixel.1),
         full_scale,
         image_from_picture_scale: picture.image_from_picture_scale,
+        quantity: Quantity::Value,
     })
 }
 
@@ -37,6 +60,25 @@ impl Readout {
     /// The value in the file's unit.
     pub fn file_value(&self) -> f32 {
         self.value * self.full_scale
+    }
+
+    /// The value in few words, with its unit where it is no brightness.
+    pub fn short_text(&self) -> String {
+        match self.quantity {
+            Quantity::Value => number(self.value, 4),
+            Quantity::Sigma => format!("σ {}", number(self.value, 3)),
+            Quantity::FramesShare => format!("{} % of the frames", number(100.0 * self.value, 3)),
+            Quantity::Slope { confidence, .. } if confidence <= 0.0 => {
+                format!("below the gate ({} σ)", number(self.value, 2))
+            }
+            Quantity::Slope { slope: Slope { u, v }, confidence } => format!(
+                "({}, {}) px/frame, {} σ, sure {} %",
+                number(u, 3),
+                number(v, 3),
+                number(self.value, 3),
+                number(100.0 * confidence, 2)
+            ),
+        }
     }
 }
 
@@ -47,8 +89,11 @@ impl std::fmt::Display for Readout {
         if self.image_from_picture_scale != 1.0 {
             write!(f, "  (pixel {}, {})", self.pixel.0, self.pixel.1)?;
         }
-        write!(f, "    {}", number(self.value, 4))?;
-        if self.full_scale != 1.0 {
+        write!(f, "    {}", self.short_text())?;
+        if self.quantity == Quantity::Sigma && self.full_scale == 1.0 {
+            write!(f, " of full scale")?;
+        }
+        if self.full_scale != 1.0 && matches!(self.quantity, Quantity::Value | Quantity::Sigma) {
             write!(f, " = {} of {}", number(self.file_value(), 4), number(self.full_scale, 6))?;
         }
         Ok(())
@@ -129,6 +174,11 @@ mod tests {
         let r = readout(&picture, pos2(1.2, 1.9), 255.0).unwrap();
         assert_eq!((r.pixel, r.file_value().round()), ((1, 2), 9.0));
         assert_eq!(r.to_string(), "u 1.2  v 1.9    0.03529 = 9 of 255");
+        let sigma = Readout { quantity: Quantity::Sigma, ..r };
+        assert_eq!(sigma.to_string(), "u 1.2  v 1.9    σ 0.0353 = 9 of 255");
+        assert!(Readout { full_scale: 1.0, ..sigma }.to_string().ends_with("σ 0.0353 of full scale"));
+        let share = Readout { quantity: Quantity::FramesShare, value: 0.8, ..r };
+        assert_eq!(share.to_string(), "u 1.2  v 1.9    80 % of the frames");
         assert_eq!(readout(&picture, pos2(4.0, 0.0), 255.0), None);
         let octave = Picture::of_octave(plane, 1, (8, 8), "DoG");
         assert!(readout(&octave, pos2(4.0, 2.0), 1.0).unwrap().to_string().contains("pixel 2, 1"));

@@ -7,6 +7,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::describe;
 use crate::app::project::Model;
+use crate::app::project::look::RangeClass;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature, Slope};
 use crate::export::{ColourBar, Drawing, FigureMark, FigureOptions, FigurePanel, LegendEntry, lay_out};
@@ -99,6 +100,14 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     let display = model.display_of(id);
     let part =
         Plane::from_fn(region.u.len(), region.v.len(), |u, v| shown.plane.at(region.u.start + u, region.v.start + v));
+    let rgba = match &picture.motion {
+        Some(motion) => {
+            let (u, v) = (region.u.start as u32, region.v.start as u32);
+            let (width, height) = (region.u.len() as u32, region.v.len() as u32);
+            image::imageops::crop_imm(&motion.colours, u, v, width, height).to_image()
+        }
+        None => to_rgba8(&part, &display),
+    };
     let step = shown.image_from_picture_scale;
     let layer = FeatureLayer::of(model, id);
     let legend = match &layer {
@@ -107,13 +116,13 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     };
     Some(FigurePanel {
         size: part.size(),
-        rgba: Arc::new(to_rgba8(&part, &display).into_raw()),
+        rgba: Arc::new(rgba.into_raw()),
         origin_image: [(region.u.start as f32 - 0.5) * step, (region.v.start as f32 - 0.5) * step],
         image_px_per_px: step,
         marks: layer.map(|layer| marks(model, &layer)).unwrap_or_default(),
         title: choice.titles.then(|| describe(picture)),
         legend,
-        bar: choice.colour_bar.then(|| colour_bar(&display)),
+        bar: (choice.colour_bar && picture.motion.is_none()).then(|| colour_bar(&display, model.range_class(id))),
     })
 }
 
@@ -143,14 +152,17 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
     order.into_iter().map(mark).collect()
 }
 
-fn colour_bar(display: &Display) -> ColourBar {
+fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
     const STEPS: usize = 64;
     let colours = display.colours();
     let value = |i: usize| display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
     ColourBar {
         colors: (0..STEPS).map(|i| colours.colour(value(i))).collect(),
         low: number(display.min, 3),
-        high: format!("{} of full scale", number(display.max, 3)),
+        high: match class {
+            RangeClass::Share => format!("{} of the frames", number(display.max, 3)),
+            _ => format!("{} of full scale", number(display.max, 3)),
+        },
     }
 }
 

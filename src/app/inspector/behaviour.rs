@@ -3,10 +3,13 @@
 use super::header::header_ui;
 use super::menu::Change;
 use super::pane_ui::{Drawn, over_names_ui, over_ui, picture_ui};
+use super::slice_ui::slice_ui;
 use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::measure::{draw_ui, measure_ui};
-use crate::app::pane::PaneId;
+use crate::app::pane::{Content, PaneId};
+use crate::app::panel::candidates::candidates_ui;
+use crate::app::panel::colour_bar::colour_bar_ui;
 use crate::app::panel::features::{FeatureOptions, features_ui};
 use crate::app::panel::picture::stale_ui;
 use crate::app::project::Model;
@@ -34,6 +37,13 @@ impl Behavior<PaneId> for Inspector<'_> {
         let whole = ui.max_rect();
         ui.spacing_mut().item_spacing.y = 0.0;
         let header = header_ui(ui, self.model, id, self.widgets, &mut self.changes, self.queue);
+        if let Some(Content::Slice(axis)) = self.model.panes.get(id).map(|pane| pane.content) {
+            if slice_ui(ui, self.model, id, axis, self.widgets) || header.clicked {
+                self.model.panes.set_focus(id);
+            }
+            self.frame_ui(ui, id, whole);
+            return if header.dragged { UiResponse::DragStarted } else { UiResponse::None };
+        }
         let name = if many { format!("Picture {number}") } else { "Picture".to_owned() };
         let before = self.model.panes.get(id).map(|pane| pane.view);
         let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name);
@@ -42,6 +52,8 @@ impl Behavior<PaneId> for Inspector<'_> {
         let in_focus = self.model.focus() == id;
         let options = FeatureOptions { legend: in_focus && size.x > LEGEND_ROOM.x && size.y > LEGEND_ROOM.y };
         features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, options);
+        colour_bar_ui(ui, self.model, drawn.shown, drawn.output.response.rect);
+        candidates_ui(ui, self.model, drawn.shown, &drawn.output);
         over_names_ui(ui, self.model, id, &drawn);
         draw_ui(self.model, id, &drawn.output);
         measure_ui(self.model, id, &drawn.output);
@@ -55,10 +67,7 @@ impl Behavior<PaneId> for Inspector<'_> {
         if header.clicked || drawn.is_touched(ui) {
             self.model.panes.set_focus(id);
         }
-        if many && self.model.focus() == id {
-            let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
-            ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
-        }
+        self.frame_ui(ui, id, whole);
         self.drawn.push((id, drawn));
         if header.dragged { UiResponse::DragStarted } else { UiResponse::None }
     }
@@ -78,6 +87,16 @@ impl Behavior<PaneId> for Inspector<'_> {
 
     fn simplification_options(&self) -> SimplificationOptions {
         SimplificationOptions { all_panes_must_have_tabs: false, ..SimplificationOptions::default() }
+    }
+}
+
+impl Inspector<'_> {
+    /// The pane in focus has a frame.
+    fn frame_ui(&self, ui: &Ui, id: PaneId, whole: egui::Rect) {
+        if self.model.panes.are_many() && self.model.focus() == id {
+            let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
+            ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
+        }
     }
 }
 

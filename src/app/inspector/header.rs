@@ -12,6 +12,7 @@ use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::style;
+use crate::engine::MapKind;
 use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Ui, vec2};
 
 /// Headers narrower than this, in points, have the links on a line of their own.
@@ -50,6 +51,12 @@ fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
     let what = match (pane.content, cursor.kind) {
         (Content::Merge, _) if tiny => "Merged".to_owned(),
         (Content::Merge, _) => "Merged frames".to_owned(),
+        (Content::Map(MapKind::Noise), _) => format!("σ {}/{} {slope}", cursor.octave, cursor.level),
+        (Content::Map(MapKind::Motion), _) => format!("Winning slope {}/{}", cursor.octave, cursor.level),
+        (Content::Map(map), _) if tiny => map.label().to_owned(),
+        (Content::Map(map), _) => format!("{} {slope}", map.label()),
+        (Content::Slice(_), _) if tiny => "Slice".to_owned(),
+        (Content::Slice(axis), _) => axis.label().to_owned(),
         (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),
         (Content::Cursor, ViewKind::Frame) => format!("Frame {}", cursor.frame),
         (Content::Cursor, ViewKind::Stack) if tiny => slope,
@@ -83,7 +90,8 @@ pub fn header_ui(
                     links_ui(ui, model, id, true);
                 }
                 ui.spacing_mut().item_spacing.x = 6.0;
-                if width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
+                let is_slice = matches!(model.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
+                if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
                     numbers_ui(ui, model, id);
                 }
                 let current = model.is_current(id);

@@ -2,8 +2,9 @@
 
 use super::pane_ui::{Drawn, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};
-use crate::app::canvas::{self, CanvasOutput, number};
+use crate::app::canvas::CanvasOutput;
 use crate::app::pane::{Link, PaneId, place_in};
+use crate::app::panel::picture::readout_of;
 use crate::app::project::Model;
 use egui::{Align2, Color32, FontId, Pos2, Stroke, vec2};
 
@@ -20,7 +21,7 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
     for (id, other) in drawn.iter().filter(|(id, _)| *id != from && is_linked(*id)) {
         let Some(pos) = same_place(model, first.shown, other.shown, pos_image) else { continue };
         let value = value_at(model, widgets, *id, other.shown, pos);
-        let text = value.map(|value| number(value.readout.value, 4));
+        let text = value.map(|value| value.readout.short_text());
         mark(&other.output, pos, text.as_deref());
         widgets.values.extend(value);
     }
@@ -36,8 +37,9 @@ pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_im
 
 /// The value of the picture of `shown`, which is on show in pane `id`, at `pos_image`.
 fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
-    let picture = widgets.get(shown)?.picture.shown()?;
-    let readout = canvas::readout(picture, pos_image, full_scale(model, shown))?;
+    let picture = model.panes.get(shown)?.picture.as_ref()?;
+    let canvas = widgets.get(shown)?.picture.shown()?;
+    let readout = readout_of(picture, canvas, pos_image, full_scale(model, shown))?;
     Some(PlaceValue { id, number: model.panes.number(id)?, readout })
 }
 

@@ -1,10 +1,11 @@
 //! What a pane can be told: its menu, which is also a part of what a click with the second button on its picture shows.
 
 use crate::app::actions::{ActionId, Queue, menu::item_ui};
-use crate::app::pane::{Content, Direction, Link, Over, PaneId, Preset};
+use crate::app::pane::{Content, Direction, Link, Over, PaneId, Preset, SliceAxis};
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
+use crate::engine::MapKind;
 use egui::{Button, Ui};
 
 /// What a pane asks for that changes which panes there are.
@@ -60,6 +61,16 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     if ui.radio(pane.content == Content::Merge, "Merged frames").clicked() {
         pane.content = Content::Merge;
     }
+    for map in MapKind::ALL {
+        if ui.radio(pane.content == Content::Map(map), map.label()).on_hover_text(map.help()).clicked() {
+            pane.content = Content::Map(map);
+        }
+    }
+    for axis in SliceAxis::ALL {
+        if ui.radio(pane.content == Content::Slice(axis), axis.label()).on_hover_text(axis.help()).clicked() {
+            pane.show_slice(axis);
+        }
+    }
     ui.add_enabled_ui(others.len() > 1, |ui| {
         let menu = ui.menu_button("Difference", |ui| {
             for &(a, number_a) in &others {
@@ -90,7 +101,7 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
 fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
     let own = |other: &PaneId| {
         let pane = model.panes.get(*other);
-        *other != id && pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..)))
+        *other != id && pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
     };
     model.panes.shown().into_iter().filter(own).filter_map(|other| Some((other, model.panes.number(other)?))).collect()
 }

@@ -11,6 +11,8 @@ mod marks;
 mod menu;
 mod pane_ui;
 mod picture_menu;
+mod probe_marks;
+mod slice_ui;
 mod widgets;
 
 pub use header::compact_description;
@@ -37,5 +39,6 @@ pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, q
         model.panes.rearrange(arrangement);
     }
     marks::marks_ui(model, widgets, &drawn);
+    probe_marks::probe_ui(ui, model, &drawn);
     changes
 }

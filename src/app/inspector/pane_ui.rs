@@ -1,11 +1,13 @@
 //! The picture of one pane, and another one over it.
 
 use super::widgets::PaneWidgets;
-use crate::app::canvas::{self, Canvas, CanvasOutput};
+use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId};
 use crate::app::panel::features::{FeatureOptions, features_ui};
+use crate::app::panel::picture::readout_of;
 use crate::app::project::Model;
+use crate::app::project::look::RangeClass;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
@@ -48,8 +50,10 @@ pub fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut Pane
         .primary_pans(model.workspace != Workspace::Inspect || model.measure.tool == Tool::Pan)
         .show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;
-    state.readout = match (state.shown(), output.hover_image) {
-        (Some(shown), Some(pos)) => canvas::readout(shown, pos, full_scale(model, id)),
+    let picture = model.panes.get(shown).and_then(|pane| pane.picture.as_ref());
+    state.paint_colours(ui, picture, &output);
+    state.readout = match (picture, state.shown(), output.hover_image) {
+        (Some(picture), Some(canvas), Some(pos)) => readout_of(picture, canvas, pos, full_scale(model, shown)),
         _ => None,
     };
     let visible = state.shown().is_some().then_some(output.visible_image);
@@ -69,6 +73,7 @@ pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut 
     state.refresh(picture);
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
     let over = canvas_of(model, other, "Wipe, right side").picture(state.shown()).show_over(ui, &drawn.output, right);
+    state.paint_colours(ui, picture, &over);
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     features_ui(ui, model, other, &mut widgets.of(other).picture, &over, FeatureOptions { legend: false });
     drawn.right = Some((other, over));
@@ -103,8 +108,11 @@ fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
     Canvas::new(name).display(&model.display_of(id)).dim(!model.is_current(id)).full_scale(full_scale(model, id))
 }
 
-/// The file's value of 1.0 of the burst of `id`.
+/// The file's value of 1.0 of the burst of `id`; 1 where the picture has no values of the file.
 pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
+    if matches!(model.range_class(id), RangeClass::Share | RangeClass::Motion) {
+        return 1.0;
+    }
     let side = model.panes.get(id).map_or(Side::A, |pane| pane.side);
     model.burst_of(side).map_or(1.0, |open| open.burst.full_scale)
 }

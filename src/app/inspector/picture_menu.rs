@@ -2,6 +2,7 @@
 
 use super::menu::{Change, pane_menu_ui};
 use super::pane_ui::Drawn;
+use super::probe_marks::mid_burst;
 use super::widgets::PaneWidgets;
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{Readout, number};
@@ -15,6 +16,8 @@ use egui::{RichText, Ui};
 pub struct MenuPlace {
     feature: Option<usize>,
     readout: Option<Readout>,
+    /// The place at mid-burst.
+    mid_burst: Option<[f32; 2]>,
 }
 
 /// Shows the menu where the second button was pressed on the picture of pane `id`.
@@ -29,7 +32,9 @@ pub(super) fn picture_menu_ui(
     let response = &drawn.output.response;
     if response.secondary_clicked() {
         let readout = widgets.get(drawn.shown).and_then(|widget| widget.picture.readout);
-        widgets.of(id).menu = MenuPlace { feature: model.hovered, readout };
+        let pos = drawn.output.hover_image.and_then(|pos| mid_burst(model, drawn.shown, pos));
+        let mid_burst = pos.map(|pos| [pos.x, pos.y]);
+        widgets.of(id).menu = MenuPlace { feature: model.hovered, readout, mid_burst };
     }
     let place = widgets.get(id).map(|widget| widget.menu).unwrap_or_default();
     response.context_menu(|ui| {
@@ -37,6 +42,12 @@ pub(super) fn picture_menu_ui(
         if let Some(index) = place.feature {
             feature_menu_ui(ui, model, index, queue);
             ui.separator();
+        }
+        if let Some(place) = place.mid_burst {
+            let button = ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help);
+            if button.clicked() {
+                model.probe_place(place);
+            }
         }
         if let Some(readout) = &place.readout {
             let value = format!("Copy value {}", number(readout.value, 4));
@@ -65,6 +76,9 @@ fn feature_menu_ui(ui: &mut Ui, model: &mut Model, index: usize, queue: &mut Que
     if ui.button("Go to feature").on_hover_text("Show the motion stack at its slope, with it in the middle").clicked() {
         model.selected = Some(index);
         queue.push(ActionId::GoToFeature);
+    }
+    if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
+        model.probe_feature(index);
     }
     copy_ui(ui, "Copy row", || clipboard::feature_text(&feature));
 }

@@ -5,6 +5,7 @@ use crate::app::canvas::{Readout, RectTransform};
 use crate::app::pane::PaneId;
 use crate::app::panel::display::DisplayState;
 use crate::app::panel::picture::PictureState;
+use crate::app::panel::probe::PlaneTexture;
 use egui::Pos2;
 use std::collections::HashMap;
 
@@ -15,6 +16,8 @@ pub struct PaneWidget {
     pub picture: PictureState,
     /// The histogram while the pane is in focus.
     pub display: DisplayState,
+    /// The slice, if it shows one.
+    pub(super) slice: PlaneTexture,
     /// What the menu of its picture is about.
     pub(super) menu: MenuPlace,
 }

@@ -74,7 +74,10 @@ impl BurstscopeApp {
                 self.remember(&mut burst);
                 self.model.messages.resolved("Open");
                 self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
+                let before = self.model.burst.as_ref().map(|open| open.source.clone());
                 self.model.take_burst(burst);
+                self.forget_probe();
+                self.model.start_probe(before.as_ref());
                 self.forget_asked();
                 (self.cursors_set, self.history_set) = (true, true);
                 self.model.history.clear();
@@ -121,6 +124,7 @@ impl BurstscopeApp {
         }
         self.engine.comparer().cancel();
         self.engine.against.cancel();
+        self.engine.probe().cancel();
     }
 
     /// Whether features of the present parameters are missing, and were not looked for in vain.
@@ -133,7 +137,13 @@ impl BurstscopeApp {
         if let Some(burst) = self.model.burst.clone() {
             let params = self.model.asked();
             self.asked.detecting = Some(params.clone());
-            self.engine.detect(DetectRequest { burst, params });
+            let request = DetectRequest { burst, params };
+            self.asked.probe.keeps_trail = self.model.probe.is_on();
+            if self.asked.probe.keeps_trail {
+                self.engine.detect_with_trail(request);
+            } else {
+                self.engine.detect(request);
+            }
             self.model.busy.detecting = self.engine.running(BurstJobs::Detect);
         }
     }
@@ -173,8 +183,10 @@ impl BurstscopeApp {
         if self.model.auto_detect && !dragging && !asked && self.wants_detection() {
             self.start_detection();
         }
+        self.request_for_probe(dragging);
         self.request_for_pair(dragging);
         self.request_for_compare(dragging);
+        self.request_explanations();
         self.request_comparison();
         self.request_losses();
         self.thumbnails.request(&self.engine.datasets);

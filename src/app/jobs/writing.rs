@@ -120,7 +120,7 @@ fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
     Ok(match kind {
         ExportKind::Tiff => Box::new(move |path| export::write_tiff(path, &picture.plane).map_err(|e| e.to_string())),
         _ => Box::new(move |path| {
-            let rgba = to_rgba8(&picture.plane, &display);
+            let rgba = picture.rgba(&display);
             let (width, height) = picture.plane.size();
             export::write_png(path, export::Picture::rgba(width, height, rgba.as_raw())).map_err(|e| e.to_string())
         }),

@@ -28,7 +28,7 @@ use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::Ranges;
 use crate::app::project::side::Side;
 use crate::detector::DetectorParams;
-use crate::engine::{OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
+use crate::engine::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
 use serde::{Deserialize, Serialize};
 
 /// Names a pane, for as long as it is open.
@@ -57,8 +57,45 @@ pub enum Content {
     Cursor,
     /// The frames of its burst, aligned and merged into one image.
     Merge,
+    /// What decides in the search, by place, where the cursor is.
+    Map(MapKind),
     /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
+    /// A slice through the frames at the place that is probed.
+    Slice(SliceAxis),
+}
+
+/// Which way a slice through the frames runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SliceAxis {
+    /// Along the motion of what is probed: the x–t slice where that is to the side.
+    Along,
+    /// Across it: the y–t slice then.
+    Across,
+}
+
+impl SliceAxis {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Along, Self::Across];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Along => "Slice along the motion",
+            Self::Across => "Slice across the motion",
+        }
+    }
+
+    /// What it shows.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Along => {
+                "A row for each frame through the probed place, along its motion (x–t): what moves is slanted"
+            }
+            Self::Across => "A row for each frame through the probed place, across its motion (y–t)",
+        }
+    }
 }
 
 /// Another pane's picture in the same place, to compare the two.
@@ -146,16 +183,35 @@ impl Pane {
         (self.content, self.cursor.kind) = (Content::Cursor, kind);
     }
 
+    /// Shows a slice through the frames, which is no picture of the image plane.
+    pub fn show_slice(&mut self, axis: SliceAxis) {
+        (self.content, self.over, self.picture) = (Content::Slice(axis), None, None);
+    }
+
     /// Whether it shows this kind of picture.
     pub fn shows(&self, kind: ViewKind) -> bool {
         self.content == Content::Cursor && self.cursor.kind == kind
     }
 
-    /// A slope was moved, which cannot be seen in a frame: shows the motion stack then.
+    /// A slope was moved, which cannot be seen in a frame: shows the motion stack then. Maps are of a slope.
     pub fn show_slope(&mut self) {
         self.slope_chosen = true;
-        if self.content != Content::Cursor || self.cursor.kind == ViewKind::Frame {
+        let is_seen = match self.content {
+            Content::Cursor => self.cursor.kind != ViewKind::Frame,
+            Content::Map(map) => map.is_of_slope(),
+            // There the slope is a line.
+            Content::Slice(_) => true,
+            Content::Merge | Content::Difference(..) => false,
+        };
+        if !is_seen {
             self.show(ViewKind::Stack);
+        }
+    }
+
+    /// Octave or level was moved, which can be seen in few pictures: shows the DoG where it cannot.
+    pub fn show_scale(&mut self) {
+        if !matches!(self.content, Content::Map(map) if map.is_of_octave()) {
+            self.show(ViewKind::Dog);
         }
     }
 
@@ -164,12 +220,16 @@ impl Pane {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
 
-    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures.
+    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures, and a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = match self.content {
             Content::Cursor => self.cursor_within(burst, params).picture_kind(),
             Content::Merge => PictureKind::Merge,
-            Content::Difference(..) => return None,
+            Content::Map(map) => {
+                let Cursor { octave, level, slope, .. } = self.cursor_within(burst, params);
+                PictureKind::Map { map, octave, level, slope }
+            }
+            Content::Difference(..) | Content::Slice(_) => return None,
         };
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
     }
@@ -178,7 +238,7 @@ impl Pane {
     pub fn others(&self) -> Vec<PaneId> {
         let mut others = match self.content {
             Content::Difference(a, b) => vec![a, b],
-            Content::Cursor | Content::Merge => Vec::new(),
+            Content::Cursor | Content::Merge | Content::Map(_) | Content::Slice(_) => Vec::new(),
         };
         others.extend(self.over.map(Over::other));
         others

@@ -19,8 +19,11 @@ pub fn place_in(
     // Frames after the middle; 0 for pictures of the whole burst.
     let after = |kind: PictureKind| if let PictureKind::Frame(t) = kind { t as f32 - middle } else { 0.0 };
     let slope = match (from_kind, to_kind) {
-        (PictureKind::Frame(_), PictureKind::Stack { slope } | PictureKind::Dog { slope, .. })
-        | (PictureKind::Stack { slope } | PictureKind::Dog { slope, .. }, _) => slope,
+        (
+            PictureKind::Frame(_),
+            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } | PictureKind::Map { slope, .. },
+        )
+        | (PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } | PictureKind::Map { slope, .. }, _) => slope,
         (PictureKind::Frame(_), _) => from.slope,
         (PictureKind::Merge, _) => to.slope,
     };

@@ -1,6 +1,6 @@
 //! Ready-made arrangements: what a person lays beside one another most often.
 
-use super::{Content, Pane};
+use super::{Content, Pane, SliceAxis};
 use crate::app::project::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
 use crate::detector::{DetectorParams, Slope};
 
@@ -19,6 +19,8 @@ pub enum Preset {
     Scales,
     /// Frame, motion stack, DoG response and merged frames.
     TwoByTwo,
+    /// The motion stack above slices through the frames at the place that is probed.
+    Slice,
 }
 
 /// How many neighbouring slopes a strip can have.
@@ -35,7 +37,7 @@ pub struct Laid {
 
 impl Preset {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Single,
         Self::FrameAndStack,
         Self::TwoSlopes,
@@ -45,6 +47,7 @@ impl Preset {
         Self::Slopes(STRIPS[3]),
         Self::Scales,
         Self::TwoByTwo,
+        Self::Slice,
     ];
 
     /// Its name.
@@ -59,6 +62,7 @@ impl Preset {
             Self::Slopes(_) => "Strip of 9 slopes",
             Self::Scales => "Strip of scales",
             Self::TwoByTwo => "2 × 2: frame, stack, DoG, merge",
+            Self::Slice => "Stack and slice",
         }
     }
 
@@ -71,6 +75,7 @@ impl Preset {
             Self::Slopes(_) => "Neighbouring slopes of the grid, which move together",
             Self::Scales => "The DoG responses of all levels of the octave",
             Self::TwoByTwo => "Frame, motion stack, DoG response and merged frames of the same place",
+            Self::Slice => "The motion stack above a slice through all frames at the probed place",
         }
     }
 
@@ -123,6 +128,13 @@ impl Preset {
                     .collect();
                 let focus = focus.min(panes.len() - 1);
                 Laid { rows: in_rows(panes), focus }
+            }
+            Self::Slice => {
+                let stack = at(&|p| p.show(moving));
+                let both = params.used_slopes().is_plane();
+                let axes = if both { &SliceAxis::ALL[..] } else { &SliceAxis::ALL[..1] };
+                let slices = axes.iter().map(|&axis| at(&|p| p.show_slice(axis))).collect();
+                Laid { rows: vec![vec![stack], slices], focus: 0 }
             }
             Self::TwoByTwo => {
                 let [frame, stack, dog] = ViewKind::ALL.map(|kind| at(&|p| p.show(kind)));

@@ -94,6 +94,7 @@ mod tests {
             pane.links.set(Link::Display, false);
             pane.own_ranges = Some(Ranges::default());
         });
+        panes.split_with(Direction::Down, |pane| pane.show_slice(crate::app::pane::SliceAxis::Across));
         panes.focus_next(true);
         panes.next_over();
         let saved = SavedPanes::of(&panes);

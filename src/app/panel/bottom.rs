@@ -1,8 +1,9 @@
 //! Below the pictures: the table of features, the tally, the noise, and what was measured on the pictures, as tabs.
 
-use crate::app::actions::Queue;
+use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
+use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use egui::{Align, Label, Layout, RichText, Ui};
 
@@ -18,6 +19,8 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Table, "Table");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Tally, "Tally");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Noise, "Noise");
+        ui.selectable_value(&mut model.bottom_tab, BottomTab::Slopes, "Slopes")
+            .on_hover_text("Which slopes the burst needs: features and evidence at each slope, and advice");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Profile, "Profile")
             .on_hover_text("The values along a line: draw one with Q");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Region, "Region")
@@ -37,17 +40,23 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
                     crate::app::panel::noise::summary_ui(ui, model);
                 });
             }
+            BottomTab::Slopes => {
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    crate::app::panel::slopes::summary_ui(ui, model);
+                });
+            }
             BottomTab::Profile | BottomTab::Region | BottomTab::Compared => {}
         }
     });
     ui.separator();
     match model.bottom_tab {
         BottomTab::Table => {
-            advice_ui(ui, model);
+            advice_ui(ui, model, queue);
             crate::app::panel::table::table_ui(ui, model, queue);
         }
-        BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model),
+        BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model, queue),
         BottomTab::Noise => crate::app::panel::noise::noise_ui(ui, model),
+        BottomTab::Slopes => crate::app::panel::slopes::slopes_ui(ui, model),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
         BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets, queue),
@@ -55,10 +64,15 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
 }
 
 /// Why there is nothing or little, or most of it at the slope limit, as long as that is so with the present parameters.
-pub(crate) fn advice_ui(ui: &mut Ui, model: &Model) {
+pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let advice = model.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
     if let Some(advice) = advice {
         let text = RichText::new(advice.for_window()).color(crate::app::style::warning(ui));
-        ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
+        ui.horizontal_wrapped(|ui| {
+            ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
+            if model.features().is_empty() && model.workspace == Workspace::Inspect {
+                button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
+            }
+        });
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::slope_pad::slope_pad_ui;
+use crate::app::panel::slopes::strip_ui;
 use crate::app::panel::widgets::{CursorRow, section_ui};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
@@ -63,6 +64,7 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
         &marks_u,
     )
     .ui(ui, &mut slope.u);
+    strip_ui(ui, model, false);
     row(
         "Slope v",
         "Apparent motion downwards, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
@@ -70,6 +72,7 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
         &marks_v,
     )
     .ui(ui, &mut slope.v);
+    strip_ui(ui, model, true);
     if slope != before {
         model.playing = false;
         let pane = model.focused_mut();
@@ -103,20 +106,20 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     };
     let a = row(
         "Octave",
-        "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG.",
+        "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG, unless a map of it is on show.",
         octaves,
     )
     .ui(ui, &mut octave);
     let b = row(
         "Level",
-        "Level within the octave. Features come from levels 0 and up; the outermost two only take part in comparisons. Moving it shows the DoG.",
+        "Level within the octave. Features come from levels 0 and up; the outermost two only take part in comparisons. Moving it shows the DoG, unless a map of it is on show.",
         levels,
     )
     .ui(ui, &mut level);
     if a || b {
         let pane = model.focused_mut();
         (pane.cursor.octave, pane.cursor.level) = (octave as i32, level as i32);
-        pane.show(ViewKind::Dog);
+        pane.show_scale();
     }
     let space = ScaleSpace::of(model.cursor_params());
     let sigma = space.sigma_image(model.cursor().octave, f64::from(model.cursor().level));

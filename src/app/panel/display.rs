@@ -14,6 +14,8 @@ pub struct DisplayState {
     intensity: HistogramPanel,
     response: HistogramPanel,
     difference: HistogramPanel,
+    noise: HistogramPanel,
+    share: HistogramPanel,
 }
 
 /// Draws the section.
@@ -40,10 +42,16 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     let whose = if own { "This pane's range for" } else { "One range for all" };
     ui.weak(format!("{whose} {}", class.label()))
         .on_hover_text("The range is fixed until you change it, so that pictures can be compared");
+    if class == RangeClass::Motion {
+        ui.add(egui::Label::new("Colours: the direction of the slope that wins; bright where it is sure").wrap());
+        return;
+    }
     let panel = match class {
         RangeClass::Intensity => &mut state.intensity,
         RangeClass::Response => &mut state.response,
         RangeClass::Difference => &mut state.difference,
+        RangeClass::Noise => &mut state.noise,
+        RangeClass::Share | RangeClass::Motion => &mut state.share,
     };
     panel.ui(ui, pictures.shown(), pictures.visible_image, model.hand_ranges_mut().display_mut(class));
 }

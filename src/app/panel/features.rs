@@ -98,7 +98,9 @@ pub fn features_ui(
         return;
     }
     let scale = state.colour_scale(model.colour_by, &layer.detection);
-    let pointer = output.pointer_ui.filter(|pos| is_first && output.painter.clip_rect().contains(*pos));
+    // Candidates lie on top of features.
+    let on_top = is_first && model.explained.pointed.is_none();
+    let pointer = output.pointer_ui.filter(|pos| on_top && output.painter.clip_rect().contains(*pos));
     let pointed =
         pointer.and_then(|pos| overlay::feature_at(&layer.placed, Some(&layer.shown), output.ui_from_image, pos));
     if pointer.is_some() {
@@ -107,7 +109,7 @@ pub fn features_ui(
     }
     draw(model, &layer, &scale, output);
     let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
-    if is_first && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
+    if on_top && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
         model.selected = pointed;
     }
     if let Some(i) = pointed
@@ -127,7 +129,7 @@ pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &
             let used = &detection.frames_used;
             Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
         }
-        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge => None,
+        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge | PictureKind::Map { .. } => None,
     }
 }
 

@@ -2,8 +2,10 @@
 //! is how large, and which assumptions do not hold.
 
 use crate::app::canvas::number as in_digits;
+use crate::app::pane::Content;
 use crate::app::project::{Found, Model};
 use crate::detector::noise_model::NoiseModel;
+use crate::engine::MapKind;
 use crate::plane::colour_map::ColourMap;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
@@ -38,8 +40,8 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 }
 
 /// Draws the curve, the map and the warnings.
-pub fn noise_ui(ui: &mut Ui, model: &Model) {
-    let Some(found) = &model.found else {
+pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
+    let Some(found) = model.found.clone() else {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to see what is known of the noise"));
         return;
     };
@@ -49,12 +51,30 @@ pub fn noise_ui(ui: &mut Ui, model: &Model) {
                 curve_ui(ui, &found.detection.noise);
                 ui.add_space(16.0);
                 map_ui(ui, model, &found.detection.noise);
+                ui.add_space(8.0);
+                ui.vertical(|ui| show_ui(ui, model, &found.detection.noise));
             });
         } else {
             ui.weak("The noise model is white, or there is too little to tell noise from texture: two frames of 20 pixels a side are needed.");
         }
-        warnings_ui(ui, found);
+        warnings_ui(ui, &found);
     });
+}
+
+/// The curve's numbers, and a button that opens the map in the picture.
+fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
+    ui.add_space(18.0);
+    let curve = &noise.transfer;
+    let text = format!("σ² = a·I + b\na = {}\nb = {}", number(curve.slope), number(curve.dark));
+    ui.label(RichText::new(text).monospace()).on_hover_text(
+        "The variance of a frame's noise over its brightness I, both of full scale: a is the shot noise of one unit of \
+         light, b the variance in the dark",
+    );
+    ui.add_space(6.0);
+    let tip = format!("{} (Shift+N)", MapKind::Noise.help());
+    if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
+        model.focused_mut().content = Content::Map(MapKind::Noise);
+    }
 }
 
 /// What does not hold of what the search assumes of the noise.

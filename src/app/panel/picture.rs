@@ -1,11 +1,12 @@
 //! A pane's picture as the canvas knows it, in words, and the warning over it where its features are stale.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::{self, Readout, overlay};
+use crate::app::canvas::{self, Quantity, Readout, overlay};
+use crate::app::project::look::RangeClass;
 use crate::app::project::{Model, Stale};
 use crate::app::style;
-use crate::detector::Detection;
-use crate::engine::{Picture, PictureKind, PictureRequest};
+use crate::detector::{Detection, Slope};
+use crate::engine::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
@@ -19,6 +20,8 @@ pub struct PictureState {
     /// From image pixels to points of the window, as last drawn.
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
+    /// The colours of a map that has its own, on the card.
+    colours: Option<(Arc<MotionMap>, egui::TextureHandle)>,
     scale: Option<(Arc<Detection>, overlay::ColourScale)>,
 }
 
@@ -41,6 +44,34 @@ impl PictureState {
         self.shown.as_ref()
     }
 
+    /// Draws the colours of a map that has its own over the picture of `output`.
+    pub(in crate::app) fn paint_colours(&mut self, ui: &Ui, picture: Option<&Picture>, output: &canvas::CanvasOutput) {
+        let Some(motion) = picture.and_then(|picture| picture.motion.as_ref()) else {
+            self.colours = None;
+            return;
+        };
+        let Some(rect_image) = self.shown.as_ref().map(canvas::Picture::rect_image) else { return };
+        if self.colours.as_ref().is_none_or(|(of, _)| !Arc::ptr_eq(of, motion)) {
+            // Every so many pixels, where the card holds no picture this large.
+            let most = ui.ctx().input(|i| i.max_texture_side).max(1) as u32;
+            let (width, height) = motion.colours.dimensions();
+            let every = width.max(height).div_ceil(most).max(1);
+            let size = [width.div_ceil(every) as usize, height.div_ceil(every) as usize];
+            let pixels = (0..size[0] * size[1]).map(|i| {
+                let (x, y) = ((i % size[0]) as u32 * every, (i / size[0]) as u32 * every);
+                let [r, g, b, _] = motion.colours.get_pixel(x, y).0;
+                egui::Color32::from_rgb(r, g, b)
+            });
+            let image = egui::ColorImage::new(size, pixels.collect());
+            let texture = ui.ctx().load_texture("winning slopes", image, egui::TextureOptions::NEAREST);
+            self.colours = Some((motion.clone(), texture));
+        }
+        if let Some((_, texture)) = &self.colours {
+            let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            output.painter.image(texture.id(), output.ui_from_image.rect(rect_image), whole, egui::Color32::WHITE);
+        }
+    }
+
     /// The colours of the features of `detection`, the same until the next detection or another choice.
     pub fn colour_scale(&mut self, by: overlay::ColourBy, detection: &Arc<Detection>) -> overlay::ColourScale {
         match &self.scale {
@@ -61,8 +92,36 @@ pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
         PictureKind::Dog { octave, .. } => {
             canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
         }
-        PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => canvas::Picture::new(plane, label),
+        PictureKind::Map { map, octave, .. } if map.is_of_octave() => {
+            canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
+        }
+        PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge | PictureKind::Map { .. } => {
+            canvas::Picture::new(plane, label)
+        }
     }
+}
+
+/// The value of the picture `shown` of `picture` at `pos_image`, and what it is; `None` beside it.
+pub(in crate::app) fn readout_of(
+    picture: &Picture,
+    shown: &canvas::Picture,
+    pos_image: egui::Pos2,
+    full_scale: f32,
+) -> Option<Readout> {
+    let readout = canvas::readout(shown, pos_image, full_scale)?;
+    let quantity = match RangeClass::of(&picture.request) {
+        RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => Quantity::Value,
+        RangeClass::Noise => Quantity::Sigma,
+        RangeClass::Share => Quantity::FramesShare,
+        RangeClass::Motion => match &picture.motion {
+            Some(motion) => {
+                let (slope, confidence) = motion.at(readout.pixel);
+                Quantity::Slope { slope, confidence }
+            }
+            None => Quantity::Value,
+        },
+    };
+    Some(Readout { quantity, ..readout })
 }
 
 /// What a picture shows, in one line.
@@ -90,6 +149,12 @@ fn describe_request(request: &PictureRequest) -> String {
         PictureKind::Merge => {
             let used = request.params.used_frames(burst.len());
             format!("Merged frames  ·  {} … {}", used.start, used.end - 1)
+        }
+        PictureKind::Map { map, octave, level, slope } => {
+            let at = if map.is_of_octave() { format!("  ·  octave {octave}, level {level}") } else { String::new() };
+            let Slope { u, v } = slope;
+            let of = if map.is_of_slope() { format!("  ·  slope ({u:.2}, {v:.2}) px/frame") } else { String::new() };
+            format!("{}{at}{of}", map.label())
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::app::panel::descriptor::descriptor_ui;
 use crate::app::panel::patch::{PatchTexture, PatchView};
 use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
 use crate::detector::Feature;
 use crate::engine::PictureKind;
 use egui::{RichText, Sense, Ui, Vec2};
@@ -25,6 +26,9 @@ pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::NextFeature, Some("Next"));
         button_ui(ui, model, queue, ActionId::GoToFeature, Some("Go to"));
         button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
+        if model.workspace == Workspace::Inspect && model.selected.is_some() {
+            button_ui(ui, model, queue, ActionId::ProbeFeature, Some("Why?"));
+        }
     });
 }
 

@@ -38,7 +38,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     }
     let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
     let text = |column: Column, index: usize| column.text(index, &model.features()[index]);
-    let mut chosen = None;
+    let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
         let Some(feature) = model.features().get(index) else { return };
         if ui
@@ -48,6 +48,9 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         {
             chosen = Some(index);
         }
+        if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
+            asked = Some(index);
+        }
         copy_ui(ui, "Copy row", || feature_text(feature));
     };
     let pointed = sorted_table_ui(ui, model.order, &listed, text, |index| format!("Feature {}", index + 1), menu);
@@ -56,4 +59,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         queue.push(ActionId::GoToFeature);
     }
     model.hovered = pointed.hovered.or(model.hovered);
+    if let Some(index) = asked {
+        model.probe_feature(index);
+    }
 }

@@ -69,6 +69,17 @@ impl CursorRow<'_> {
     }
 }
 
+/// Where the slider of a [`CursorRow`] has its handle's centre, from the one end to the other, if the row is drawn here;
+/// and the width of the row.
+pub fn slider_track(ui: &Ui) -> (egui::Rangef, f32) {
+    let spacing = ui.spacing();
+    let width = ui.available_width();
+    let left = ui.cursor().left() + LABEL_WIDTH + spacing.item_spacing.x;
+    let slider = (width - LABEL_WIDTH - spacing.item_spacing.x - VALUE_WIDTH - 10.0).max(40.0);
+    let handle = spacing.interact_size.y / 2.5;
+    (egui::Rangef::new(left, left + slider).shrink(handle), width)
+}
+
 /// A tooltip that goes away while its widget is dragged: it would lie over what is looked at, and over the next slider.
 pub fn hint(response: egui::Response, help: impl Into<WidgetText>) -> egui::Response {
     if response.is_pointer_button_down_on() || response.dragged() { response } else { response.on_hover_text(help) }

@@ -17,6 +17,7 @@ impl Model {
         (self.patch, self.found) = (None, None);
         (self.selected, self.hovered, self.playing) = (None, None, false);
         self.look.ranges.forget();
+        self.explained.forget();
         self.pair.forget_matches();
         self.compare.gold[0] = None;
         self.start_panes(Side::A, |cursor| Cursor { kind: cursor.kind, frame: middle, ..Cursor::default() });

@@ -70,6 +70,7 @@ impl Model {
             self.check_params();
         }
         self.found = Some(found);
+        self.explained.slopes_wanted = false;
         self.hovered = None;
         self.selected = keep.and_then(|saved| self.find_again(&saved));
         self.refresh_listed();
@@ -135,7 +136,8 @@ impl Model {
         }
     }
 
-    /// Goes in pane `id` to the slope of the grid at which most features were found, and says so. Does nothing without features.
+    /// Goes in pane `id` to the slope of the grid at which most features were found, not counting its rim unless there are
+    /// features nowhere else, and says so. Does nothing without features.
     pub fn go_to_busiest_slope(&mut self, id: PaneId) {
         let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };
@@ -147,7 +149,14 @@ impl Model {
             }
         }
         // The last of equals loses, so that the answer does not depend on the order of equal counts.
-        let busiest = counts.iter().enumerate().max_by_key(|(i, count)| (**count, std::cmp::Reverse(*i)));
+        // Those at the limit are mostly of motions beyond it, so they count only where there are no others.
+        let is_inner = |index: usize| {
+            let (i, j) = grid.coordinates(index);
+            counts[index] > 0 && !grid.on_rim(i, j)
+        };
+        let any_inner = (0..counts.len()).any(is_inner);
+        let wanted = counts.iter().enumerate().filter(|(index, _)| !any_inner || is_inner(*index));
+        let busiest = wanted.max_by_key(|(i, count)| (**count, std::cmp::Reverse(*i)));
         if let Some((index, &count)) = busiest.filter(|(_, count)| **count > 0) {
             let slope = grid.slope(index);
             self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);

@@ -1,9 +1,10 @@
 //! How pictures and features look: value ranges, colour maps, and what is drawn over the picture.
 //!
 //! Ranges are fixed for each class of picture, so that two slopes or two frames can be compared: frames and motion-stack images share one,
-//! DoG responses have another, symmetric about zero. A range is set once, from the first picture of its class; after that only by hand.
+//! DoG responses have another, symmetric about zero; so has each map. A range is set once, from the first picture of its class; after that only by hand.
 
-use crate::engine::{Picture, PictureKind, PictureRequest};
+use crate::engine::{MapKind, Picture, PictureKind, PictureRequest};
+use crate::plane::colour_map::ColourMap;
 use crate::plane::display::Display;
 use crate::plane::statistics::{Region, percentiles};
 use serde::{Deserialize, Serialize};
@@ -17,6 +18,12 @@ pub enum RangeClass {
     Response,
     /// Differences of two pictures.
     Difference,
+    /// Maps of the noise.
+    Noise,
+    /// Maps of shares, 0 … 1.
+    Share,
+    /// Maps of winning slopes, which have colours of their own.
+    Motion,
 }
 
 impl RangeClass {
@@ -30,6 +37,9 @@ impl RangeClass {
         match kind {
             PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => Self::Intensity,
             PictureKind::Dog { .. } => Self::Response,
+            PictureKind::Map { map: MapKind::Noise, .. } => Self::Noise,
+            PictureKind::Map { map: MapKind::Coverage, .. } => Self::Share,
+            PictureKind::Map { map: MapKind::Motion, .. } => Self::Motion,
         }
     }
 
@@ -39,6 +49,9 @@ impl RangeClass {
             Self::Intensity => "frames and motion stacks",
             Self::Response => "DoG responses",
             Self::Difference => "differences",
+            Self::Noise => "maps of the noise",
+            Self::Share => "maps of shares",
+            Self::Motion => "maps of winning slopes",
         }
     }
 }
@@ -53,12 +66,18 @@ pub struct Ranges {
     pub response: Display,
     /// For differences.
     pub difference: Display,
+    /// For maps of the noise.
+    pub noise: Display,
+    /// For maps of shares; all of them, unless changed by hand.
+    pub share: Display,
     /// Whether the range was set since the burst was opened.
     pub intensity_fixed: bool,
     /// See [`Ranges::intensity_fixed`].
     pub response_fixed: bool,
     /// See [`Ranges::intensity_fixed`].
     pub difference_fixed: bool,
+    /// See [`Ranges::intensity_fixed`].
+    pub noise_fixed: bool,
 }
 
 impl Default for Ranges {
@@ -67,9 +86,12 @@ impl Default for Ranges {
             intensity: Display::default(),
             response: Display::symmetric(0.02),
             difference: Display::symmetric(0.05),
+            noise: Display { map: ColourMap::Viridis, ..Display::default() }.with_range(0.0, 0.01),
+            share: Display { map: ColourMap::Cividis, ..Display::default() },
             intensity_fixed: false,
             response_fixed: false,
             difference_fixed: false,
+            noise_fixed: false,
         }
     }
 }
@@ -81,6 +103,8 @@ impl Ranges {
             RangeClass::Intensity => self.intensity,
             RangeClass::Response => self.response,
             RangeClass::Difference => self.difference,
+            RangeClass::Noise => self.noise,
+            RangeClass::Share | RangeClass::Motion => self.share,
         }
     }
 
@@ -90,12 +114,15 @@ impl Ranges {
             RangeClass::Intensity => &mut self.intensity,
             RangeClass::Response => &mut self.response,
             RangeClass::Difference => &mut self.difference,
+            RangeClass::Noise => &mut self.noise,
+            RangeClass::Share | RangeClass::Motion => &mut self.share,
         }
     }
 
     /// Lets the next picture of each class set its range.
     pub fn forget(&mut self) {
-        (self.intensity_fixed, self.response_fixed, self.difference_fixed) = (false, false, false);
+        (self.intensity_fixed, self.response_fixed) = (false, false);
+        (self.difference_fixed, self.noise_fixed) = (false, false);
     }
 
     /// Sets the range of the picture's class from its percentiles, unless it was set since the burst was opened.
@@ -105,6 +132,8 @@ impl Ranges {
             RangeClass::Intensity => &mut self.intensity_fixed,
             RangeClass::Response => &mut self.response_fixed,
             RangeClass::Difference => &mut self.difference_fixed,
+            RangeClass::Noise => &mut self.noise_fixed,
+            RangeClass::Share | RangeClass::Motion => return,
         };
         if std::mem::replace(fixed, true) {
             return;
@@ -122,6 +151,8 @@ impl Ranges {
             intensity: self.intensity.sanitised(),
             response: self.response.sanitised(),
             difference: self.difference.sanitised(),
+            noise: self.noise.sanitised(),
+            share: self.share.sanitised(),
             ..self
         }
     }

@@ -7,6 +7,7 @@ pub mod against;
 mod checking;
 pub mod compare;
 pub mod cursor;
+pub mod explained;
 pub mod filter;
 mod found;
 pub mod history;
@@ -16,6 +17,7 @@ pub mod messages;
 pub mod order;
 pub mod pair;
 mod pictures;
+pub mod probe;
 pub mod side;
 pub mod workspace;
 
@@ -30,11 +32,13 @@ use crate::app::project::history::History;
 use crate::detector::{DetectorParams, ParamError, SearchParams, SlopeChoice};
 use crate::engine::{OpenBurst, Picture, Running};
 use compare::Compare;
+use explained::ExplainedState;
 use filter::{Column, Filter};
 use look::Look;
 use messages::Messages;
 use order::Order;
 use pair::Pair;
+use probe::ProbeModel;
 use serde::{Deserialize, Serialize};
 use workspace::Workspace;
 
@@ -69,6 +73,8 @@ pub enum BottomTab {
     Tally,
     /// What is known of the noise.
     Noise,
+    /// Which slopes the burst needs.
+    Slopes,
     /// The values along a line.
     Profile,
     /// The values in a rectangle.
@@ -149,6 +155,10 @@ pub struct Model {
     pub history: History,
     /// A line and a rectangle on a picture.
     pub measure: Measure,
+    /// What is known of the detection as a whole.
+    pub explained: ExplainedState,
+    /// The place that is probed.
+    pub probe: ProbeModel,
     /// What the engine is doing.
     pub busy: Busy,
     /// Many bursts.

@@ -97,7 +97,8 @@ impl Model {
                 let [a, b] = [a, b].map(|id| self.wanted_alone(id));
                 Some(a?.less(&b?))
             }
-            Content::Cursor | Content::Merge => self.wanted_alone(id),
+            Content::Cursor | Content::Merge | Content::Map(_) => self.wanted_alone(id),
+            Content::Slice(_) => None,
         }
     }
 
@@ -172,9 +173,14 @@ impl Model {
     /// The slope by which the picture of `id` was shifted; `None` for a frame and for what has no single slope.
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
+        if matches!(picture.request.kind, PictureKind::Map { map, .. } if !map.is_of_slope()) {
+            return None;
+        }
         match picture.request.kind {
             PictureKind::Frame(_) | PictureKind::Merge => None,
-            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } => Some(slope),
+            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } | PictureKind::Map { slope, .. } => {
+                Some(slope)
+            }
         }
     }
 
@@ -186,7 +192,8 @@ impl Model {
         };
         let fits = match pane.content {
             Content::Difference(..) => is_open(&picture.request.burst),
-            Content::Cursor | Content::Merge => {
+            Content::Slice(_) => false,
+            Content::Cursor | Content::Merge | Content::Map(_) => {
                 self.burst_of(pane.side).is_some_and(|open| open.id == picture.request.burst.id)
             }
         };

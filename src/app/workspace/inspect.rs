@@ -20,6 +20,13 @@ pub fn inspect_workspace_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &
     }
     if app.model.panels.right {
         Panel::right("right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
+            if app.model.probe.is_in_use() {
+                panel::probe::tabs_ui(ui, &mut app.model);
+            }
+            if app.model.probe.is_open {
+                panel::probe::probe_ui(ui, &mut app.model, &mut app.probe, queue);
+                return;
+            }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 panel::display::display_ui(ui, &mut app.model, &mut app.widgets);
                 panel::selection::selection_ui(ui, &mut app.model, &mut app.selection, queue);

@@ -42,14 +42,25 @@ impl ParamChange {
     /// A value that cannot be read, or parameters that make no sense with it. Whether slopes are found
     /// ([`doc::SLOPES`]) is no matter of the detector's parameters, so that one is refused too.
     pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams, ParamError> {
+        Self::all_applied(std::slice::from_ref(self), params)
+    }
+
+    /// The parameters with all of `changes`, checked together: some make sense only with others.
+    ///
+    /// # Errors
+    /// As [`Self::applied`].
+    pub fn all_applied(changes: &[Self], params: &DetectorParams) -> Result<DetectorParams, ParamError> {
         let mut changed = params.clone();
-        self.set(&mut changed).map_err(|problem| ParamError {
-            parameter: self.parameter.name,
-            problem,
-            remedy: format!("give what '--{}' takes", self.parameter.name),
-        })?;
+        for change in changes {
+            change.set(&mut changed).map_err(|problem| change.unreadable(problem))?;
+        }
         changed.validate()?;
         Ok(changed)
+    }
+
+    fn unreadable(&self, problem: String) -> ParamError {
+        let remedy = format!("give what '--{}' takes", self.parameter.name);
+        ParamError { parameter: self.parameter.name, problem, remedy }
     }
 
     fn set(&self, p: &mut DetectorParams) -> Result<(), String> {

@@ -3,6 +3,7 @@
 use super::setup::{HELD, Search, TileScratch};
 use crate::detector::feature::Tally;
 use crate::detector::keypoint::Keypoint;
+use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::refine::{Limits, Refined, refine};
 use crate::detector::scale_space::levels::octave_pixel;
@@ -10,6 +11,7 @@ use crate::detector::scale_space::octave::{OctaveFilters, Pixels, dog_tile, stac
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::offsets::coverage;
+use crate::kernel::offset::FrameOffset;
 use crate::monitor::Cancelled;
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
@@ -162,14 +164,24 @@ impl Search<'_> {
         }
     }
 
-    /// √(N / frames that cover the octave pixel (x, y) at the slope), times by how much the noise is larger there than
-    /// where it is least.
+    /// See [`place_factor`], at one of the grid's slopes.
     pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
-        let pixel = octave_pixel(octave);
-        let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
-        let at = (to_image(x, self.size_image.0), to_image(y, self.size_image.1));
-        let covering = coverage(&self.offsets[slope_index], at.0, at.1, self.size_image);
-        let noise = self.noise.place_factor(octave, &self.offsets[slope_index], at, self.size_image);
-        (self.frames.len() as f32 / covering.max(1) as f32).sqrt() * noise
+        place_factor(self.noise, octave, &self.offsets[slope_index], (x, y), self.size_image)
     }
+}
+
+/// √(N / frames that cover the octave pixel (x, y) in the stack whose frames are read at `offsets`), times by how much
+/// the noise is larger there than where it is least.
+pub(crate) fn place_factor(
+    noise: &NoiseModel,
+    octave: i32,
+    offsets: &[FrameOffset],
+    (x, y): (usize, usize),
+    size_image: (usize, usize),
+) -> f32 {
+    let pixel = octave_pixel(octave);
+    let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
+    let at = (to_image(x, size_image.0), to_image(y, size_image.1));
+    let covering = coverage(offsets, at.0, at.1, size_image);
+    (offsets.len() as f32 / covering.max(1) as f32).sqrt() * noise.place_factor(octave, offsets, at, size_image)
 }

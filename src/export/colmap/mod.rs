@@ -20,4 +20,4 @@ pub use database::{DatabaseCamera, DatabaseWriter, MAX_IMAGE_ID, pair_id, write_
 #[cfg(feature = "colmap")]
 pub use geometry::{DatabaseGeometry, GeometryKind};
 pub use keypoint::ColmapKeypoint;
-pub use text::{read_colmap, write_colmap, write_colmap_keypoints};
+pub use text::{parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};

@@ -8,8 +8,7 @@ use super::keypoint::ColmapKeypoint;
 use crate::detector::{Descriptor, Feature};
 use crate::export::atomic::write_whole;
 use crate::export::error::ExportError;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Write};
+use std::io::Write;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -57,14 +56,22 @@ pub fn write_colmap_keypoints(
 /// be.
 pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
     let read = |e: std::io::Error| ExportError::Read { path: path.into(), reason: e.to_string() };
-    let mut lines = BufReader::new(File::open(path).map_err(read)?).lines();
+    parse_colmap(path, &std::fs::read_to_string(path).map_err(read)?)
+}
+
+/// The same for a file whose `text` was read already; `path` is for messages.
+///
+/// # Errors
+/// [`ExportError::Text`] naming the line that is not as it should be.
+pub fn parse_colmap(path: &Path, text: &str) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
+    let mut lines = text.lines();
     let bad = |line: usize, problem: String| ExportError::Text { path: path.into(), line, problem };
-    let header = lines.next().transpose().map_err(read)?.unwrap_or_default();
+    let header = lines.next().unwrap_or_default();
     let count = header.strip_suffix(" 128").and_then(|count| count.parse::<usize>().ok());
     let count = count.ok_or_else(|| bad(1, format!("'{header:.40}' is not the number of features and 128")))?;
     let (mut keypoints, mut descriptors) = (Vec::new(), Vec::new());
     for (index, line) in lines.enumerate() {
-        let (keypoint, descriptor) = parse(&line.map_err(read)?).map_err(|problem| bad(index + 2, problem))?;
+        let (keypoint, descriptor) = parse(line).map_err(|problem| bad(index + 2, problem))?;
         keypoints.push(keypoint);
         descriptors.push(descriptor);
     }

@@ -7,12 +7,14 @@
 mod colour_by;
 mod compared;
 mod hit;
+mod marks;
 mod match_lines;
 mod strokes;
 
 pub use colour_by::{ColourBy, ColourScale};
 pub use compared::{ComparedMark, draw_compared, mark_at};
 pub use hit::feature_at;
+pub use marks::{CircleMark, circle_at, draw_marks};
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};

@@ -1,0 +1,330 @@
+//! The response over slope and scale: where a blob peaks, where the gate is, and what the search took. A click goes
+//! there.
+
+use super::strength_text;
+use super::texture::PlaneTexture;
+use crate::app::pane::Pane;
+use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::pair::Side;
+use crate::detector::Slope;
+use crate::engine::Probed;
+use crate::inspect::Fate;
+use crate::inspect::probe::Wanted;
+use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane};
+use crate::inspect::words::{number, slope_text};
+use crate::plane::Plane;
+use crate::plane::display::Display;
+use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
+
+/// Room for the numbers beside and below a map, points.
+const LEFT: f32 = 30.0;
+const BELOW: f32 = 28.0;
+/// Height of a scale's row, points.
+const ROW: f32 = 9.0;
+
+/// A map as it lies in the panel: cells in `rect`.
+struct Area {
+    rect: Rect,
+    cells: (usize, usize),
+}
+
+impl Area {
+    /// The middle of a cell; between cells too.
+    fn pos(&self, column: f32, row: f32) -> Pos2 {
+        let (width, height) = (self.cells.0 as f32, self.cells.1 as f32);
+        self.rect.min + vec2((column + 0.5) / width * self.rect.width(), (row + 0.5) / height * self.rect.height())
+    }
+
+    /// The cell under `pos`.
+    fn cell(&self, pos: Pos2) -> Option<(usize, usize)> {
+        let at = |x: f32, span: f32, n: usize| ((x / span * n as f32).max(0.0) as usize).min(n - 1);
+        let from = pos - self.rect.min;
+        self.rect
+            .contains(pos)
+            .then(|| (at(from.x, self.rect.width(), self.cells.0), at(from.y, self.rect.height(), self.cells.1)))
+    }
+}
+
+/// Draws the maps.
+pub(super) fn response_ui(
+    ui: &mut Ui,
+    model: &mut Model,
+    answer: &Probed,
+    texture: &mut PlaneTexture,
+    plane_texture: &mut PlaneTexture,
+) {
+    let map = &answer.probe.response;
+    scales_ui(ui, model, answer, map, texture);
+    if let Some(plane) = &map.plane {
+        ui.add_space(6.0);
+        let text = format!("Slope u and v at σ {} px", number(plane.scale.sigma, 1));
+        ui.label(RichText::new(text).small()).on_hover_text("Click a row above to choose another scale");
+        slopes_ui(ui, model, answer, plane, plane_texture);
+    }
+    let unit = if map.is_noiseless {
+        "D".to_owned()
+    } else {
+        format!("D in σ of its noise; line: gate {} σ", number(map.gate, 2))
+    };
+    ui.add(
+        egui::Label::new(
+            RichText::new(format!("{unit}; dashes: range searched; rings: candidates, bold: kept")).small().weak(),
+        )
+        .wrap(),
+    );
+}
+
+/// Slope × scale.
+fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap, texture: &mut PlaneTexture) {
+    let (columns, rows) = map.snr.size();
+    let height = (ROW * rows as f32).clamp(80.0, 190.0);
+    let (area, response) = area_ui(ui, height, map.snr.size());
+    texture.draw(ui, area.rect, ("probe response", answer), display_of(&map.snr, map.gate), || map.snr.clone());
+    let painter = ui.painter().with_clip_rect(area.rect);
+    grid_below(ui, &area, &map.slopes, if map.along_v { "slope v, px/frame" } else { "slope, px/frame" });
+    rims(&painter, &area, &map.slopes, false);
+    contour(&painter, &area, &map.snr, map.gate);
+    let font = TextStyle::Small.resolve(ui.style());
+    let each = rows.div_ceil((height / 13.0) as usize).max(1);
+    for (row, scale) in map.scales.iter().enumerate().step_by(each) {
+        let at = pos2(area.rect.left() - 4.0, area.pos(0.0, row as f32).y);
+        ui.painter().text(
+            at,
+            Align2::RIGHT_CENTER,
+            number(scale.sigma, 1),
+            font.clone(),
+            ui.visuals().weak_text_color(),
+        );
+    }
+    ui.painter().text(
+        pos2(area.rect.left() - 4.0, area.rect.bottom() + 8.0),
+        Align2::RIGHT_CENTER,
+        "σ px",
+        font,
+        ui.visuals().weak_text_color(),
+    );
+    for (index, fate) in answer.probe.fates.iter().enumerate().rev() {
+        let (slope, sigma) = refined(answer, fate);
+        let at = area.pos(column_of(&map.slopes, along(map, slope)), row_of(map, sigma));
+        ring(&painter, at, fate.is_kept(), answer.probe.subject.fate == Some(index));
+    }
+    let cursor = model.cursor();
+    if let Some(row) = map.row_of(cursor.octave, cursor.level) {
+        square(&painter, area.pos(column_of(&map.slopes, along(map, cursor.slope)), row as f32));
+    }
+    let cell = response.hover_pos().and_then(|pos| area.cell(pos));
+    let clicked = response.clicked();
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over slope and scale"));
+    let Some((column, row)) = cell.filter(|(column, row)| *column < columns && *row < rows) else { return };
+    let (slope, scale) = (map.columns[column], map.scales[row]);
+    let value = strength_text(answer, map.snr.at(column, row));
+    response.on_hover_text_at_pointer(reading(slope, &scale, &value));
+    if clicked {
+        go_to(model, slope, &scale);
+        if map.plane.is_some() {
+            let slope_index = answer.probe.subject.slope_index;
+            model.probe.look_at(Wanted::Scale { octave: scale.octave, level: scale.level, slope_index });
+        }
+    }
+}
+
+/// Slope × slope at one scale.
+fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane, texture: &mut PlaneTexture) {
+    let (columns, rows) = plane.snr.size();
+    let room = ui.available_width() - LEFT;
+    let height = (room * rows as f32 / columns as f32).clamp(60.0, room);
+    let (area, response) = area_ui(ui, height, plane.snr.size());
+    let gate = answer.probe.response.gate;
+    texture.draw(ui, area.rect, ("probe slopes", answer), display_of(&plane.snr, gate), || plane.snr.clone());
+    let painter = ui.painter().with_clip_rect(area.rect);
+    grid_below(ui, &area, &plane.u, "slope u, px/frame");
+    rims(&painter, &area, &plane.u, false);
+    rims(&painter, &area, &plane.v, true);
+    contour(&painter, &area, &plane.snr, gate);
+    let font = TextStyle::Small.resolve(ui.style());
+    for &v in &ends(&plane.v.grid) {
+        let at = pos2(area.rect.left() - 4.0, area.pos(0.0, column_of(&plane.v, v)).y);
+        ui.painter().text(at, Align2::RIGHT_CENTER, number(v, 2), font.clone(), ui.visuals().weak_text_color());
+    }
+    let scale = (plane.scale.octave, plane.scale.level);
+    let fates = answer.probe.fates.iter().enumerate();
+    for (index, fate) in fates.filter(|(_, fate)| (fate.octave, fate.level) == scale).rev() {
+        let (slope, _) = refined(answer, fate);
+        let at = area.pos(column_of(&plane.u, slope.u), column_of(&plane.v, slope.v));
+        ring(&painter, at, fate.is_kept(), answer.probe.subject.fate == Some(index));
+    }
+    let cursor = model.cursor().slope;
+    square(&painter, area.pos(column_of(&plane.u, cursor.u), column_of(&plane.v, cursor.v)));
+    let cell = response.hover_pos().and_then(|pos| area.cell(pos));
+    let clicked = response.clicked();
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over both slopes"));
+    let Some((column, row)) = cell else { return };
+    // The axes may be turned: the grid says which slope a cell is.
+    let grid = answer.request.traced.cache.params().used_slopes();
+    let place = |axis: &FineAxis, at: usize| {
+        let step = (axis.values.len() as f32 - 1.0) / (axis.grid.len() as f32 + 1.0);
+        at as f32 / step - 1.0
+    };
+    let slope = grid.at(place(&plane.u, column), place(&plane.v, row));
+    response.on_hover_text_at_pointer(reading(slope, &plane.scale, &strength_text(answer, plane.snr.at(column, row))));
+    if clicked {
+        go_to(model, slope, &plane.scale);
+    }
+}
+
+/// Room for a map with numbers beside and below it.
+fn area_ui(ui: &mut Ui, height: f32, cells: (usize, usize)) -> (Area, egui::Response) {
+    let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), height + BELOW), Sense::click());
+    let rect = Rect::from_min_max(whole.min + vec2(LEFT, 2.0), whole.max - vec2(4.0, BELOW - 2.0));
+    (Area { rect, cells }, response)
+}
+
+/// Shows the pane in focus at that slope and scale: the response itself.
+fn go_to(model: &mut Model, slope: Slope, scale: &Scale) {
+    model.focus_on_side(Side::A);
+    model.playing = false;
+    let pane: &mut Pane = model.focused_mut();
+    (pane.cursor.slope, pane.slope_chosen) = (slope, true);
+    (pane.cursor.octave, pane.cursor.level) = (scale.octave, scale.level);
+    pane.show(ViewKind::Dog);
+}
+
+fn reading(slope: Slope, scale: &Scale, value: &str) -> String {
+    format!(
+        "{value}\nslope {} px/frame\nσ {} px (octave {}, level {})\nClick to go there",
+        slope_text(slope),
+        number(scale.sigma, 2),
+        scale.octave,
+        scale.level
+    )
+}
+
+fn display_of(plane: &Plane, gate: f32) -> Display {
+    let finite = plane.data().iter().filter(|x| x.is_finite());
+    Display::symmetric(finite.fold(gate.max(1e-6), |max, x| max.max(x.abs())))
+}
+
+/// Where a candidate peaks: refined, if it became a feature, otherwise its sample.
+fn refined(answer: &Probed, fate: &Fate) -> (Slope, f32) {
+    let features = &answer.request.traced.cache.detection().features;
+    match fate.features.first().and_then(|&index| features.get(index)) {
+        Some(feature) => (feature.slope, feature.sigma),
+        None => (fate.slope, fate.sigma),
+    }
+}
+
+/// A slope along the map's axis: that of the nearest of its columns, and as much further as it lies from that.
+fn along(map: &ResponseMap, slope: Slope) -> f32 {
+    let apart = |column: &usize| {
+        let other = map.columns[*column];
+        (other.u - slope.u).hypot(other.v - slope.v)
+    };
+    let Some(nearest) = (0..map.columns.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))) else { return 0.0 };
+    let (Some(&first), Some(&last)) = (map.columns.first(), map.columns.last()) else { return 0.0 };
+    let (du, dv) = (last.u - first.u, last.v - first.v);
+    let length = du.hypot(dv);
+    let on = map.columns[nearest];
+    let more = if length > 0.0 { ((slope.u - on.u) * du + (slope.v - on.v) * dv) / length } else { 0.0 };
+    map.slopes.values[nearest] + more
+}
+
+/// The column, between columns too, of a slope along an axis.
+fn column_of(axis: &FineAxis, slope: f32) -> f32 {
+    match axis.values[..] {
+        [first, second, ..] => (slope - first) / (second - first),
+        _ => 0.0,
+    }
+}
+
+/// The row, between rows too, of a scale: they are even in the logarithm of σ.
+fn row_of(map: &ResponseMap, sigma: f32) -> f32 {
+    let Some(next) = map.scales.iter().position(|scale| scale.sigma >= sigma) else {
+        return map.scales.len() as f32 - 1.0;
+    };
+    let Some(before) = next.checked_sub(1) else { return 0.0 };
+    let (a, b) = (map.scales[before].sigma, map.scales[next].sigma);
+    before as f32 + (sigma / a).ln() / (b / a).ln()
+}
+
+fn ends(grid: &[f32]) -> Vec<f32> {
+    let mut ends: Vec<f32> = grid.first().into_iter().chain(grid.last()).copied().collect();
+    ends.dedup();
+    ends
+}
+
+/// Marks at the grid's slopes, numbers at some of them, and what the axis is.
+fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
+    let (painter, colour) = (ui.painter(), ui.visuals().weak_text_color());
+    let font = TextStyle::Small.resolve(ui.style());
+    let bottom = area.rect.bottom();
+    let room = (area.rect.width() / 42.0).max(1.0) as usize;
+    let each = axis.grid.len().div_ceil(room).max(1);
+    for (index, &slope) in axis.grid.iter().enumerate() {
+        let x = area.pos(column_of(axis, slope), 0.0).x;
+        painter.vline(x, bottom..=bottom + 3.0, Stroke::new(1.0, colour));
+        if index % each == 0 {
+            painter.text(pos2(x, bottom + 3.0), Align2::CENTER_TOP, number(slope, 2), font.clone(), colour);
+        }
+    }
+    painter.text(pos2(area.rect.center().x, bottom + 14.0), Align2::CENTER_TOP, name, font, colour);
+}
+
+/// Dashes where the slopes that are searched end, and faint lines at each of them.
+fn rims(painter: &Painter, area: &Area, axis: &FineAxis, upright: bool) {
+    if axis.grid.len() < 2 {
+        return;
+    }
+    let line = |at: f32| {
+        let column = column_of(axis, at);
+        if upright {
+            let y = area.pos(0.0, column).y;
+            [pos2(area.rect.left(), y), pos2(area.rect.right(), y)]
+        } else {
+            let x = area.pos(column, 0.0).x;
+            [pos2(x, area.rect.top()), pos2(x, area.rect.bottom())]
+        }
+    };
+    for &slope in &axis.grid {
+        painter.line_segment(line(slope), Stroke::new(0.5, Color32::from_black_alpha(40)));
+    }
+    for rim in ends(&axis.grid) {
+        painter.extend(egui::Shape::dashed_line(&line(rim), Stroke::new(1.0, Color32::from_gray(60)), 3.0, 3.0));
+    }
+}
+
+/// Lines between cells that reach the gate and cells that do not.
+fn contour(painter: &Painter, area: &Area, plane: &Plane, gate: f32) {
+    let reaches = |column: usize, row: usize| plane.at(column, row).abs() >= gate;
+    let (columns, rows) = plane.size();
+    let stroke = Stroke::new(1.2, Color32::BLACK);
+    for row in 0..rows {
+        for column in 0..columns {
+            let (x, y) = (column as f32, row as f32);
+            if column + 1 < columns && reaches(column, row) != reaches(column + 1, row) {
+                painter.line_segment([area.pos(x + 0.5, y - 0.5), area.pos(x + 0.5, y + 0.5)], stroke);
+            }
+            if row + 1 < rows && reaches(column, row) != reaches(column, row + 1) {
+                painter.line_segment([area.pos(x - 0.5, y + 0.5), area.pos(x + 0.5, y + 0.5)], stroke);
+            }
+        }
+    }
+}
+
+fn ring(painter: &Painter, at: Pos2, kept: bool, selected: bool) {
+    let radius = if kept || selected { 5.5 } else { 2.5 };
+    let width = if kept { 2.0 } else { 1.0 };
+    let colour = if selected { Color32::from_rgb(0, 90, 30) } else { Color32::from_gray(30) };
+    if kept || selected {
+        painter.circle_stroke(at, radius, Stroke::new(width + 2.0, Color32::from_white_alpha(200)));
+    }
+    painter.circle_stroke(at, radius, Stroke::new(width, colour));
+}
+
+/// Where the cursor of the pane in focus is.
+fn square(painter: &Painter, at: Pos2) {
+    let rect = Rect::from_center_size(at, vec2(8.0, 8.0));
+    for (width, colour) in [(3.0, Color32::from_white_alpha(200)), (1.2, Color32::BLACK)] {
+        painter.rect_stroke(rect, 0.0, Stroke::new(width, colour), StrokeKind::Middle);
+    }
+}

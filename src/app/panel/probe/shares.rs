@@ -1,0 +1,128 @@
+//! Each frame's share: the pixels along the way, and what each frame answers there alone, with its noise.
+
+use super::texture::PlaneTexture;
+use crate::app::project::Model;
+use crate::engine::Probed;
+use crate::inspect::shares::{FrameShare, Shape, Shares};
+use crate::inspect::words::{number, slope_text};
+use crate::plane::Plane;
+use egui::{Color32, Label, RichText, Sense, Stroke, Ui, vec2};
+use egui_plot::{HLine, Line, Plot, PlotPoints, Points};
+
+/// Patches in a row of the strip.
+const IN_ROW: usize = 12;
+/// The least size of a patch that can be looked at, points.
+const PATCH: f32 = 18.0;
+
+/// Draws the strip, the plot and what they mean.
+pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
+    let shares = &answer.probe.shares;
+    if shares.frames.is_empty() {
+        return;
+    }
+    let along = format!("Along slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1));
+    ui.label(RichText::new(along).small().weak());
+    strip_ui(ui, model, answer, texture);
+    ui.add_space(4.0);
+    plot_ui(ui, shares);
+    let colour = match shares.shape {
+        Shape::Level | Shape::Unclear => ui.visuals().text_color(),
+        Shape::Uneven | Shape::Bump => crate::app::style::warning(ui),
+    };
+    let meaning = shares.meaning.trim();
+    let mut letters = meaning.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    ui.add(Label::new(RichText::new(format!("{first}{}.", letters.as_str())).color(colour)).wrap())
+        .on_hover_text("Coherence: 1 when all frames answer alike; when a part of them answers alone, that part");
+}
+
+/// The patches side by side, in time order. A click shows that frame.
+fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
+    let shares = &answer.probe.shares;
+    let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);
+    let columns = shares.frames.len().min(fits);
+    let rows = shares.frames.len().div_ceil(columns);
+    let side = (ui.available_width() / columns as f32).min(44.0).floor();
+    let (rect, response) = ui.allocate_exact_size(vec2(side * columns as f32, side * rows as f32), Sense::click());
+    let display = model.look.ranges.intensity;
+    texture.draw(ui, rect, ("probe patches", answer), display, || montage(&shares.frames, columns, rows));
+    let frame_at = |pos: egui::Pos2| {
+        let from = pos - rect.min;
+        let index = (from.y / side) as usize * columns + ((from.x / side) as usize).min(columns - 1);
+        shares.frames.get(index)
+    };
+    for (index, frame) in shares.frames.iter().enumerate() {
+        let corner = rect.min + side * vec2((index % columns) as f32, (index / columns) as f32);
+        let cell = egui::Rect::from_min_size(corner, vec2(side, side));
+        let stroke = Stroke::new(1.0, ui.visuals().panel_fill);
+        ui.painter().rect_stroke(cell, 0.0, stroke, egui::StrokeKind::Inside);
+        // Where the feature is: the blob's circle.
+        let radius = std::f32::consts::SQRT_2 * shares.sigma / shares.patch_px * side;
+        let colour = if frame.covers { Color32::from_rgb(255, 214, 90) } else { Color32::from_gray(120) };
+        ui.painter().circle_stroke(cell.center(), radius, Stroke::new(1.0, colour));
+    }
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Patch of each frame"));
+    let Some(frame) = response.hover_pos().and_then(frame_at) else { return };
+    let text = if frame.covers {
+        format!("Frame {}: {:+.2e} ± {:.1e}\nClick to show it", frame.frame, frame.value, frame.sigma_d)
+    } else {
+        format!("Frame {} does not show the place", frame.frame)
+    };
+    let clicked = response.clicked();
+    response.on_hover_text_at_pointer(text);
+    if clicked {
+        let (slope, index) = (shares.slope, frame.frame);
+        model.focus_on_side(crate::app::project::pair::Side::A);
+        let pane = model.focused_mut();
+        (pane.cursor.slope, pane.slope_chosen, pane.cursor.frame) = (slope, true, index);
+        pane.show(crate::app::project::cursor::ViewKind::Frame);
+    }
+}
+
+/// All patches in one picture.
+fn montage(frames: &[FrameShare], columns: usize, rows: usize) -> Plane {
+    let side = frames[0].patch.width();
+    Plane::from_fn(side * columns, side * rows, |x, y| {
+        let index = y / side * columns + x / side;
+        frames.get(index).map_or(f32::NAN, |frame| frame.patch.at(x % side, y % side))
+    })
+}
+
+/// What each frame answers, with one standard deviation of its noise to each side.
+fn plot_ui(ui: &mut Ui, shares: &Shares) {
+    let covering: Vec<&FrameShare> = shares.frames.iter().filter(|frame| frame.covers).collect();
+    let point = |frame: &FrameShare| [frame.frame as f64, f64::from(frame.value)];
+    let response = Plot::new("shares")
+        .height(96.0)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .show_x(false)
+        .show_y(false)
+        .x_axis_label("frame")
+        .y_axis_formatter(|mark, _| number(mark.value as f32, 3))
+        .x_axis_formatter(
+            |mark, _| if mark.value.fract() == 0.0 { format!("{:.0}", mark.value) } else { String::new() },
+        )
+        .show(ui, |plot| {
+            plot.hline(HLine::new("zero", 0.0).color(Color32::GRAY).width(1.0));
+            plot.hline(
+                HLine::new("mean", f64::from(shares.mean))
+                    .color(crate::app::style::ACCENT)
+                    .style(egui_plot::LineStyle::dashed_dense()),
+            );
+            for frame in &covering {
+                let [x, y] = point(frame);
+                let noise = f64::from(frame.sigma_d);
+                let bar = PlotPoints::from(vec![[x, y - noise], [x, y + noise]]);
+                plot.line(Line::new("noise", bar).color(crate::app::style::ACCENT).width(1.2));
+            }
+            let points: PlotPoints<'_> = covering.iter().map(|frame| point(frame)).collect();
+            plot.points(Points::new("answer", points).color(crate::app::style::ACCENT).radius(3.0));
+        })
+        .response;
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Answer of each frame"));
+    response.on_hover_text(
+        "D of each frame alone, fraction of full scale, ± its noise; dashes: their mean, D of the stack",
+    );
+}

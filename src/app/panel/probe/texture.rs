@@ -1,0 +1,52 @@
+//! A float picture as a texture, made anew only for another answer or another display.
+
+use crate::engine::Probed;
+use crate::inspect::Probe;
+use crate::plane::Plane;
+use crate::plane::display::{Display, to_rgba8};
+use egui::{Color32, Rect, TextureHandle, TextureOptions, Ui, pos2};
+use std::sync::Arc;
+
+/// The texture that was drawn last.
+#[derive(Default)]
+pub struct PlaneTexture(Option<Made>);
+
+struct Made {
+    of: Arc<Probe>,
+    display: Display,
+    dark: bool,
+    texture: TextureHandle,
+}
+
+impl PlaneTexture {
+    /// Draws a picture of `answer` into `rect`: pixels stay squares with sharp edges, NaN is the ground of pictures.
+    pub fn draw(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        (name, answer): (&str, &Probed),
+        display: Display,
+        plane: impl FnOnce() -> Plane,
+    ) {
+        let dark = ui.visuals().dark_mode;
+        let fits = |made: &Made| Arc::ptr_eq(&made.of, &answer.probe) && made.display == display && made.dark == dark;
+        if !self.0.as_ref().is_some_and(fits) {
+            let plane = plane();
+            let mut rgba = to_rgba8(&plane, &display);
+            let beside = if dark { 20 } else { 206 };
+            for (pixel, value) in rgba.pixels_mut().zip(plane.data()) {
+                if value.is_nan() {
+                    pixel.0 = [beside, beside, beside, 255];
+                }
+            }
+            let (width, height) = plane.size();
+            let image = egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw());
+            let texture = ui.ctx().load_texture(name, image, TextureOptions::NEAREST);
+            self.0 = Some(Made { of: answer.probe.clone(), display, dark, texture });
+        }
+        if let Some(made) = &self.0 {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(made.texture.id(), rect, whole, Color32::WHITE);
+        }
+    }
+}

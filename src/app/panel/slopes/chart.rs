@@ -1,0 +1,218 @@
+//! Features and evidence at each slope, as bars of a line of slopes and as cells of a plane of them.
+
+use crate::app::canvas::number;
+use crate::app::style;
+use crate::detector::Slope;
+use crate::inspect::spectrum::{Alias, SlopeBar, Spectrum};
+use crate::inspect::texture::dirichlet;
+use crate::plane::colour_map::ColourMap;
+use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
+
+/// Draws the chart in a room of `height` points; `here` is the slope of the cursor.
+pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
+    if spectrum.grid.is_plane() {
+        plane_ui(ui, spectrum, height);
+    } else {
+        line_ui(ui, spectrum, here, height);
+    }
+}
+
+/// The colour of evidence.
+pub(super) fn evidence_colour(ui: &Ui) -> Color32 {
+    style::good(ui)
+}
+
+/// The colour of the features at a slope: those on the rim may really be of slopes beyond it.
+pub(super) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
+    if bar.is_on_rim { style::warning(ui) } else { style::ACCENT }
+}
+
+/// The bars that lie on the line that was searched, and the place of each on it.
+pub(super) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
+    let second = spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1;
+    let place = |bar: &SlopeBar| if second { (bar.at[1], bar.at[0]) } else { (bar.at[0], bar.at[1]) };
+    let bars = spectrum.bars.iter().map(|bar| (place(bar), bar));
+    bars.filter(|((_, across), _)| *across == 0).map(|((along, _), bar)| (along, bar)).collect()
+}
+
+/// What there is at a slope, in words.
+pub(super) fn bar_text(bar: &SlopeBar) -> String {
+    let where_to = if bar.is_on_rim {
+        ", on the rim: the motion may lie beyond"
+    } else if bar.is_searched {
+        ""
+    } else {
+        ", beyond what was searched"
+    };
+    format!(
+        "Slope ({}, {}) px/frame{where_to}\n{} features\n{} % of the evidence\n{} % of the picture seen by all frames",
+        number(bar.slope.u, 3),
+        number(bar.slope.v, 3),
+        bar.features,
+        number(100.0 * bar.evidence, 2),
+        number(100.0 * bar.coverage, 3)
+    )
+}
+
+/// Bars: features above the line, evidence below it.
+fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
+    let bars = on_line(spectrum);
+    key_ui(ui);
+    let size = vec2(ui.available_width(), (height - 24.0).clamp(80.0, 300.0));
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
+    let inner = Rect::from_min_max(rect.min + vec2(8.0, 6.0), rect.max - vec2(8.0, 18.0));
+    let (first, last) = bars.iter().fold((i64::MAX, i64::MIN), |(a, b), (at, _)| (a.min(*at), b.max(*at)));
+    if first > last {
+        return;
+    }
+    let cell = inner.width() / (last - first + 1) as f32;
+    let middle = |at: f32| inner.left() + (at - first as f32 + 0.5) * cell;
+    let axis = inner.top() + 0.62 * inner.height();
+    let most = bars.iter().map(|(_, bar)| bar.features).max().unwrap_or(0).max(1) as f32;
+    let part = bars.iter().map(|(_, bar)| bar.evidence).fold(1e-6, f32::max);
+    let searched = bars.iter().filter(|(_, bar)| bar.is_searched);
+    let (low, high) = searched.fold((i64::MAX, i64::MIN), |(a, b), (at, _)| (a.min(*at), b.max(*at)));
+    let edge = |at: f32| middle(at);
+    let inside = Rect::from_x_y_ranges(edge(low as f32 - 0.5)..=edge(high as f32 + 0.5), inner.y_range());
+    painter.rect_filled(inside, 0.0, ui.visuals().faint_bg_color);
+    for (at, bar) in &bars {
+        let x = middle(*at as f32);
+        let half = (0.4 * cell).max(0.5);
+        let up = (axis - inner.top()) * bar.features as f32 / most;
+        let features = Rect::from_min_max(pos2(x - half, axis - up), pos2(x + half, axis));
+        painter.rect_filled(features, 0.0, feature_colour(ui, bar));
+        let down = (inner.bottom() - axis) * bar.evidence / part;
+        let evidence = Rect::from_min_max(pos2(x - half, axis + 1.0), pos2(x + half, axis + 1.0 + down));
+        if bar.is_searched {
+            painter.rect_filled(evidence, 0.0, evidence_colour(ui));
+        } else if bar.evidence > 0.0 {
+            painter.rect_stroke(evidence, 0.0, Stroke::new(1.5, evidence_colour(ui)), StrokeKind::Inside);
+        }
+    }
+    painter.hline(inner.x_range(), axis, Stroke::new(1.0, ui.visuals().weak_text_color()));
+    labels(ui, &painter, &bars, middle, rect);
+    let (i, j) = spectrum.grid.position(here);
+    let along = if spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1 { j } else { i };
+    let x = middle(along);
+    if inner.x_range().contains(x) {
+        painter.vline(x, inner.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
+    }
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Features and evidence by slope"));
+    let pointed = response.hover_pos().map(|pos| first + ((pos.x - inner.left()) / cell).floor() as i64);
+    let bar = pointed.and_then(|at| bars.iter().find(|(place, _)| *place == at));
+    match bar {
+        Some((_, bar)) => response.on_hover_text_at_pointer(bar_text(bar)),
+        None => response.on_hover_text_at_pointer("Nothing here"),
+    };
+}
+
+/// What the colours are.
+fn key_ui(ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let keys = [
+            (style::ACCENT, "features", "Features whose slope is nearest to each"),
+            (style::warning(ui), "on the rim", "Features on the rim: their motion may lie beyond"),
+            (evidence_colour(ui), "evidence", "What the frames have in common at each slope, before any threshold"),
+        ];
+        for (colour, text, tip) in keys {
+            crate::app::panel::widgets::dot_ui(ui, colour);
+            ui.label(RichText::new(text).small()).on_hover_text(tip);
+            ui.add_space(6.0);
+        }
+        ui.label(RichText::new("outlined: beyond what was searched").small().weak());
+    });
+}
+
+/// The slopes below some of the bars.
+fn labels(ui: &Ui, painter: &Painter, bars: &[(i64, &SlopeBar)], middle: impl Fn(f32) -> f32, rect: Rect) {
+    let font = TextStyle::Small.resolve(ui.style());
+    let every = bars.len().div_ceil(8).max(1) as i64;
+    for (at, bar) in bars.iter().filter(|(at, _)| at.rem_euclid(every) == 0) {
+        let second = bar.slope.v.abs() > bar.slope.u.abs();
+        let text = number(if second { bar.slope.v } else { bar.slope.u }, 3);
+        let place = pos2(middle(*at as f32), rect.bottom() - 2.0);
+        painter.text(place, Align2::CENTER_BOTTOM, text, font.clone(), ui.visuals().weak_text_color());
+    }
+}
+
+/// Cells: features on the left, evidence on the right; a frame around what was searched.
+fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, height: f32) {
+    let range = |axis: usize| {
+        spectrum.bars.iter().map(|bar| bar.at[axis]).fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)))
+    };
+    let ((i0, i1), (j0, j1)) = (range(0), range(1));
+    let (columns, rows) = ((i1 - i0 + 1) as f32, (j1 - j0 + 1) as f32);
+    let half = 0.5 * (ui.available_width() - 16.0);
+    let side = ((height - 40.0).clamp(60.0, 300.0) / rows).min(half / columns).max(1.0);
+    let size = vec2(side * columns, side * rows);
+    let grid = spectrum.grid;
+    let lut = ColourMap::Viridis.lut();
+    ui.horizontal_top(|ui| {
+        type Height = fn(&SlopeBar) -> f32;
+        let charts: [(&str, Height); 2] = [("Features", |bar| bar.features as f32), ("Evidence", |bar| bar.evidence)];
+        for (name, value) in charts {
+            ui.vertical(|ui| {
+                ui.set_width(half);
+                ui.label(RichText::new(name).small());
+                let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+                let painter = ui.painter_at(rect.expand(2.0));
+                painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+                let most = spectrum.bars.iter().map(value).fold(1e-9, f32::max);
+                let cell = |i: i64, j: i64| {
+                    let corner = rect.min + side * vec2((i - i0) as f32, (j - j0) as f32);
+                    Rect::from_min_size(corner, vec2(side, side))
+                };
+                for bar in &spectrum.bars {
+                    let [r, g, b] = lut[(255.0 * (value(bar) / most).sqrt()) as usize];
+                    painter.rect_filled(cell(bar.at[0], bar.at[1]), 0.0, Color32::from_rgb(r, g, b));
+                }
+                let last = cell(grid.u.count as i64 - 1, grid.v.count as i64 - 1);
+                let searched = Rect::from_min_max(cell(0, 0).min, last.max);
+                painter.rect_stroke(searched, 0.0, Stroke::new(1.5, style::warning(ui)), StrokeKind::Inside);
+                let label = format!("{name} by slope");
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &label));
+                let at = response.hover_pos().map(|pos| {
+                    let at = (pos - rect.min) / side;
+                    [i0 + at.x.floor() as i64, j0 + at.y.floor() as i64]
+                });
+                if let Some(bar) = at.and_then(|at| spectrum.bars.iter().find(|bar| bar.at == at)) {
+                    response.on_hover_text_at_pointer(bar_text(bar));
+                }
+            });
+        }
+    });
+    ui.label(RichText::new("right: u, down: v; framed: the slopes searched").small().weak());
+}
+
+/// How a texture that repeats itself answers at slopes beside its own.
+pub(super) fn kernel_ui(ui: &mut Ui, alias: &Alias, frames: usize) {
+    let period = f64::from(alias.period_px);
+    let places = alias.places.len();
+    let text = format!(
+        "A texture that repeats itself every {} px, at {places} {}, answers again at slopes {} px/frame apart",
+        number(alias.period_px, 3),
+        if places == 1 { "place" } else { "places" },
+        number(alias.period_px, 3)
+    );
+    ui.add(egui::Label::new(RichText::new(text).small()).wrap());
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width().min(360.0), 46.0), Sense::hover());
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
+    let inner = rect.shrink2(vec2(4.0, 4.0));
+    const STEPS: usize = 240;
+    let point = |k: usize| -> Pos2 {
+        let x = k as f32 / STEPS as f32;
+        let value = dirichlet(frames, period, (f64::from(x) - 0.5) * 3.0 * period);
+        pos2(inner.left() + x * inner.width(), inner.bottom() - value as f32 * inner.height())
+    };
+    painter.line((0..=STEPS).map(point).collect(), Stroke::new(1.2, ui.visuals().text_color()));
+    response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response beside the slope of a texture"));
+    response.on_hover_text(
+        "The Dirichlet kernel: what is left of the texture in the mean over the frames, at slopes up to one and a \
+         half periods beside its own. The peaks beside the middle are its aliases, the low ones between them side lobes",
+    );
+}

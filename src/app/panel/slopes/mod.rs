@@ -1,0 +1,128 @@
+//! The slopes of the burst: features and evidence at each slope, aliases, and what to change.
+
+mod chart;
+mod strip;
+
+pub use strip::strip_ui;
+
+use crate::app::canvas::number;
+use crate::app::project::Model;
+use crate::app::style;
+use crate::detector::Method;
+use crate::detector::advice::grouped;
+use crate::inspect::spectrum::{SlopeAdvice, Spectrum};
+use egui::{Button, Label, RichText, ScrollArea, Ui, vec2};
+use std::sync::Arc;
+
+/// Width of the charts, points; the advice has the rest.
+const CHART_WIDTH: f32 = 400.0;
+
+/// A line of numbers about the slopes.
+pub fn summary_ui(ui: &mut Ui, model: &Model) {
+    let Some(spectrum) = model.spectrum() else {
+        ui.weak(if model.found.is_some() { "Not looked at yet" } else { "No detection yet" });
+        return;
+    };
+    let text = format!(
+        "{} features at {} slopes, {} of them at the limit  ·  the frames: {}",
+        spectrum.features,
+        spectrum.cost.slopes,
+        spectrum.at_limit,
+        spectrum.finding.summary()
+    );
+    ui.add(Label::new(&text).truncate()).on_hover_text(text);
+}
+
+/// Draws the charts and the advice.
+pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
+    let Some(spectrum) = model.spectrum().cloned() else {
+        waiting_ui(ui, model);
+        return;
+    };
+    ui.spacing_mut().item_spacing.x = 14.0;
+    let height = ui.available_height();
+    ui.horizontal_top(|ui| {
+        let width = CHART_WIDTH.min(0.55 * ui.available_width());
+        ui.allocate_ui(vec2(width, height), |ui| {
+            ui.set_width(width);
+            chart::chart_ui(ui, &spectrum, model.cursor().slope, height);
+        });
+        ui.vertical(|ui| advice_list_ui(ui, model, &spectrum));
+    });
+}
+
+/// What is said while the slopes are not known.
+fn waiting_ui(ui: &mut Ui, model: &mut Model) {
+    ui.vertical_centered(|ui| {
+        ui.add_space(16.0);
+        if model.found.is_none() {
+            ui.weak("Press Detect to see which slopes the burst needs");
+        } else if model.stale().is_some() {
+            ui.weak("The parameters changed: press Detect to see which slopes the burst needs");
+        } else if model.found.as_ref().is_some_and(|found| found.params.method != Method::Buff) {
+            ui.weak("One image has no slopes: choose the method BuFF");
+        } else if model.slopes_take_long() && !model.explained.slopes_wanted {
+            let secs = model.found.as_ref().map_or(0.0, |found| found.elapsed.as_secs_f32());
+            let tip = format!("It takes about as long as the detection did, {secs:.0} s, in the background");
+            if ui.button("Look at the slopes").on_hover_text(tip).clicked() {
+                model.explained.slopes_wanted = true;
+            }
+        } else {
+            ui.weak("Looking at the slopes…");
+        }
+    });
+}
+
+/// The pieces of advice, each with what applies it; what was paid; textures that repeat themselves.
+fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
+    ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
+        if spectrum.advice.is_empty() {
+            ui.add(
+                Label::new(RichText::new("The slopes fit the burst; nothing to change.").color(style::good(ui))).wrap(),
+            );
+        }
+        for (index, advice) in spectrum.advice.iter().enumerate() {
+            piece_ui(ui, model, index, advice);
+        }
+        let cost = &spectrum.cost;
+        let text = format!(
+            "Cost: {} slopes, {} samples, {} s of search",
+            cost.slopes,
+            grouped(cost.samples),
+            number(cost.search_secs, 2)
+        );
+        ui.add(Label::new(RichText::new(text).weak()).wrap());
+        if let Some(alias) = spectrum.aliases.first() {
+            ui.add_space(4.0);
+            chart::kernel_ui(ui, alias, spectrum.frames);
+        }
+    });
+}
+
+/// One piece of advice.
+fn piece_ui(ui: &mut Ui, model: &mut Model, index: usize, advice: &SlopeAdvice) {
+    let mut sentence = advice.sentence.clone();
+    if let Some(first) = sentence.get_mut(0..1) {
+        first.make_ascii_uppercase();
+    }
+    ui.add(Label::new(RichText::new(format!("{sentence}.")).color(style::warning(ui))).wrap());
+    if !advice.changes.is_empty() {
+        let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
+        let changes = changes.join(", ");
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 6.0;
+            let tip = format!("Set {changes}; Ctrl+Z takes it back");
+            let button = ui.add(Button::new("Apply")).on_hover_text(tip);
+            let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+            if button.clicked() {
+                match model.apply_changes(&advice.changes) {
+                    Ok(()) => model.messages.note(format!("Set {changes}")),
+                    Err(error) => model.messages.error("Apply", error.to_string()),
+                }
+            }
+            ui.label(RichText::new(changes).monospace());
+        });
+    }
+    ui.add_space(6.0);
+}

@@ -1,0 +1,132 @@
+//! What is known of the detection on show as a whole: its slopes and its candidates.
+
+use crate::app::project::Model;
+use crate::detector::params::doc;
+use crate::detector::{Method, ParamChange, ParamError, SlopeChoice, Test};
+use crate::engine::{ExplainQuestion, ExplainRequest, Explained, Explanation, OpenBurst};
+use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
+use crate::inspect::spectrum::Spectrum;
+use std::sync::Arc;
+
+/// A detection that took longer than this is repeated for its slopes only when a person asks.
+const SHORT_SECS: f32 = 5.0;
+
+/// What is known, and what a person wants to know.
+#[derive(Debug, Default)]
+pub struct ExplainedState {
+    /// The slopes, and the detection that they are of.
+    slopes: Option<(ExplainRequest, Arc<Spectrum>)>,
+    /// The candidates, and the detection that they are of.
+    candidates: Option<(ExplainRequest, Arc<Survey>)>,
+    /// The test whose candidates are drawn over the picture.
+    pub shown_test: Option<Test>,
+    /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
+    pub pointed: Option<usize>,
+    /// The candidate that is selected, among those of the survey.
+    pub selected: Option<usize>,
+    /// Whether the slopes of the detection on show are wanted although it took long.
+    pub slopes_wanted: bool,
+    /// The questions that could not be answered, and why.
+    failed: Vec<(ExplainRequest, String)>,
+}
+
+impl ExplainedState {
+    /// Takes an answer.
+    pub fn take(&mut self, explained: Explained) {
+        let Explained { request, explanation } = explained;
+        match explanation {
+            Explanation::Slopes(spectrum) => self.slopes = Some((request, spectrum)),
+            Explanation::Candidates(survey) => {
+                self.candidates = Some((request, survey));
+                (self.selected, self.pointed) = (None, None);
+            }
+        }
+    }
+
+    /// Takes over why a question could not be answered.
+    pub fn fail(&mut self, request: ExplainRequest, why: String) {
+        self.failed.push((request, why));
+    }
+
+    /// Why the question could not be answered.
+    pub fn failure_of(&self, request: &ExplainRequest) -> Option<&str> {
+        self.failed.iter().find(|(failed, _)| failed.same_answer(request)).map(|(_, why)| why.as_str())
+    }
+
+    /// Forgets everything but what a person wants: another burst is open.
+    pub fn forget(&mut self) {
+        *self = Self { shown_test: self.shown_test, ..Self::default() };
+    }
+}
+
+impl Model {
+    /// Sets what a piece of advice says. A range of slopes that is set so is a range that is given.
+    ///
+    /// # Errors
+    /// Parameters that make no sense with it; nothing is changed then.
+    pub fn apply_changes(&mut self, changes: &[ParamChange]) -> Result<(), ParamError> {
+        self.params = ParamChange::all_applied(changes, &self.params)?;
+        let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
+        if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
+            self.slopes = SlopeChoice::Given;
+        }
+        Ok(())
+    }
+
+    /// What is asked of the detection on show.
+    fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
+        let (burst, found): (&OpenBurst, _) = (self.burst.as_ref()?, self.found.as_ref()?);
+        Some(ExplainRequest {
+            burst: burst.clone(),
+            asked: found.asked.clone(),
+            params: found.params.clone(),
+            finding: found.finding.clone(),
+            question,
+        })
+    }
+
+    /// The slopes of the detection on show, as far as they are known.
+    pub fn spectrum(&self) -> Option<&Arc<Spectrum>> {
+        let (request, spectrum) = self.explained.slopes.as_ref()?;
+        let wanted = self.explain_request(ExplainQuestion::Slopes)?;
+        request.same_answer(&wanted).then_some(spectrum)
+    }
+
+    /// The candidates of the detection on show that fail the chosen test.
+    pub fn survey(&self) -> Option<&Arc<Survey>> {
+        let (request, survey) = self.explained.candidates.as_ref()?;
+        request.same_answer(&self.wanted_candidates()?).then_some(survey)
+    }
+
+    /// The counts of candidates of the detection on show, whichever of them are listed.
+    pub fn survey_counts(&self) -> Option<&Arc<Survey>> {
+        let (request, survey) = self.explained.candidates.as_ref()?;
+        let wanted = self.explain_request(request.question)?;
+        request.of_same_detection(&wanted).then_some(survey)
+    }
+
+    /// The candidate that is selected.
+    pub fn selected_candidate(&self) -> Option<&CandidateMark> {
+        self.survey()?.marks.get(self.explained.selected?)
+    }
+
+    /// Whether the detection on show is so long that its slopes are looked at only when a person asks.
+    pub fn slopes_take_long(&self) -> bool {
+        self.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
+    }
+
+    /// The slopes of the detection on show, if they are wanted: unless it took long, always. One frame has none.
+    pub fn wanted_slopes(&self) -> Option<ExplainRequest> {
+        let found = self.found.as_ref()?;
+        let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
+        let wanted = has_slopes && (self.explained.slopes_wanted || !self.slopes_take_long());
+        self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())
+    }
+
+    /// The candidates that are to be drawn over the picture.
+    pub fn wanted_candidates(&self) -> Option<ExplainRequest> {
+        let test = self.explained.shown_test?;
+        let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };
+        self.explain_request(ExplainQuestion::Candidates(options))
+    }
+}

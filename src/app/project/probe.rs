@@ -1,0 +1,211 @@
+//! The probe of the window: the place that is asked about, the trail that answers, and the answer.
+
+use crate::app::project::Model;
+use crate::detector::params::doc;
+use crate::detector::{ParamChange, SlopeChoice, SlopeGrid};
+use crate::engine::{BurstSource, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Running, Traced};
+use crate::inspect::probe::Wanted;
+use crate::synth::Example;
+use serde::{Deserialize, Serialize};
+
+/// What a session keeps of the probe.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedProbe {
+    /// The place, pixels at mid-burst.
+    pub place: [f32; 2],
+    /// Whether the panel showed it.
+    #[serde(default)]
+    pub is_open: bool,
+}
+
+/// What is probed and what is known of it.
+#[derive(Debug, Default)]
+pub struct ProbeModel {
+    /// Whether the panel on the right shows the probe.
+    pub is_open: bool,
+    /// Whether the place follows the pointer.
+    pub follows: bool,
+    /// What is asked; `None` while nothing is probed.
+    pub question: Option<ProbeQuestion>,
+    /// The trail that answers.
+    pub traced: Option<Traced>,
+    /// The last answer.
+    pub answer: Option<Probed>,
+    /// Why there is no answer.
+    pub problem: Option<String>,
+    /// The place under the pointer, pixels at mid-burst, as of the last pass.
+    pub pointer: Option<[f32; 2]>,
+    /// The trail that is being made.
+    pub tracing: Option<Running>,
+}
+
+impl ProbeModel {
+    /// Whether something is asked, so that detections keep their trail.
+    pub fn is_on(&self) -> bool {
+        self.follows || self.question.is_some()
+    }
+
+    /// Whether there is something for the panel to show.
+    pub fn is_in_use(&self) -> bool {
+        self.is_open || self.is_on() || self.answer.is_some()
+    }
+
+    /// Forgets everything, and closes the panel.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.
+    pub fn place(&self) -> Option<[f32; 2]> {
+        match self.question? {
+            ProbeQuestion::At { place, wanted: Wanted::Feature(_) } => Some(match &self.answer {
+                Some(answer) if self.is_current() => answer.probe.pos_image,
+                _ => place,
+            }),
+            ProbeQuestion::At { place, .. } => Some(place),
+            ProbeQuestion::Strongest => None,
+        }
+    }
+
+    /// What is to be asked of the trail that is there.
+    pub fn wanted(&self) -> Option<ProbeRequest> {
+        Some(ProbeRequest { traced: self.traced.clone()?, question: self.question? })
+    }
+
+    /// What a session keeps.
+    pub fn saved(&self) -> Option<SavedProbe> {
+        Some(SavedProbe { place: self.place()?, is_open: self.is_open })
+    }
+
+    /// Whether the answer is the one to what is asked now.
+    pub fn is_current(&self) -> bool {
+        let wanted = self.wanted();
+        self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request.same_answer(&wanted))
+    }
+
+    /// Takes a trail. What was asked of features and samples of another detection is asked of the place.
+    pub fn take_trail(&mut self, traced: Traced) {
+        let slopes = |traced: &Traced| traced.cache.params().used_slopes();
+        let same_grid = self.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
+        let place = self.place();
+        if let (Some(ProbeQuestion::At { wanted, .. }), Some(_), Some(place)) = (self.question, &self.traced, place) {
+            let wanted = match wanted {
+                Wanted::Candidate(sample) if same_grid => Wanted::Candidate(sample),
+                _ => Wanted::Best,
+            };
+            self.question = Some(ProbeQuestion::At { place, wanted });
+        }
+        (self.traced, self.problem) = (Some(traced), None);
+    }
+
+    /// Takes an answer. The strongest candidate is asked for by its place from then on.
+    pub fn take_answer(&mut self, mut answer: Probed) {
+        let is_asked = self.question == Some(answer.request.question);
+        if answer.request.question == ProbeQuestion::Strongest {
+            let wanted = answer.probe.subject_fate().map_or(Wanted::Best, |f| Wanted::Candidate(f.of_sample()));
+            answer.request.question = ProbeQuestion::At { place: answer.probe.pos_image, wanted };
+            if is_asked {
+                self.question = Some(answer.request.question);
+            }
+        }
+        (self.answer, self.problem) = (Some(answer), None);
+    }
+
+    /// Looks more closely at something else at the same place.
+    pub fn look_at(&mut self, wanted: Wanted) {
+        if let Some(place) = self.place() {
+            self.question = Some(ProbeQuestion::At { place, wanted });
+        }
+    }
+}
+
+impl Model {
+    /// Asks, and shows the panel with the answer.
+    pub fn ask_probe(&mut self, question: ProbeQuestion) {
+        let inside = match question {
+            ProbeQuestion::At { place: [u, v], .. } => {
+                let (width, height) = self.size();
+                let last = |n: usize| n.saturating_sub(1) as f32;
+                (-0.5..=last(width) + 0.5).contains(&u) && (-0.5..=last(height) + 0.5).contains(&v)
+            }
+            ProbeQuestion::Strongest => true,
+        };
+        if !inside {
+            self.messages.note("That place lies outside the picture at mid-burst");
+            return;
+        }
+        self.probe.question = Some(question);
+        (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
+    }
+
+    /// Asks about a place, pixels at mid-burst.
+    pub fn probe_place(&mut self, place: [f32; 2]) {
+        self.ask_probe(ProbeQuestion::At { place, wanted: Wanted::Best });
+    }
+
+    /// Asks about a feature.
+    pub fn probe_feature(&mut self, index: usize) {
+        if let Some(feature) = self.features().get(index) {
+            let place = [feature.u, feature.v];
+            self.selected = Some(index);
+            self.ask_probe(ProbeQuestion::At { place, wanted: Wanted::Feature(index) });
+        }
+    }
+
+    /// Asks again what a session asked; without a place nothing is probed.
+    pub fn restore_probe(&mut self, saved: Option<SavedProbe>) {
+        self.probe.clear();
+        self.probe.is_open = saved.is_some_and(|saved| saved.is_open);
+        if let Some(SavedProbe { place, is_open }) = saved {
+            let right = self.panels.right;
+            self.probe_place(place);
+            (self.probe.is_open, self.panels.right) = (is_open, right);
+        }
+    }
+
+    /// Whether the answer of the probe is about other parameters than those that are set now.
+    pub fn probe_is_stale(&self) -> bool {
+        self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != self.asked())
+    }
+
+    /// Makes one change of a parameter, as its row would.
+    pub fn apply_change(&mut self, change: &ParamChange) {
+        match change.applied(&self.params) {
+            Ok(params) => {
+                let slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
+                if slopes.iter().any(|doc| doc.name == change.parameter.name) {
+                    self.slopes = SlopeChoice::Given;
+                }
+                self.params = params;
+                self.messages.note(format!("Set {}", change.label()));
+            }
+            Err(error) => self.messages.error("Apply", error.to_string()),
+        }
+    }
+
+    /// Prepares the probe for the burst that was opened `after` another one: an example is probed where it shows what
+    /// it is for, at the slopes at which it does, if none were given; other bursts leave those slopes again.
+    pub fn start_probe(&mut self, before: Option<&BurstSource>) {
+        let grid = |example: Example| {
+            let (range, count) = example.slopes_u();
+            SlopeGrid::line(range, count)
+        };
+        self.probe.clear();
+        if let Some(BurstSource::Example(example)) = before
+            && !self.slopes.is_auto()
+            && self.params.slopes == grid(*example)
+        {
+            self.slopes = SlopeChoice::AUTO;
+        }
+        if let Some(OpenBurst { source: BurstSource::Example(example), .. }) = self.burst {
+            if self.slopes.is_auto() {
+                (self.params.slopes, self.slopes) = (grid(example), SlopeChoice::Given);
+            }
+            if self.auto_detect {
+                self.probe_place(example.place());
+            }
+        }
+        self.check_params();
+    }
+}

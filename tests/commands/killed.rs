@@ -1,0 +1,143 @@
+//! A run that is killed at any moment goes on where it was, and never takes features of other parameters for its own.
+
+use super::support::{names, program, run, run_badly, run_well, stderr};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+/// Twenty small bursts, one film.
+fn film(home: &Path) {
+    let size = ["--width", "96", "--height", "72", "--frames", "60", "--max-slope", "1", "--snr", "10"];
+    run_well(home, &[&["synth", "scene", "--out", "film"][..], &size].concat());
+}
+
+fn arguments<'a>(out: &'a str, edge_threshold: &'a str) -> Vec<&'a str> {
+    let search = ["--slopes-u", "-1:1:3", "--octaves", "2", "--edge-threshold", edge_threshold];
+    [&["colmap", "film", "--burst-length", "3", "--pairs", "sequential:1", "--out", out][..], &search].concat()
+}
+
+/// Pictures and features by their names, and the rows of the database.
+fn made(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut made = BTreeMap::new();
+    for part in ["images", "features"] {
+        for name in names(&folder.join(part)) {
+            made.insert(format!("{part}/{name}"), fs::read(folder.join(part).join(&name)).expect("a file"));
+        }
+    }
+    let database = rusqlite::Connection::open(folder.join("database.db")).expect("a database");
+    for (table, columns) in [
+        ("cameras", "camera_id, model, width, height, params"),
+        ("images", "image_id, name, camera_id"),
+        ("keypoints", "image_id, rows, cols, data"),
+        ("descriptors", "image_id, rows, cols, data"),
+        ("matches", "pair_id, rows, cols, data"),
+        ("two_view_geometries", "pair_id, rows, cols, data, config"),
+    ] {
+        let text = format!("SELECT {columns} FROM {table} ORDER BY 1");
+        let mut statement = database.prepare(&text).expect("COLMAP's tables");
+        let count = statement.column_count();
+        let row = |row: &rusqlite::Row<'_>| {
+            Ok((0..count).map(|i| format!("{:?}", row.get_ref(i).expect("a column"))).collect::<String>())
+        };
+        let rows: Vec<String> = statement.query_map([], row).expect("rows").map(|row| row.expect("a row")).collect();
+        made.insert(table.to_owned(), rows.join("\n").into_bytes());
+    }
+    made
+}
+
+fn same(folder: &Path, expected: &BTreeMap<String, Vec<u8>>, what: &str) {
+    let made = made(folder);
+    assert!(made.keys().eq(expected.keys()), "{what}: {:?}", made.keys().collect::<Vec<_>>());
+    for (name, content) in &made {
+        assert!(*content == expected[name], "{what}: {name} differs");
+    }
+}
+
+#[test]
+fn killed_at_any_moment_it_goes_on_to_the_same_end() {
+    let home = tempfile::tempdir().expect("a folder");
+    film(home.path());
+    let started = Instant::now();
+    run_well(home.path(), &arguments("whole", "12"));
+    let whole = started.elapsed();
+    let expected = made(&home.path().join("whole"));
+    assert!(expected["keypoints"].len() > 1000 && expected.len() == 46, "twenty bursts with features");
+    // A generator of moments; any would do.
+    let mut state = 0x2545_F491u32;
+    let mut moment = || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        whole.mul_f64(f64::from(state) / f64::from(u32::MAX))
+    };
+    for round in 0..10 {
+        let out = format!("killed {round}");
+        for kill in 0..5 {
+            // Every other run looks for other features.
+            let line = arguments(&out, if kill % 2 == 0 { "12" } else { "3" });
+            let mut running = program(home.path(), &line);
+            let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+            std::thread::sleep(moment());
+            running.kill().expect("it is ours");
+            running.wait().expect("it ends");
+        }
+        let output = run(home.path(), &arguments(&out, "12"));
+        assert_eq!(output.status.code(), Some(0), "round {round}: {}", stderr(&output));
+        let folder = home.path().join(&out);
+        same(&folder, &expected, &format!("round {round}"));
+        for part in ["", "images", "features", "records"] {
+            let left: Vec<_> = names(&folder.join(part)).into_iter().filter(|name| name.ends_with(".tmp")).collect();
+            assert!(left.is_empty(), "round {round}: {part} holds {left:?}");
+        }
+    }
+}
+
+#[test]
+fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
+    let home = tempfile::tempdir().expect("a folder");
+    film(home.path());
+    run_well(home.path(), &arguments("rec", "12"));
+    let folder = home.path().join("rec");
+    let expected = made(&folder);
+    let first = folder.join("features").join(&names(&folder.join("features"))[0]);
+    // As many features and as long a file, but other numbers.
+    let text = fs::read_to_string(&first).expect("text");
+    let digit = text.char_indices().filter(|(_, c)| c.is_ascii_digit()).nth(40).expect("numbers").0;
+    let other = if text[digit..].starts_with('7') { "8" } else { "7" };
+    fs::write(&first, format!("{}{other}{}", &text[..digit], &text[digit + 1..])).expect("written");
+    let resumed = |home: &Path| {
+        let json = run_well(home, &[&arguments("rec", "12")[..], &["--json"]].concat());
+        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        json["images"].as_array().expect("images").iter().filter(|image| image["resumed"] == true).count()
+    };
+    assert_eq!(resumed(home.path()), 19);
+    same(&folder, &expected, "altered");
+    assert_eq!(resumed(home.path()), 20);
+    // A folder in the way of a record: the burst is said to fail, and its features are not taken for finished.
+    let record = folder.join("records").join(&names(&folder.join("records"))[0]);
+    fs::remove_file(&record).expect("removed");
+    fs::create_dir(&record).expect("made");
+    let words = run_badly(home.path(), &arguments("rec", "3"), 1);
+    assert!(words.contains("records"), "{words}");
+    fs::remove_dir(&record).expect("removed");
+    run_well(home.path(), &arguments("rec", "12"));
+    same(&folder, &expected, "in the way");
+}
+
+#[test]
+fn two_processes_do_not_write_into_one_folder() {
+    let home = tempfile::tempdir().expect("a folder");
+    film(home.path());
+    fs::create_dir(home.path().join("rec")).expect("made");
+    let lock = home.path().join("rec/.burstscope-lock");
+    fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
+    let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
+    file.try_lock().expect("free");
+    let words = run_badly(home.path(), &arguments("rec", "12"), 1);
+    assert!(words.contains("process 4711 on lighthouse writes into this folder"), "{words}");
+    drop(file);
+    std::thread::sleep(Duration::from_millis(1));
+    run_well(home.path(), &arguments("rec", "12"));
+}

@@ -1,0 +1,134 @@
+//! Maps as kinds of picture: the local noise, the coverage.
+
+use crate::support::{Start, Window};
+use burstscope::Monitor;
+use burstscope::app::pane::Content;
+use burstscope::app::session::Session;
+use burstscope::detector::view::{coverage_view, gate_noise_map};
+use burstscope::detector::{DetectorParams, SlopeGrid};
+use burstscope::engine::MapKind;
+use burstscope::synth::random::Stream;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, pos2};
+use egui_kittest::kittest::Queryable;
+use ndarray::Array3;
+use std::path::{Path, PathBuf};
+
+/// A dark room with a bright lamp on the right, as a `.npy` stack: the noise grows with the light. Discs move by (1, 0).
+pub fn lamp(folder: &Path) -> PathBuf {
+    let (frames, height, width) = (8, 160, 240);
+    let mut stream = Stream::new(5, 0);
+    let blob = |u: f32, v: f32, at: (f32, f32), sigma: f32| {
+        (-((u - at.0).powi(2) + (v - at.1).powi(2)) / (2.0 * sigma * sigma)).exp()
+    };
+    let array = Array3::from_shape_fn((frames, height, width), |(t, v, u)| {
+        let (at, v) = (u as f32 - t as f32, v as f32);
+        let discs: f32 = [(40.0, 50.0), (90.0, 110.0), (60.0, 120.0)].iter().map(|d| blob(at, v, *d, 4.0)).sum();
+        let light = 0.03 + 0.6 * blob(u as f32, v, (180.0, 80.0), 34.0) + 0.06 * discs;
+        light + (0.004f32.powi(2) + 0.0015 * light).sqrt() * stream.normal() as f32
+    });
+    let path = folder.join("lamp.npy");
+    ndarray_npy::write_npy(&path, &array).unwrap();
+    path
+}
+
+/// The lamp, searched along a line.
+fn open(folder: &Path) -> Window {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::of(&lamp(folder)) };
+    start.startup.params =
+        DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
+    start.open()
+}
+
+fn shift(window: &mut Window, key: Key) {
+    window.harness.key_press_modifiers(Modifiers::SHIFT, key);
+    window.harness.run_steps(2);
+    window.settle();
+}
+
+#[test]
+fn the_local_noise_is_a_picture_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    window.slide("Slope u", 1.0);
+    shift(&mut window, Key::N);
+    let model = &window.app().model;
+    let cursor = *model.cursor();
+    assert_eq!(model.focused().content, Content::Map(MapKind::Noise));
+    let burst = &model.burst.as_ref().unwrap().burst;
+    let (params, monitor) = (&model.usable_params, Monitor::default());
+    let expected = gate_noise_map(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
+    let map = model.picture().unwrap().plane.clone();
+    assert_eq!(*map, expected);
+    assert!(map.at(180, 80) > 2.0 * map.at(30, 30), "it is stronger in the light");
+    // Its range is not the frames'.
+    let (own, frames) = (model.display_of(model.focus()), model.look.ranges.intensity);
+    assert!(own.max < 0.1 * frames.max && own.map != frames.map, "{own:?} {frames:?}");
+    assert!(window.shows("One range for all maps of the noise") && window.shows("Local noise"));
+    assert!(window.harness.query_by_label_contains("Colour bar: σ of the noise in D").is_some());
+    // The value has its unit.
+    let at = window.app().ui_from_image(pos2(180.0, 80.0)).unwrap();
+    window.harness.hover_at(at);
+    window.harness.run_steps(3);
+    assert!(window.shows("σ 0.0") && window.shows("of full scale"), "the status bar says what it is");
+    window.snapshot("noise_map");
+    // It follows the cursor in slope, octave and level.
+    window.slide("Slope u", -2.0);
+    window.key(Key::PageUp);
+    window.key(Key::CloseBracket);
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.focused().content, Content::Map(MapKind::Noise));
+    let coarser = &model.picture().unwrap().plane;
+    assert_eq!((coarser.width(), model.cursor().octave), (map.width() / 2, cursor.octave + 1));
+    // The frame slider shows frames again.
+    window.key(Key::Num1);
+    window.settle();
+    assert_eq!(window.app().model.focused().content, Content::Cursor);
+}
+
+#[test]
+fn coverage_is_a_share_of_the_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    window.slide("Slope u", 2.0);
+    shift(&mut window, Key::C);
+    let model = &window.app().model;
+    let burst = &model.burst.as_ref().unwrap().burst;
+    let expected = coverage_view(burst, &model.usable_params, model.cursor().slope, &Monitor::default()).unwrap();
+    let map = model.picture().unwrap().plane.clone();
+    assert_eq!(*map, expected);
+    assert_eq!((map.at(120, 80), map.at(0, 80)), (1.0, 0.5), "half of the frames reach the left border");
+    assert_eq!((model.display_of(model.focus()).min, model.display_of(model.focus()).max), (0.0, 1.0));
+    let at = window.app().ui_from_image(pos2(0.0, 80.0)).unwrap();
+    window.harness.hover_at(at);
+    window.harness.run_steps(3);
+    assert!(window.shows("50 % of the frames"));
+    window.harness.remove_cursor();
+    window.harness.run_steps(2);
+    window.snapshot("coverage_map");
+}
+
+#[test]
+fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    window.key(Key::S);
+    window.settle();
+    window.click("Menu of pane 2");
+    window.harness.run_steps(3);
+    window.harness.get_by_role_and_label(Role::RadioButton, "Local noise").click();
+    window.harness.run_steps(2);
+    window.key(Key::Escape);
+    window.settle();
+    let model = &window.app().model;
+    let second = model.panes.shown()[1];
+    assert_eq!(model.panes.get(second).unwrap().content, Content::Map(MapKind::Noise));
+    // The other pane shows the stack still.
+    assert_eq!(model.panes.get(model.panes.shown()[0]).unwrap().content, Content::Cursor);
+    let session = Session::of(model).unwrap();
+    let text = toml::to_string(&session).unwrap();
+    let read: Session = toml::from_str(&text).unwrap();
+    assert_eq!(read, session, "{text}");
+    assert!(text.contains("map = \"noise\""), "{text}");
+}

@@ -1,0 +1,275 @@
+//! The probe: asked by click, key and menu; what its panel says and does; slices through the frames.
+
+use crate::support::{Start, Window};
+use burstscope::app::pane::{Content, SliceAxis};
+use burstscope::app::project::cursor::ViewKind;
+use burstscope::detector::{NoiseGate, Slope, SlopeChoice, Test};
+use burstscope::engine::{BurstSource, Probed};
+use burstscope::inspect::suspicion::Kind;
+use burstscope::synth::Example;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, pos2};
+use egui_kittest::kittest::{NodeT, Queryable};
+
+fn demo() -> Window {
+    Start { size: [1280.0, 800.0], ..Start::default() }.open()
+}
+
+/// As it starts with an example of the Help menu: slopes are found unless the example has its own.
+fn example(example: Example) -> Window {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::automatic() };
+    start.startup.source = Some(BurstSource::Example(example));
+    start.open()
+}
+
+fn answer(window: &Window) -> &Probed {
+    let probe = &window.app().model.probe;
+    assert!(probe.is_current(), "{:?} {:?}", probe.question, probe.problem);
+    probe.answer.as_ref().unwrap()
+}
+
+fn shift(window: &mut Window, key: Key) {
+    window.harness.key_press_modifiers(Modifiers::SHIFT, key);
+    window.harness.run_steps(2);
+}
+
+fn shift_click(window: &mut Window, pos: Pos2) {
+    window.harness.hover_at(pos);
+    window.harness.run_steps(1);
+    for pressed in [true, false] {
+        let button = egui::PointerButton::Primary;
+        let event = egui::Event::PointerButton { pos, button, pressed, modifiers: Modifiers::SHIFT };
+        window.harness.event_modifiers(event, Modifiers::SHIFT);
+        window.harness.run_steps(1);
+    }
+    window.harness.run_steps(1);
+}
+
+/// The middle of an image of the panel.
+fn rect_of(window: &Window, label: &str) -> egui::Rect {
+    window.harness.get_by_role_and_label(Role::Image, label).rect()
+}
+
+#[test]
+fn a_feature_says_why_it_was_kept() {
+    let mut window = demo();
+    window.key(Key::Home);
+    window.click("Why?");
+    window.settle();
+    let fate = answer(&window).probe.subject_fate().expect("it is a candidate").clone();
+    assert!(fate.features.contains(&0), "{fate:?}");
+    // The window counts features from 1.
+    assert!(window.shows("Kept as feature 1"), "{}", fate.verdict);
+    for image in ["Response over slope and scale", "Patch of each frame", "Answer of each frame"] {
+        rect_of(&window, image);
+    }
+    let traced = answer(&window).request.traced.cache.clone();
+    assert_eq!(traced.detection().features, window.app().model.features(), "one search, or the same bits");
+    window.snapshot("probe_feature");
+    // A click in the map goes to that slope and scale.
+    let rect = rect_of(&window, "Response over slope and scale");
+    window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height()));
+    window.settle();
+    let (model, map) = (&window.app().model, &answer(&window).probe.response);
+    assert!(model.focused().shows(ViewKind::Dog));
+    assert!(map.columns.contains(&model.cursor().slope), "{:?}", model.cursor().slope);
+    assert!(map.row_of(model.cursor().octave, model.cursor().level).is_some());
+}
+
+#[test]
+fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
+    let mut window = demo();
+    // Features that are drawn would be probed in place of the places beside them.
+    window.app_mut().model.look.overlay = false;
+    let ui = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).unwrap();
+    let near = |window: &Window, u: f32, v: f32| {
+        let place = window.app().model.probe.place().expect("a place");
+        assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?} {u} {v}");
+    };
+    let pos = ui(&window, 300.0, 40.0);
+    shift_click(&mut window, pos);
+    window.settle();
+    near(&window, 300.0, 40.0);
+    assert!(window.shows("Place (300"), "the panel says where");
+    let pos = ui(&window, 200.0, 90.0);
+    window.harness.hover_at(pos);
+    window.harness.run_steps(2);
+    shift(&mut window, Key::P);
+    window.settle();
+    near(&window, 200.0, 90.0);
+    shift(&mut window, Key::F);
+    for u in [100.0, 140.0, 180.0] {
+        let pos = ui(&window, u, 60.0);
+        window.harness.hover_at(pos);
+        window.harness.run_steps(2);
+        window.settle();
+        near(&window, u, 60.0);
+        answer(&window);
+    }
+    // A click ends following, and the place stays.
+    let pos = ui(&window, 180.0, 60.0);
+    window.click_at(pos);
+    let pos = ui(&window, 260.0, 120.0);
+    window.harness.hover_at(pos);
+    window.harness.run_steps(2);
+    window.settle();
+    near(&window, 180.0, 60.0);
+    // In a frame the place under the pointer has moved on since mid-burst.
+    window.key(Key::Num1);
+    window.settle();
+    let (cursor, used) = (*window.app().model.cursor(), window.app().model.frame_count());
+    let later = cursor.frame as f32 - 0.5 * (used as f32 - 1.0);
+    let pos = ui(&window, 240.0, 100.0);
+    shift_click(&mut window, pos);
+    window.settle();
+    near(&window, 240.0 - later * cursor.slope.u, 100.0 - later * cursor.slope.v);
+    window.click("Clear probe");
+    assert!(window.app().model.probe.answer.is_none() && !window.app().model.probe.is_on());
+}
+
+#[test]
+fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
+    let mut window = example(Example::LowContrast);
+    let place = Example::LowContrast.place();
+    assert_eq!(answer(&window).probe.pos_image, place);
+    assert_eq!(window.app().model.slopes, SlopeChoice::Given);
+    window.snapshot("probe_low_contrast");
+    let fates = answer(&window).probe.fates.clone();
+    let lost = fates
+        .iter()
+        .position(|fate| {
+            fate.first_failed == Some(Test::NoiseGate) && fate.remedy.as_ref().is_some_and(|r| r.then_fails.is_none())
+        })
+        .expect("a candidate that only the gate takes");
+    assert!(lost < 6, "it is among the first that came far: {lost}");
+    let row = window.harness.query_all_by_role(Role::Button).find(|node| {
+        node.accesskit_node().label().is_some_and(|label| label.starts_with(&format!("Candidate {}:", lost + 1)))
+    });
+    row.expect("it is listed").click();
+    window.harness.run_steps(2);
+    window.settle();
+    assert_eq!(answer(&window).probe.subject_fate().map(|f| f.of_sample()), Some(fates[lost].of_sample()));
+    assert!(window.shows("Below the noise gate"));
+    let (before, change) = (window.app().model.params.clone(), fates[lost].remedy.clone().unwrap().change);
+    window.click(&format!("Apply {}", change.label()));
+    window.settle();
+    let gate = window.app().model.params.noise_gate;
+    assert!(matches!(gate, NoiseGate::Factor(_)) && gate != before.noise_gate);
+    let now = answer(&window);
+    assert!(!window.app().model.probe_is_stale());
+    let fate = now.probe.fates.iter().find(|f| f.of_sample() == fates[lost].of_sample()).expect("the same candidate");
+    assert_ne!(fate.first_failed, Some(Test::NoiseGate));
+    window.ctrl(Key::Z);
+    window.settle();
+    assert_eq!(window.app().model.params, before);
+    assert_eq!(window.app().model.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
+    // Another burst is searched at the slopes that are found in it again.
+    window.run_action("open demo burst");
+    window.settle();
+    assert!(window.app().model.slopes.is_auto() && window.app().model.probe.place().is_none());
+}
+
+#[test]
+fn garlands_are_suspected_to_be_aliases() {
+    let mut window = example(Example::Aliasing);
+    let suspicions = answer(&window).probe.suspicions.clone();
+    assert!(suspicions.iter().any(|s| s.kind == Kind::Alias), "{suspicions:?}");
+    assert!(window.shows("An alias?"));
+    window.snapshot("probe_aliasing");
+}
+
+#[test]
+fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() };
+    start.startup.params.detector.peak_threshold = 0.5;
+    let mut window = start.open();
+    window.click("Detect");
+    window.settle();
+    assert!(window.app().model.features().is_empty());
+    window.click("Probe the strongest candidate");
+    window.settle();
+    let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
+    assert_eq!(fate.first_failed, Some(Test::PeakThreshold));
+    // Without detecting after each change the answer waits, and says so.
+    let change = fate.remedy.expect("a lower threshold").change;
+    window.click(&format!("Apply {}", change.label()));
+    window.settle();
+    assert!(!window.app().model.probe_is_stale() && !window.app().model.features().is_empty());
+    window.app_mut().model.params.edge_threshold = 5.0;
+    window.harness.run_steps(2);
+    assert!(window.app().model.probe_is_stale() && window.shows("Stale: found with other parameters"));
+}
+
+#[test]
+fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
+    let mut window = demo();
+    // The moon, which stands still.
+    let pos = window.app().ui_from_image(pos2(92.0, 58.0)).unwrap();
+    shift_click(&mut window, pos);
+    window.settle();
+    window.run_action("stack and slice");
+    window.settle();
+    let shown = window.app().model.panes.shown();
+    let content = |window: &Window, place: usize| {
+        let panes = &window.app().model.panes;
+        panes.get(panes.shown()[place]).unwrap().content
+    };
+    assert_eq!(
+        (shown.len(), content(&window, 0), content(&window, 1)),
+        (2, Content::Cursor, Content::Slice(SliceAxis::Along))
+    );
+    window.snapshot("probe_slice");
+    let rect = rect_of(&window, "Slice along the motion");
+    // The first drag gives the pane the focus; the pointer then is where the line goes in the last row.
+    window.click_at(rect.center());
+    assert_eq!(window.app().model.panes.focus(), shown[1]);
+    let slopes = |window: &Window| -> Vec<Slope> {
+        shown.iter().map(|id| window.app().model.panes.get(*id).unwrap().cursor.slope).collect()
+    };
+    let before = slopes(&window);
+    let (from, to) = (rect.center() + egui::vec2(0.0, 60.0), rect.center() + egui::vec2(60.0, 60.0));
+    window.harness.hover_at(from);
+    window.harness.run_steps(1);
+    window.harness.drag_at(from);
+    window.harness.run_steps(1);
+    for part in [0.3, 0.6, 1.0] {
+        window.harness.hover_at(from + part * (to - from));
+        window.harness.run_steps(1);
+    }
+    window.harness.drop_at(to);
+    window.harness.run_steps(2);
+    window.settle();
+    let after = slopes(&window);
+    assert!(after[1].u > before[1].u + 0.5, "{before:?} {after:?}");
+    let moved = [0, 1].map(|i| after[i].u - before[i].u);
+    assert!((moved[0] - moved[1]).abs() < 1e-3, "the stack follows: {moved:?}");
+    window.ctrl(Key::Z);
+    assert_eq!(slopes(&window), before);
+    // A key moves the line too, and the pane stays a slice.
+    window.key(Key::ArrowRight);
+    assert_eq!(content(&window, 1), Content::Slice(SliceAxis::Along));
+    assert_ne!(slopes(&window)[1], before[1]);
+}
+
+#[test]
+fn a_session_comes_back_with_the_place_and_the_slice() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("probe.burstscope.toml");
+    let mut window = demo();
+    let pos = window.app().ui_from_image(pos2(92.0, 58.0)).unwrap();
+    shift_click(&mut window, pos);
+    window.run_action("stack and slice");
+    window.settle();
+    let place = window.app().model.probe.place();
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    let mut other = demo();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    let model = &other.app().model;
+    assert!(place.is_some() && model.probe.place() == place && model.probe.is_open);
+    assert_eq!(answer(&other).probe.pos_image, place.unwrap());
+    assert!(model.panes.iter().any(|(_, pane)| pane.content == Content::Slice(SliceAxis::Along)));
+}
