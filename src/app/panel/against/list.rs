@@ -63,11 +63,8 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
         for &kind in Kind::of(shown.with) {
             let mut on = model.against.shows(kind);
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
-            let changed = ui.horizontal(|ui| {
-                key_ui(ui, &shown, kind);
-                ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed()
-            });
-            if changed.inner {
+            key_ui(ui, &shown, kind);
+            if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
                 model.against.hidden.retain(|hidden| *hidden != kind);
                 if !on {
                     model.against.hidden.push(kind);
