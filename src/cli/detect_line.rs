@@ -73,7 +73,7 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::{Cli, Command};
+    use crate::cli::commands::{Cli, Command};
     use crate::detector::{
         DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
         Slope, SlopeExtrema, SlopeGrid, SlopeNeighbours,

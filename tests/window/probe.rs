@@ -9,7 +9,7 @@ use burstscope::inspect::suspicion::Kind;
 use burstscope::synth::Example;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 
 fn demo() -> Window {
     Start { size: [1280.0, 800.0], ..Start::default() }.open()

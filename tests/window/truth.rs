@@ -35,6 +35,11 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     window.settle();
     assert!(window.shows(&expected.missed[0].why));
     window.snapshot("truth");
+    window.click("Why here?");
+    window.settle();
+    let place = window.app().model.probe.place().expect("the place is probed");
+    let miss = &truth.features[expected.missed[0].disc];
+    assert!((f64::from(place[0]) - miss.u).abs() < 0.01 && (f64::from(place[1]) - miss.v).abs() < 0.01);
 }
 
 #[test]

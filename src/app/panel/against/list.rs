@@ -37,6 +37,8 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     }
 }
 
+const PROBE_HELP: &str = "Say why there is a feature at its place, or why there is none";
+
 /// Draws the list, or why there is none.
 pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| switch_ui(ui, model, queue));
@@ -52,15 +54,17 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
         if model.shown_comparison().is_none() {
             ui.weak("(of the features before)");
         }
+        if let Some(row) = model.against.selected.and_then(|row| shown.rows.get(row))
+            && ui.small_button("Why here?").on_hover_text(PROBE_HELP).clicked()
+        {
+            model.probe_place(row.pos_image);
+        }
         ui.separator();
         for &kind in Kind::of(shown.with) {
             let mut on = model.against.shows(kind);
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
-            let changed = ui.horizontal(|ui| {
-                key_ui(ui, &shown, kind);
-                ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed()
-            });
-            if changed.inner {
+            key_ui(ui, &shown, kind);
+            if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
                 model.against.hidden.retain(|hidden| *hidden != kind);
                 if !on {
                     model.against.hidden.push(kind);
@@ -68,7 +72,11 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
             }
         }
     });
-    if let Some(row) = table_ui(ui, model, &shown) {
+    let (clicked, probed) = table_ui(ui, model, &shown);
+    if let Some(row) = probed.and_then(|row| shown.rows.get(row)) {
+        model.probe_place(row.pos_image);
+    }
+    if let Some(row) = clicked {
         let selected = (model.against.selected != Some(row)).then_some(row);
         select(model, &shown, selected);
         if let Some(row) = selected.and_then(|row| shown.rows.get(row)) {
@@ -85,10 +93,10 @@ fn what_to_do(model: &Model) -> &'static str {
     }
 }
 
-/// Draws the rows; answers the one that was clicked.
-fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> Option<usize> {
+/// Draws the rows; answers the one that was clicked, and the one whose place is to be probed.
+fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Option<usize>) {
     let listed: Vec<usize> = (0..shown.rows.len()).filter(|&row| model.against.shows(shown.rows[row].kind)).collect();
-    let (mut clicked, mut hovered) = (None, None);
+    let (mut clicked, mut hovered, mut probed) = (None, None, None);
     let table = TableBuilder::new(ui)
         .striped(true)
         .sense(Sense::click())
@@ -135,13 +143,18 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> Option<usize> {
                 if response.clicked() {
                     clicked = Some(index);
                 }
+                response.context_menu(|ui| {
+                    if ui.button("Probe this place").on_hover_text(PROBE_HELP).clicked() {
+                        probed = Some(index);
+                    }
+                });
                 if !row.note.is_empty() {
                     response.on_hover_text(&row.note);
                 }
             });
         });
     model.against.hovered = hovered.or(model.against.hovered);
-    clicked
+    (clicked, probed)
 }
 
 fn cells(row: &Row) -> [String; 5] {

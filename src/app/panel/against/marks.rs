@@ -33,7 +33,9 @@ fn marks_of(model: &Model, shown: &Shown, picture: Option<&Picture>) -> (Vec<usi
 pub fn marks_ui(ui: &Ui, model: &mut Model, shown: &Shown, picture: Option<&Picture>, output: &CanvasOutput) {
     let (rows, marks) = marks_of(model, shown, picture);
     let clip = output.painter.clip_rect();
-    let pointer = output.pointer_ui.filter(|pos| clip.contains(*pos));
+    // Candidates lie on top.
+    let on_top = model.explained.pointed.is_none();
+    let pointer = output.pointer_ui.filter(|pos| on_top && clip.contains(*pos));
     let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));
     if pointer.is_some() {
         model.against.hovered = pointed.map(|mark| rows[mark]);
@@ -44,7 +46,10 @@ pub fn marks_ui(ui: &Ui, model: &mut Model, shown: &Shown, picture: Option<&Pict
     let highlighted = focus.and_then(|row| rows.iter().position(|r| *r == row));
     let highlighted = highlighted.or_else(|| model.hovered.or(model.selected).and_then(of_ours));
     draw_compared(output, &marks, highlighted);
-    if output.response.clicked() && output.response.interact_pointer_pos().is_none_or(|pos| clip.contains(pos)) {
+    if on_top
+        && output.response.clicked()
+        && output.response.interact_pointer_pos().is_none_or(|pos| clip.contains(pos))
+    {
         select(model, shown, pointed.map(|mark| rows[mark]));
     }
     if let Some(mark) = pointed.filter(|_| !output.response.dragged()) {
