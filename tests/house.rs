@@ -390,3 +390,21 @@ fn circles_are_found() {
     assert!(circle(&name("a"), &uses).is_some_and(|way| way.len() == 3), "a → b::c → d → a");
     assert!(circle(&name("e"), &uses).is_none() && circle(&name("b"), &uses).is_none());
 }
+
+/// A name says which answer, which pair: these words alone say nothing.
+#[test]
+fn no_type_is_called_only_answer_found_pair_or_job() {
+    for (module, code) in modules() {
+        for line in code.lines() {
+            let mut words = line.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty());
+            let kind = words.find(|word| !["pub", "crate", "super", "in"].contains(word));
+            let is_type = kind.is_some_and(|kind| ["struct", "enum", "type", "trait"].contains(&kind));
+            let name = words.next().unwrap_or_default();
+            assert!(
+                !(is_type && ["Answer", "Found", "Pair", "Job"].contains(&name)),
+                "{}: say which {name} it is: {line}",
+                module.join("::")
+            );
+        }
+    }
+}

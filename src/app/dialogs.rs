@@ -228,7 +228,7 @@ impl FileDialogs for SystemDialogs {
 
 /// What came of a question.
 #[derive(Debug, Clone)]
-pub enum Answer {
+pub enum FileAnswer {
     /// Files were chosen.
     Chosen(Purpose, Vec<PathBuf>),
     /// The person chose nothing.
@@ -243,8 +243,8 @@ const TOO_QUICK_FOR_A_PERSON: Duration = Duration::from_millis(350);
 /// Asks questions on threads of their own and collects the answers.
 pub struct Desk {
     dialogs: Arc<dyn FileDialogs>,
-    sender: mpsc::Sender<Answer>,
-    receiver: mpsc::Receiver<Answer>,
+    sender: mpsc::Sender<FileAnswer>,
+    receiver: mpsc::Receiver<FileAnswer>,
     on_update: OnUpdate,
     open: usize,
 }
@@ -268,9 +268,9 @@ impl Desk {
             .spawn(move || {
                 let asked = Instant::now();
                 let answer = match dialogs.ask(&question) {
-                    Some(paths) if !paths.is_empty() => Answer::Chosen(question.purpose, paths),
-                    _ if asked.elapsed() < TOO_QUICK_FOR_A_PERSON => Answer::NoDialog(question),
-                    _ => Answer::Nothing,
+                    Some(paths) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),
+                    _ if asked.elapsed() < TOO_QUICK_FOR_A_PERSON => FileAnswer::NoDialog(question),
+                    _ => FileAnswer::Nothing,
                 };
                 // The window may be gone by now; then nobody wants the answer.
                 let _ = sender.send(answer);
@@ -280,8 +280,8 @@ impl Desk {
     }
 
     /// Answers that came since the last call.
-    pub fn take_answers(&mut self) -> Vec<Answer> {
-        let answers: Vec<Answer> = self.receiver.try_iter().collect();
+    pub fn take_answers(&mut self) -> Vec<FileAnswer> {
+        let answers: Vec<FileAnswer> = self.receiver.try_iter().collect();
         self.open -= answers.len();
         answers
     }
@@ -409,7 +409,7 @@ mod tests {
         }
     }
 
-    fn answer_of(dialogs: Answers) -> Answer {
+    fn answer_of(dialogs: Answers) -> FileAnswer {
         let mut desk = Desk::new(Arc::new(dialogs), Arc::new(|| {}));
         desk.ask(Question { purpose: Purpose::OpenFolder, suggested_name: String::new(), folder: None });
         assert!(desk.is_asking());
@@ -426,8 +426,8 @@ mod tests {
 
     #[test]
     fn an_instant_nothing_means_that_there_was_no_dialog() {
-        assert!(matches!(answer_of(Answers(None)), Answer::NoDialog(_)));
+        assert!(matches!(answer_of(Answers(None)), FileAnswer::NoDialog(_)));
         let chosen = answer_of(Answers(Some(vec!["/x".into()])));
-        assert!(matches!(chosen, Answer::Chosen(Purpose::OpenFolder, paths) if paths == [PathBuf::from("/x")]));
+        assert!(matches!(chosen, FileAnswer::Chosen(Purpose::OpenFolder, paths) if paths == [PathBuf::from("/x")]));
     }
 }

@@ -1,7 +1,7 @@
 //! What the window does with files: asks for them, opens, restores, loads and writes them.
 
 use super::dataset::Which;
-use super::dialogs::{Answer, ExportKind, PathField, Purpose, Question};
+use super::dialogs::{ExportKind, FileAnswer, PathField, Purpose, Question};
 use super::session::Session;
 use super::window::BurstscopeApp;
 use crate::app::pane::Content;
@@ -17,9 +17,9 @@ impl BurstscopeApp {
     pub(super) fn take_answers(&mut self) {
         for answer in self.desk.take_answers() {
             match answer {
-                Answer::Chosen(purpose, paths) => self.use_files(purpose, paths),
-                Answer::Nothing => {}
-                Answer::NoDialog(question) => {
+                FileAnswer::Chosen(purpose, paths) => self.use_files(purpose, paths),
+                FileAnswer::Nothing => {}
+                FileAnswer::NoDialog(question) => {
                     let text = if question.purpose.saves() { question.suggested_name } else { String::new() };
                     self.overlays.path_field = Some(PathField::new(question.purpose, text, true));
                 }

@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// The JSON document.
 #[derive(Serialize)]
-struct Answer<'a> {
+struct ColmapDocument<'a> {
     version: &'static str,
     command: &'static str,
     params: &'a SearchParams,
@@ -69,7 +69,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     said?;
     let next = next_commands(&args.out);
     console.say(&summary(&report, &next))?;
-    console.say_json(&Answer {
+    console.say_json(&ColmapDocument {
         version: env!("CARGO_PKG_VERSION"),
         command: "colmap",
         params: &job.features.detector,

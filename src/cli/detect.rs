@@ -14,13 +14,13 @@ use std::path::Path;
 use std::time::Instant;
 
 /// What is done with every burst: how its features are found and what is written of them.
-pub(super) struct Job<'a> {
+pub(super) struct DetectJob<'a> {
     out: &'a Path,
     formats: Vec<ExportFormat>,
     params: &'a SearchParams,
 }
 
-impl<'a> Job<'a> {
+impl<'a> DetectJob<'a> {
     /// Features found with `params`, written into the folder `out` in `formats`.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl<'a> Job<'a> {
 
 pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
-    let job = Job::new(&args.out, &args.format, &params)?;
+    let job = DetectJob::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
     let options = open_options(&inputs, args.bias.bias.as_ref())?;
@@ -75,7 +75,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,
-    job: &Job<'_>,
+    job: &DetectJob<'_>,
     console: &Console,
 ) -> Result<(BurstReport, Burst, Detection), Failure> {
     let (name, paths) = (input.name.clone(), input.paths());

@@ -101,7 +101,7 @@ struct AddedNoise {
 }
 
 #[derive(Serialize)]
-struct Answer<'a> {
+struct MatchesDocument<'a> {
     noise: Option<AddedNoise>,
     #[serde(flatten)]
     report: &'a MatchReport,
@@ -163,7 +163,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         frame_noise: e.camera.sigma(e.mean_signal),
     });
     console.say(&table(&report, noise))?;
-    console.say_json(&Document::new("evaluate matches", &Answer { noise, report: &report }))
+    console.say_json(&Document::new("evaluate matches", &MatchesDocument { noise, report: &report }))
 }
 
 fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<MatchMethod>, Failure> {

@@ -64,7 +64,7 @@ JSON (--json):
    \"pairs\": [{\"label\", \"true_centre\": [x, y, z], \"aligned_centre\", \"translation_error\", \"rotation_error_deg\"}]}";
 
 #[derive(Serialize)]
-struct Answer<'a> {
+struct PosesDocument<'a> {
     estimate: &'a Path,
     truth: &'a Path,
     images_pass_percent: f64,
@@ -82,7 +82,7 @@ pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
         console.say(&format!("took {}, the largest of {} parts\n", model.folder.display(), model.other_models + 1))?;
     }
     console.say(&table(&report))?;
-    let answer = Answer {
+    let answer = PosesDocument {
         estimate: &args.estimate,
         truth: &args.truth,
         images_pass_percent: report.images_pass_percent(),

@@ -1,7 +1,7 @@
 //! `match`: two bursts, their features, and which of them belong together.
 
 use super::console::Console;
-use super::detect::{Job, detect_burst};
+use super::detect::{DetectJob, detect_burst};
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_pair};
 use super::match_args::MatchArgs;
@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 /// The JSON document.
 #[derive(Serialize)]
-struct Answer<'a> {
+struct MatchDocument<'a> {
     version: &'static str,
     command: &'static str,
     params: &'a SearchParams,
@@ -61,7 +61,7 @@ struct Files<'a> {
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let matching = args.matching.params()?;
-    let job = Job::new(&args.out, &args.format, &params)?;
+    let job = DetectJob::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.output)?;
     let inputs = resolve_pair(&args.a, &args.b)?;
     let options = open_options(&inputs, args.bias.bias.as_ref())?;
@@ -92,7 +92,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let model = result.verification.as_ref().and_then(|v| v.model.as_ref());
     console.say(&summary(&result.counts, &matching, model.is_some()))?;
     console.say(&format!("  wrote        {}\n  wrote        {}\n", matches.display(), picture.display()))?;
-    console.say_json(&Answer {
+    console.say_json(&MatchDocument {
         version: env!("CARGO_PKG_VERSION"),
         command: "match",
         params: &params,

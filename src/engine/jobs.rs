@@ -4,7 +4,7 @@
 //! the answers are polled. Beside the one answer at the end, work may tell of what is finished on the way.
 
 use super::fault::{self, JobError};
-use super::queue::{Job, JobId, JobKey, JobQueue, Priority, Publish, Standing};
+use super::queue::{JobId, JobKey, JobQueue, Priority, Publish, QueuedJob, Standing};
 use super::{OnUpdate, Running};
 use crate::monitor::Monitor;
 use std::convert::Infallible;
@@ -160,7 +160,7 @@ struct TypedJob<Q, A, P> {
     shared: Arc<Shared<Q, A, P>>,
 }
 
-impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Job for TypedJob<Q, A, P> {
+impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for TypedJob<Q, A, P> {
     fn run(self: Box<Self>, id: JobId, thread: &str, monitor: &Monitor) -> Publish {
         let Self { request, slot, grace, shared } = *self;
         let started = Instant::now();

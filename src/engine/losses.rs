@@ -7,7 +7,7 @@ use super::pair::MatchRequest;
 use super::picture::{Picture, PictureRequest};
 use super::picture_jobs::{PICTURE_GRACE, SharedCache};
 use super::queue::{JobQueue, Priority};
-use crate::inspect::unmatched::{Losses, Lost, NearestOfBoth, Pair};
+use crate::inspect::unmatched::{ComparedPair, Losses, Lost, NearestOfBoth};
 use crate::matching::MatchResult;
 use std::sync::Arc;
 use std::time::Duration;
@@ -30,9 +30,9 @@ impl LossesRequest {
     }
 
     /// The same as [`crate::inspect::unmatched`] wants it.
-    pub fn pair(&self) -> Pair<'_> {
+    pub fn pair(&self) -> ComparedPair<'_> {
         let MatchRequest { a, b, params } = &self.request;
-        Pair { a, b, size_b: self.size_b, result: &self.result, params }
+        ComparedPair { a, b, size_b: self.size_b, result: &self.result, params }
     }
 }
 

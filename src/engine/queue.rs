@@ -58,7 +58,7 @@ pub struct JobKey {
 }
 
 /// Work that waits: it is run or ended without, once.
-pub(super) trait Job: Send {
+pub(super) trait QueuedJob: Send {
     /// Does the work on a thread with the given name. What it returns publishes the answer, or [`JobError::Superseded`]
     /// in its place.
     fn run(self: Box<Self>, id: JobId, thread: &str, monitor: &Monitor) -> Publish;
@@ -86,7 +86,7 @@ struct WaitingJob {
     id: JobId,
     priority: Priority,
     grace: Duration,
-    job: Box<dyn Job>,
+    job: Box<dyn QueuedJob>,
 }
 
 struct RunningJob {
@@ -199,7 +199,7 @@ impl JobQueue {
     }
 
     /// Asks under `key`, in place of what waits under it, and supersedes what runs under it.
-    pub(super) fn submit(&self, key: JobKey, priority: Priority, grace: Duration, job: Box<dyn Job>) -> JobId {
+    pub(super) fn submit(&self, key: JobKey, priority: Priority, grace: Duration, job: Box<dyn QueuedJob>) -> JobId {
         let mut state = self.shared.lock();
         let id = state.next_id();
         let new = WaitingJob { key, id, priority, grace, job };

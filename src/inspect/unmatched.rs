@@ -74,7 +74,7 @@ const SAME_SCALE: f32 = 2.0;
 
 /// The pair that is asked about: both detections, what came of matching them, and with which parameters.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair<'a> {
+pub struct ComparedPair<'a> {
     /// Image A.
     pub a: &'a Detection,
     /// Image B.
@@ -87,7 +87,7 @@ pub struct Pair<'a> {
     pub params: &'a MatchParams,
 }
 
-impl Pair<'_> {
+impl ComparedPair<'_> {
     fn model(&self) -> Option<&TwoViewModel> {
         self.result.verification.as_ref()?.model.as_ref()
     }
@@ -136,7 +136,7 @@ pub struct NearestOfBoth {
 /// A pair that is ready to be asked: the nearest descriptors of both sides are known.
 #[derive(Debug)]
 pub struct Losses<'a> {
-    pair: Pair<'a>,
+    pair: ComparedPair<'a>,
     nearest: Arc<NearestOfBoth>,
     matched: Vec<Option<usize>>,
 }
@@ -146,14 +146,14 @@ impl<'a> Losses<'a> {
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
-    pub fn new(pair: Pair<'a>, monitor: &Monitor) -> Result<Self, Cancelled> {
+    pub fn new(pair: ComparedPair<'a>, monitor: &Monitor) -> Result<Self, Cancelled> {
         let (a, b) = (&pair.a.descriptors, &pair.b.descriptors);
         let (of_a, of_b) = (nearest_two(a, b, monitor)?, nearest_two(b, a, monitor)?);
         Ok(Self::again(pair, Arc::new(NearestOfBoth { of_a, of_b })))
     }
 
     /// The same with what an earlier look at the same pair found.
-    pub fn again(pair: Pair<'a>, nearest: Arc<NearestOfBoth>) -> Self {
+    pub fn again(pair: ComparedPair<'a>, nearest: Arc<NearestOfBoth>) -> Self {
         Self { pair, nearest, matched: pair.matched() }
     }
 
@@ -261,7 +261,7 @@ fn rank_name(index: usize) -> String {
 }
 
 fn sentence(
-    pair: Pair<'_>,
+    pair: ComparedPair<'_>,
     lost: Lost,
     candidates: &[Rivalry],
     preferred: Option<usize>,

@@ -64,7 +64,7 @@ impl WeightedRows {
             }
             return;
         }
-        self.arch.dispatch(Job { taps, width, columns, rows, between, here, shifted, out, stride });
+        self.arch.dispatch(RowsJob { taps, width, columns, rows, between, here, shifted, out, stride });
     }
 }
 
@@ -78,7 +78,7 @@ fn short_row(taps: &[Tap<'_>], row: usize, between: bool, out: &mut [f32]) {
     }
 }
 
-struct Job<'a> {
+struct RowsJob<'a> {
     taps: &'a [Tap<'a>],
     width: usize,
     /// At least [`LONGEST`].
@@ -92,7 +92,7 @@ struct Job<'a> {
     stride: usize,
 }
 
-impl WithSimd for Job<'_> {
+impl WithSimd for RowsJob<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -4,7 +4,7 @@ use super::probing::{cache, slopes_of};
 use burstscope::detector::{DetectorParams, Distinct, NoiseGate, SlopeGrid, Test};
 use burstscope::inspect::changes::{Spot, compare};
 use burstscope::inspect::truth::{AgainstTruth, TruthError, against_truth, read_truth, truth_of};
-use burstscope::inspect::unmatched::{Losses, Lost, Pair};
+use burstscope::inspect::unmatched::{ComparedPair, Losses, Lost};
 use burstscope::matching::{Geometry, MatchParams, match_detections};
 use burstscope::synth::examples::{Example, disc_place};
 use burstscope::synth::{ChartParams, demo_burst, later_demo_burst, synth_chart, write_burst};
@@ -110,7 +110,8 @@ fn every_feature_was_lost_somewhere_or_not_at_all() {
     for geometry in [Geometry::Fundamental, Geometry::Homography, Geometry::None] {
         let matching = MatchParams { geometry, ..MatchParams::default() };
         let result = match_detections(a.detection(), b.detection(), &matching, &Monitor::default()).expect("matched");
-        let pair = Pair { a: a.detection(), b: b.detection(), size_b: (480, 360), result: &result, params: &matching };
+        let pair =
+            ComparedPair { a: a.detection(), b: b.detection(), size_b: (480, 360), result: &result, params: &matching };
         let losses = Losses::new(pair, &Monitor::default()).expect("not cancelled");
         let counts = losses.counts(&Monitor::default()).expect("not cancelled");
         let of = |lost: Lost| counts[lost as usize].1;

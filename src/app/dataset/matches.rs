@@ -5,10 +5,10 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// Two bursts by their places, the earlier one first.
-pub type Pair = (usize, usize);
+pub type BurstPair = (usize, usize);
 
 /// The pair of the bursts at two different places.
-pub fn pair_of(a: usize, b: usize) -> Option<Pair> {
+pub fn pair_of(a: usize, b: usize) -> Option<BurstPair> {
     (a != b).then_some((a.min(b), a.max(b)))
 }
 
@@ -101,7 +101,7 @@ impl PairOrder {
 /// The pairs that were matched.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PairTable {
-    counts: BTreeMap<Pair, MatchCounts>,
+    counts: BTreeMap<BurstPair, MatchCounts>,
     params: MatchParams,
     /// The order of the list.
     pub order: PairOrder,
@@ -132,12 +132,12 @@ impl PairTable {
     }
 
     /// Takes the numbers of a pair.
-    pub fn take(&mut self, pair: Pair, counts: MatchCounts) {
+    pub fn take(&mut self, pair: BurstPair, counts: MatchCounts) {
         self.counts.insert(pair, counts);
     }
 
     /// The numbers of a pair, if it was matched.
-    pub fn get(&self, pair: Pair) -> Option<&MatchCounts> {
+    pub fn get(&self, pair: BurstPair) -> Option<&MatchCounts> {
         self.counts.get(&pair)
     }
 
@@ -162,8 +162,8 @@ impl PairTable {
     }
 
     /// The pairs in the list's order.
-    pub fn listed(&self) -> Vec<(Pair, MatchCounts)> {
-        let mut rows: Vec<(Pair, MatchCounts)> = self.counts.iter().map(|(p, c)| (*p, *c)).collect();
+    pub fn listed(&self) -> Vec<(BurstPair, MatchCounts)> {
+        let mut rows: Vec<(BurstPair, MatchCounts)> = self.counts.iter().map(|(p, c)| (*p, *c)).collect();
         let column = self.order.column;
         let by_value = |a: &MatchCounts, b: &MatchCounts| match (column.value(a), column.value(b)) {
             (Some(a), Some(b)) => a.total_cmp(&b),

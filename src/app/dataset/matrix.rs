@@ -1,7 +1,7 @@
 //! The matrix of matches: a row and a column for each burst, in each cell how many inliers the two have, as a colour and a number.
 
 use super::filmstrip::{SIDES, side_colour};
-use super::matches::{Pair, PairTable, pair_of};
+use super::matches::{BurstPair, PairTable, pair_of};
 use super::model::{BurstState, Dataset};
 use crate::app::panel::widgets::middle_elided;
 use crate::app::style;
@@ -52,7 +52,7 @@ impl Grid {
 }
 
 /// Draws the matrix. A click selects a pair; answers the pair that was clicked twice, which is to be opened.
-pub fn matrix_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<Pair> {
+pub fn matrix_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
     let count = dataset.bursts.len();
     let cell = Grid::cell_side(count, ui.available_size() - vec2(12.0, 12.0));
     let side = count as f32 * cell;
@@ -117,7 +117,7 @@ fn move_selection(ui: &Ui, dataset: &mut Dataset, response: &Response) {
 }
 
 /// A pair in words.
-pub fn pair_text(dataset: &Dataset, pair: Pair) -> String {
+pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
     let name = |place: usize| dataset.bursts.get(place).map_or("?", |b| b.name.as_str());
     let names = format!("{} – {}", name(pair.0), name(pair.1));
     let Some(counts) = dataset.matches.get(pair) else { return format!("{names}\nnot matched yet") };

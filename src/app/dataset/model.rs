@@ -1,6 +1,6 @@
 //! What the window knows of a dataset, as plain values.
 
-use super::matches::{Pair, PairTable, pair_of};
+use super::matches::{BurstPair, PairTable, pair_of};
 use crate::burst::BurstSource;
 use crate::dataset::{DatasetSource, FinishedBurst, image_name};
 use crate::detector::SearchParams;
@@ -252,13 +252,13 @@ impl Dataset {
     }
 
     /// The pair of A and B, if both are chosen.
-    pub fn selected(&self) -> Option<Pair> {
+    pub fn selected(&self) -> Option<BurstPair> {
         let [a, b] = self.pair;
         pair_of(a?, b?)
     }
 
     /// Makes the earlier burst of a pair A and the later one B.
-    pub fn select(&mut self, (a, b): Pair) {
+    pub fn select(&mut self, (a, b): BurstPair) {
         self.pair = [Some(a), Some(b)];
     }
 

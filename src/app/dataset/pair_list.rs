@@ -1,6 +1,6 @@
 //! The list of matched pairs: a click on a heading sorts, a click on a row selects, a second one opens.
 
-use super::matches::{Pair, PairColumn};
+use super::matches::{BurstPair, PairColumn};
 use super::model::Dataset;
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
@@ -9,7 +9,7 @@ const ROW_HEIGHT: f32 = 18.0;
 const COLUMN_WIDTH: f32 = 50.0;
 
 /// Draws the list. Answers the pair that was clicked twice.
-pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<Pair> {
+pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
     if dataset.matches.is_empty() {
         ui.centered_and_justified(|ui| ui.weak("Match pairs to see them here"));
         return None;
@@ -18,7 +18,7 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<Pair> {
     let selected = dataset.selected();
     let (mut order, mut clicked, mut opened) = (dataset.matches.order, None, None);
     let scroll_id = ui.scope_id().with("scrolled to");
-    let scrolled_to: Option<Pair> = ui.data(|d| d.get_temp(scroll_id)).flatten();
+    let scrolled_to: Option<BurstPair> = ui.data(|d| d.get_temp(scroll_id)).flatten();
     ui.spacing_mut().item_spacing.x = 2.0;
     let mut table = TableBuilder::new(ui)
         .striped(true)

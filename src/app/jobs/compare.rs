@@ -1,7 +1,7 @@
 //! What the window does to compare methods: takes what the worker found, and gives it the next piece of work that is missing.
 
 use crate::app::histogram::PERCENTILES;
-use crate::app::project::compare::{Busy, Gold, Job, MethodFound};
+use crate::app::project::compare::{Busy, CompareJob, Gold, MethodFound};
 use crate::app::project::pair::{Matches, Side};
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
@@ -12,7 +12,7 @@ use crate::plane::statistics::{Region, percentiles};
 /// What the worker was given.
 #[derive(Default)]
 pub(in crate::app) struct CompareAsked {
-    job: Option<(JobId, Job)>,
+    job: Option<(JobId, CompareJob)>,
     /// A gold standard that is being opened, and on which side.
     opening: Option<(JobId, Side)>,
     /// Gold standards that are to be opened.

@@ -1,7 +1,7 @@
 //! What the window asks the engine to do with a dataset, and what it does with the answers.
 
 use crate::app::dataset::cut::CutDialog;
-use crate::app::dataset::matches::Pair;
+use crate::app::dataset::matches::BurstPair;
 use crate::app::dataset::model::{Dataset, Work};
 use crate::app::dataset::trajectories::Which;
 use crate::app::project::workspace::Workspace;
@@ -131,7 +131,7 @@ impl BurstscopeApp {
         }
     }
 
-    fn start_matching_pairs(&mut self, pairs: Vec<Pair>) {
+    fn start_matching_pairs(&mut self, pairs: Vec<BurstPair>) {
         let matching = self.model.pair.params.clone();
         let Some(dataset) = &mut self.model.datasets.open else { return };
         dataset.matches.begin(&matching);

@@ -3,7 +3,7 @@
 
 use crate::app::canvas::number as in_digits;
 use crate::app::pane::Content;
-use crate::app::project::{Found, Model};
+use crate::app::project::{FoundFeatures, Model};
 use crate::detector::noise_model::NoiseModel;
 use crate::engine::MapKind;
 use crate::plane::colour_map::ColourMap;
@@ -77,7 +77,7 @@ fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
 }
 
 /// What does not hold of what the search assumes of the noise.
-pub fn warnings_ui(ui: &mut Ui, found: &Found) {
+pub fn warnings_ui(ui: &mut Ui, found: &FoundFeatures) {
     for warning in &found.detection.noise.warnings {
         ui.add_space(4.0);
         let text = RichText::new(format!("Noise: {}.", warning.text)).color(crate::app::style::warning(ui));

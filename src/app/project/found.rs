@@ -5,13 +5,14 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::detector::{Advice, Detection, DetectorParams, Feature, SearchParams, Slope, SlopeFinding, explain};
 use crate::engine::{Detected, OpenBurst};
+use crate::inspect::spectrum::{features_at_slopes, slope_with_most_features};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
 /// Features of the open burst, with what they were made from.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub struct FoundFeatures {
     /// What was asked for.
     pub asked: SearchParams,
     /// The parameters they were made with: where slopes were to be found, with those that were.
@@ -26,7 +27,7 @@ pub struct Found {
     pub advice: Option<Advice>,
 }
 
-impl Found {
+impl FoundFeatures {
     /// What the engine answered after `elapsed` for `burst`.
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
         let Detected { asked, params, finding, detection, .. } = detected;
@@ -63,7 +64,7 @@ impl Model {
     /// Takes the features, unless they are of another burst. The selection is kept where the same feature was found again.
     pub fn take_detection(&mut self, detected: Detected, elapsed: Duration) {
         let Some(burst) = self.burst.as_ref().filter(|burst| burst.id == detected.burst) else { return };
-        let found = Found::new(detected, burst, elapsed);
+        let found = FoundFeatures::new(detected, burst, elapsed);
         let keep = self.reselect.take().or_else(|| self.saved_selection());
         if self.slopes.is_auto() && found.asked.slopes == self.slopes {
             self.params.slopes = found.params.slopes;
@@ -142,22 +143,7 @@ impl Model {
         let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };
         let grid = found.detection.slopes;
-        let mut counts = vec![0usize; grid.len()];
-        for feature in &found.detection.features {
-            if let Some(count) = counts.get_mut(feature.slope_index) {
-                *count += 1;
-            }
-        }
-        // The last of equals loses, so that the answer does not depend on the order of equal counts.
-        // Those at the limit are mostly of motions beyond it, so they count only where there are no others.
-        let is_inner = |index: usize| {
-            let (i, j) = grid.coordinates(index);
-            counts[index] > 0 && !grid.on_rim(i, j)
-        };
-        let any_inner = (0..counts.len()).any(is_inner);
-        let wanted = counts.iter().enumerate().filter(|(index, _)| !any_inner || is_inner(*index));
-        let busiest = wanted.max_by_key(|(i, count)| (**count, std::cmp::Reverse(*i)));
-        if let Some((index, &count)) = busiest.filter(|(_, count)| **count > 0) {
+        if let Some((index, count)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
             let slope = grid.slope(index);
             self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);
             let Slope { u, v } = slope;

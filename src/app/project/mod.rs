@@ -21,7 +21,7 @@ pub mod probe;
 pub mod side;
 pub mod workspace;
 
-pub use found::{Found, SavedSelection, Stale};
+pub use found::{FoundFeatures, SavedSelection, Stale};
 
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::dataset::{Datasets, Trajectories};
@@ -37,7 +37,7 @@ use filter::{Column, Filter};
 use look::Look;
 use messages::Messages;
 use order::Order;
-use pair::Pair;
+use pair::PairState;
 use probe::ProbeModel;
 use serde::{Deserialize, Serialize};
 use workspace::Workspace;
@@ -114,7 +114,7 @@ pub struct Model {
     /// The motion-stack image at the selected feature's slope.
     pub patch: Option<Picture>,
     /// The features of the open burst.
-    pub found: Option<Found>,
+    pub found: Option<FoundFeatures>,
     /// Index of the selected feature.
     pub selected: Option<usize>,
     /// Index of the feature under the pointer, in the picture or in the table.
@@ -142,7 +142,7 @@ pub struct Model {
     /// The open tab below the picture.
     pub bottom_tab: BottomTab,
     /// The second burst, and the matches with it.
-    pub pair: Pair,
+    pub pair: PairState,
     /// Several methods on the same burst.
     pub compare: Compare,
     /// The features of the burst beside others.

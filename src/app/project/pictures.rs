@@ -5,7 +5,7 @@ use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::{RangeClass, Ranges};
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{Found, Model};
+use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Slope};
 use crate::engine::{JobError, OpenBurst, Picture, PictureKind, PictureRequest};
 use crate::plane::display::Display;
@@ -59,7 +59,7 @@ impl Model {
     }
 
     /// The features of `side`.
-    pub fn found_of(&self, side: Side) -> Option<&Found> {
+    pub fn found_of(&self, side: Side) -> Option<&FoundFeatures> {
         match side {
             Side::A => self.found.as_ref(),
             Side::B => self.pair.b.found.as_ref(),

@@ -60,13 +60,13 @@ pub(super) fn align(
     let mut field: Option<ShiftField> = None;
     for (level, (reference, frame)) in reference.iter().zip(frame).enumerate().rev() {
         // Each level has a quarter of the variance of the finer one.
-        let pair = Pair { reference, frame, variance: variance * 0.25f32.powi(level as i32) };
+        let pair = FramePair { reference, frame, variance: variance * 0.25f32.powi(level as i32) };
         field = Some(align_level(&pair, field.as_ref(), monitor)?);
     }
     Ok(field.expect("a pyramid has a level"))
 }
 
-fn align_level(pair: &Pair<'_>, coarser: Option<&ShiftField>, monitor: &Monitor) -> Result<ShiftField, Cancelled> {
+fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Monitor) -> Result<ShiftField, Cancelled> {
     let grid = TileGrid::of(pair.reference.size());
     let rows: Vec<Vec<Shift>> = (0..grid.rows)
         .into_par_iter()
@@ -114,7 +114,7 @@ fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut V
 }
 
 /// A level of both frames, and the variance of the noise of each.
-struct Pair<'a> {
+struct FramePair<'a> {
     reference: &'a Plane,
     frame: &'a Plane,
     variance: f32,
@@ -122,7 +122,7 @@ struct Pair<'a> {
 
 /// A tile to be found in the other frame.
 struct Tile<'a> {
-    pair: &'a Pair<'a>,
+    pair: &'a FramePair<'a>,
     /// Its pixels inside the reference.
     columns: Range<i64>,
     rows: Range<i64>,
@@ -134,7 +134,7 @@ struct Tile<'a> {
 }
 
 impl<'a> Tile<'a> {
-    fn new(pair: &'a Pair<'a>, i: usize, j: usize, predictions: &'a [Shift], prior_sigma: f32) -> Self {
+    fn new(pair: &'a FramePair<'a>, i: usize, j: usize, predictions: &'a [Shift], prior_sigma: f32) -> Self {
         let (width, height) = pair.reference.size();
         let inside = |first: i64, size: usize| first.max(0)..(first + TILE as i64).min(size as i64);
         let (columns, rows) = (inside(first_pixel(i), width), inside(first_pixel(j), height));

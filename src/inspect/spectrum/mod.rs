@@ -17,7 +17,7 @@ pub use loss::step_loss;
 
 use super::ProbeCache;
 use crate::detector::slopes::SlopeEvidence;
-use crate::detector::{Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
+use crate::detector::{Detection, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 
@@ -81,16 +81,12 @@ pub struct Spectrum {
 const MAX_BEYOND: i64 = 40;
 
 impl Spectrum {
-    /// The slope searched with the most features that do not lie at the limit; `None` without features. Those at the
-    /// limit are mostly of motions beyond it.
+    /// The slope searched with the most features that do not lie at the limit; `None` without features. See
+    /// [`slope_with_most_features`].
     pub fn most_features(&self) -> Option<Slope> {
-        let inner = self.bars.iter().filter(|bar| bar.is_searched && bar.features > 0 && !bar.is_on_rim);
-        let all = self.bars.iter().filter(|bar| bar.is_searched && bar.features > 0);
-        let max = |bars: &mut dyn Iterator<Item = &SlopeBar>| {
-            bars.max_by(|a, b| a.features.cmp(&b.features).then(b.slope.magnitude().total_cmp(&a.slope.magnitude())))
-                .map(|bar| bar.slope)
-        };
-        max(&mut inner.into_iter()).or_else(|| max(&mut all.into_iter()))
+        // The slopes searched come first, in the grid's order.
+        let counts: Vec<usize> = self.bars.iter().filter(|bar| bar.is_searched).map(|bar| bar.features).collect();
+        slope_with_most_features(&self.grid, &counts).map(|(index, _)| self.grid.slope(index))
     }
 }
 
@@ -140,6 +136,32 @@ fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
     [i.round() as i64, j.round() as i64]
 }
 
+/// For each slope of the search, in its order, the features whose own slope it is nearest to.
+pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
+    let grid = &detection.slopes;
+    let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
+    let mut counts = vec![0usize; grid.len()];
+    for feature in &detection.features {
+        let [i, j] = nearest(grid, feature.slope);
+        counts[(j.clamp(0, nv - 1) * nu + i.clamp(0, nu - 1)) as usize] += 1;
+    }
+    counts
+}
+
+/// The index of the slope of `grid` with the most of `counts` features, and their number; `None` where there are none.
+/// Those on the rim are mostly of motions beyond it, so they count only where there are no others. Of equal ones the
+/// slowest is taken, then the first.
+pub fn slope_with_most_features(grid: &SlopeGrid, counts: &[usize]) -> Option<(usize, usize)> {
+    let is_inner = |index: usize| {
+        let (i, j) = grid.coordinates(index);
+        counts[index] > 0 && !grid.on_rim(i, j)
+    };
+    let any_inner = (0..counts.len()).any(is_inner);
+    let wanted = counts.iter().copied().enumerate().filter(|&(i, n)| if any_inner { is_inner(i) } else { n > 0 });
+    let slowness = |index: usize| -grid.slope(index).magnitude();
+    wanted.max_by(|a, b| a.1.cmp(&b.1).then(slowness(a.0).total_cmp(&slowness(b.0))).then(b.0.cmp(&a.0)))
+}
+
 fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec<SlopeBar> {
     let detection = cache.detection();
     let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
@@ -153,11 +175,7 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
     beyond.dedup();
     places.extend(beyond);
     let total = seen.iter().fold(0.0f32, |sum, (_, significance)| sum + significance).max(f32::MIN_POSITIVE);
-    let clamped = |[i, j]: [i64; 2]| [i.clamp(0, nu - 1), j.clamp(0, nv - 1)];
-    let mut counts = std::collections::HashMap::new();
-    for feature in &detection.features {
-        *counts.entry(clamped(nearest(grid, feature.slope))).or_insert(0usize) += 1;
-    }
+    let counts = features_at_slopes(detection);
     places
         .into_iter()
         .map(|at| {
@@ -168,7 +186,7 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
                 slope,
                 is_searched,
                 is_on_rim: is_searched && grid.on_rim(at[0] as usize, at[1] as usize),
-                features: if is_searched { counts.get(&at).copied().unwrap_or(0) } else { 0 },
+                features: if is_searched { counts[(at[1] * nu + at[0]) as usize] } else { 0 },
                 // A sum over nothing would be −0.
                 evidence: seen.iter().filter(|(place, _)| *place == at).fold(0.0, |sum, (_, s)| sum + s) / total,
                 coverage: coverage_share(slope, detection.frames_used.len(), cache.burst.size()),

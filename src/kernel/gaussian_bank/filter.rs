@@ -40,7 +40,7 @@ pub struct FilterScratch {
 }
 
 /// What one call of [`filter_tile`] works on.
-struct Job<'a, L: Lines + ?Sized> {
+struct FilterJob<'a, L: Lines + ?Sized> {
     along_u: &'a Axis,
     along_v: &'a Axis,
     groups: Vec<Packed>,
@@ -76,7 +76,7 @@ pub fn filter_tile<L: Lines + ?Sized>(
         tile.reset(region, stride);
     }
     let groups = packed(along_u);
-    Arch::new().dispatch(Job {
+    Arch::new().dispatch(FilterJob {
         along_u,
         along_v,
         groups,
@@ -91,7 +91,7 @@ pub fn filter_tile<L: Lines + ?Sized>(
     });
 }
 
-impl<L: Lines + ?Sized> WithSimd for Job<'_, L> {
+impl<L: Lines + ?Sized> WithSimd for FilterJob<'_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -121,7 +121,7 @@ impl<L: Lines + ?Sized> WithSimd for Job<'_, L> {
     }
 }
 
-impl<L: Lines + ?Sized> Job<'_, L> {
+impl<L: Lines + ?Sized> FilterJob<'_, L> {
     /// Makes row `top` the first one that is held; of each level, the rows that it needs from row `next` on stay.
     fn forget_above(&mut self, top: usize, next: usize) {
         let Range { start, end } = self.held;

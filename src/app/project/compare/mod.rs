@@ -52,7 +52,7 @@ pub struct Busy {
 
 /// A piece of work for one method.
 #[derive(Debug, Clone)]
-pub struct Job {
+pub struct CompareJob {
     /// For which method.
     pub method: Contender,
     /// On which burst; of matching both.
@@ -72,7 +72,7 @@ pub struct Compare {
     pub busy: Option<Busy>,
     found: [[Option<MethodFound>; 2]; 5],
     matches: [Option<Matches>; 5],
-    failed: Vec<(Job, String)>,
+    failed: Vec<(CompareJob, String)>,
 }
 
 impl Compare {
@@ -104,7 +104,7 @@ impl Compare {
     }
 
     /// Remembers that a piece of work failed, so that it is not tried again as it was.
-    pub fn take_failure(&mut self, job: Job, why: String) {
+    pub fn take_failure(&mut self, job: CompareJob, why: String) {
         self.failed.push((job, why));
     }
 
@@ -161,39 +161,39 @@ impl Model {
     }
 
     /// The next piece of work that is missing: features of A by each method that is shown, then those of B, then their matches.
-    pub fn next_compare_job(&self) -> Option<Job> {
+    pub fn next_compare_job(&self) -> Option<CompareJob> {
         let jobs = self.contenders().into_iter().flat_map(|method| {
             let detections = Side::BOTH.into_iter().filter_map(move |side| self.missing_detection(method, side));
             detections.chain(self.missing_matching(method)).collect::<Vec<_>>()
         });
         // All methods on A come first: they are what is looked at.
-        let mut jobs: Vec<Job> = jobs.filter(|job| !self.has_failed(job)).collect();
+        let mut jobs: Vec<CompareJob> = jobs.filter(|job| !self.has_failed(job)).collect();
         jobs.sort_by_key(|job| job.side != Side::A);
         jobs.into_iter().next()
     }
 
-    fn missing_detection(&self, method: Contender, side: Side) -> Option<Job> {
+    fn missing_detection(&self, method: Contender, side: Side) -> Option<CompareJob> {
         let burst = self.method_burst(method, side)?.clone();
         let params = self.method_params(method, side);
         let usable = params.validate_for(burst.burst.len(), burst.burst.size()).is_ok();
-        (usable && self.method_found(method, side).is_none()).then_some(Job {
+        (usable && self.method_found(method, side).is_none()).then_some(CompareJob {
             method,
             side,
             request: CompareRequest::Detect(DetectRequest { burst, params: params.into() }),
         })
     }
 
-    fn missing_matching(&self, method: Contender) -> Option<Job> {
+    fn missing_matching(&self, method: Contender) -> Option<CompareJob> {
         let wanted = self.wanted_method_matches(method)?;
-        (self.pair.param_error.is_none() && self.method_matches(method).is_none()).then_some(Job {
+        (self.pair.param_error.is_none() && self.method_matches(method).is_none()).then_some(CompareJob {
             method,
             side: Side::B,
             request: CompareRequest::Match(wanted),
         })
     }
 
-    fn has_failed(&self, job: &Job) -> bool {
-        let same = |other: &Job| match (&job.request, &other.request) {
+    fn has_failed(&self, job: &CompareJob) -> bool {
+        let same = |other: &CompareJob| match (&job.request, &other.request) {
             (CompareRequest::Detect(a), CompareRequest::Detect(b)) => a.burst.id == b.burst.id && a.params == b.params,
             (CompareRequest::Match(a), CompareRequest::Match(b)) => a.same_matches(b),
             _ => false,

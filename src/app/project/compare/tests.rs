@@ -11,7 +11,7 @@ fn methods() -> Model {
 }
 
 /// Does a job as the engine would, but finds what is there already.
-fn do_job(model: &mut Model, job: &Job) {
+fn do_job(model: &mut Model, job: &CompareJob) {
     match &job.request {
         CompareRequest::Detect(request) => {
             let detection = model.found_of(job.side).expect("found").detection.clone();

@@ -14,7 +14,7 @@ use crate::app::pane::{Content, Link, PaneId};
 use crate::app::project::cursor::Cursor;
 use crate::app::project::look::Ranges;
 use crate::app::project::order::Order;
-use crate::app::project::{Found, Model};
+use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
 use crate::engine::{Detected, MatchRequest, OpenBurst, PatchesRequest, Picture, PictureKind, PictureRequest, Running};
 use crate::matching::MatchParams;
@@ -33,7 +33,7 @@ pub struct SecondBurst {
     /// Why the parameters as they are edited make no sense for it.
     pub param_error: Option<ParamError>,
     /// Its features.
-    pub found: Option<Found>,
+    pub found: Option<FoundFeatures>,
 }
 
 /// What moves together in A and B.
@@ -68,7 +68,7 @@ pub struct PairBusy {
 
 /// The second burst and the matches.
 #[derive(Debug, Default)]
-pub struct Pair {
+pub struct PairState {
     /// The second burst.
     pub b: SecondBurst,
     /// Whose slope and scale the cursor moves.
@@ -87,7 +87,7 @@ pub struct Pair {
     pub look: MatchLook,
     /// The table's order.
     pub order: Order<MatchColumn>,
-    /// Indices of the matches that are shown, in the table's order; see [`Pair::refresh_listed`].
+    /// Indices of the matches that are shown, in the table's order; see [`PairState::refresh_listed`].
     pub listed: Vec<usize>,
     /// Index of the selected match.
     pub selected: Option<usize>,
@@ -100,7 +100,7 @@ pub struct Pair {
     listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
 
-impl Pair {
+impl PairState {
     /// The match that is looked at: the selected one, or while none is, the one that is pointed at.
     pub fn focus(&self) -> Option<usize> {
         self.selected.or(self.hovered)
@@ -126,7 +126,7 @@ impl Pair {
         Some(self.matches.as_ref()?.row(self.selected?)?.saved())
     }
 
-    /// Brings [`Pair::listed`] up to date. Cheap when nothing changed.
+    /// Brings [`PairState::listed`] up to date. Cheap when nothing changed.
     pub fn refresh_listed(&mut self) {
         let Some(matches) = &self.matches else {
             self.listed.clear();
@@ -239,7 +239,7 @@ impl Model {
     /// Takes B's features, unless they are of another burst.
     pub fn take_second_detection(&mut self, detected: Detected, elapsed: Duration) {
         let Some(burst) = self.pair.b.burst.as_ref().filter(|open| open.id == detected.burst) else { return };
-        self.pair.b.found = Some(Found::new(detected, burst, elapsed));
+        self.pair.b.found = Some(FoundFeatures::new(detected, burst, elapsed));
         self.check_pair();
         self.go_to_first_slope(Side::B);
     }
@@ -320,7 +320,8 @@ impl Model {
     pub fn stale_matches(&self) -> Option<&'static str> {
         let matches = self.pair.matches.as_ref()?;
         let features = [Side::A, Side::B].into_iter().any(|side| {
-            let same = |found: &Found| found.asked == self.asked_of(side) && matches.is_of(side, &found.detection);
+            let same =
+                |found: &FoundFeatures| found.asked == self.asked_of(side) && matches.is_of(side, &found.detection);
             !self.found_of(side).is_some_and(same)
         });
         if features {
