@@ -3,6 +3,7 @@
 use crate::support::{Start, noisy_stack};
 use burstscope::app::project::filter::Column;
 use burstscope::detector::{Method, SlopeGrid};
+use burstscope::inspect::words::counted;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -17,7 +18,7 @@ fn detect_finds_what_the_detector_finds() {
     let burst = &model.burst.as_ref().unwrap().burst;
     let expected = burstscope::detect(burst, &model.params, &burstscope::Monitor::default()).unwrap();
     assert_eq!(model.features(), expected.features);
-    assert!(window.shows(&format!("{} features in", expected.features.len())));
+    assert!(window.shows(&format!("{} in", counted(expected.features.len(), "feature"))));
 }
 
 #[test]

@@ -6,6 +6,7 @@ use burstscope::app::project::compare::{Contender, Layout};
 use burstscope::app::project::pair::Side;
 use burstscope::baseline;
 use burstscope::engine::BurstSource;
+use burstscope::inspect::words::counted;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -28,7 +29,7 @@ fn each_method_finds_what_the_library_finds() {
         let found = model.method_found(method, Side::A).unwrap();
         let expected = baseline::detect(&burst, &method.params(&model.params), &Monitor::default()).unwrap();
         assert_eq!(found.detection.features, expected.features, "{method:?}");
-        assert!(window.shows(&format!("{}  ·  {} features", method.label(), expected.features.len())));
+        assert!(window.shows(&format!("{}  ·  {}", method.label(), counted(expected.features.len(), "feature"))));
         let name = format!("A: {}", method.label());
         assert!(window.harness.query_by_role_and_label(Role::Canvas, &name).is_some(), "{name}");
     }

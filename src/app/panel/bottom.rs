@@ -11,7 +11,8 @@ const ROOMY: f32 = 600.0;
 
 /// Draws the tabs and the one that is open.
 pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
-    ui.horizontal(|ui| {
+    // What stands beside the tabs goes below them where there is no room for it.
+    ui.horizontal_wrapped(|ui| {
         if ui.available_width() < ROOMY {
             (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (4.0, 3.0);
         }

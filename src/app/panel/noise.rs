@@ -39,13 +39,14 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
 }
 
-/// Draws the curve, the map and the warnings.
+/// Draws the warnings, the curve and the map.
 pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.found.clone() else {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to see what is known of the noise"));
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        warnings_ui(ui, &found);
         if found.detection.noise.is_local {
             show_ui(ui, model, &found.detection.noise);
             ui.horizontal(|ui| {
@@ -56,7 +57,6 @@ pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
         } else {
             ui.weak("The noise model is white, or there is too little to tell noise from texture: two frames of 20 pixels a side are needed.");
         }
-        warnings_ui(ui, &found);
     });
 }
 
