@@ -51,7 +51,7 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 /// What a request is for. Of one key the latest request wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct JobKey {
-    /// Which kind of work, as [`JobQueue::new_kind`] numbers them.
+    /// Which kind of work, as the queue numbers them.
     pub kind: u32,
     /// For whom.
     pub slot: u32,

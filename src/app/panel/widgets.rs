@@ -188,7 +188,7 @@ mod tests {
         assert_eq!(time_left_text(Duration::from_millis(3400)), "about 4 s left");
         assert_eq!(time_left_text(Duration::from_millis(10)), "about 1 s left");
         assert_eq!(time_left_text(Duration::from_secs(61)), "about 2 min left");
-        let started = std::time::Instant::now() - Duration::from_secs(10);
+        let started = std::time::Instant::now() - Duration::from_millis(10_400);
         let at = |fraction| Running {
             id: JobId::default(),
             started,
