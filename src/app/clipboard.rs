@@ -42,7 +42,8 @@ pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
 }
 
 impl BurstscopeApp {
-    /// Copies the selected feature or match, or else the value under the pointer, when that is asked for and no text is being edited.
+    /// Copies the selected feature or match, or else the value under the pointer, when that is asked for and no text is
+    /// being edited.
     pub(super) fn take_copy(&mut self, ctx: &egui::Context) {
         let asked = ctx.input(|i| i.events.iter().any(|event| matches!(event, egui::Event::Copy)));
         // Text that is selected in a label is copied by egui itself.

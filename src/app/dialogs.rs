@@ -1,8 +1,8 @@
 //! Asking for files: the system's dialogs, and a field to type a path into where the system has none.
 //!
-//! The system's dialogs wait for a person, so they run on a thread of their own. They are behind [`FileDialogs`], so that tests can answer for the
-//! person. On a Linux desktop without a portal the system's dialog answers "nothing chosen" at once; nobody cancels that quickly, so then the
-//! path field opens instead.
+//! The system's dialogs wait for a person, so they run on a thread of their own. They are behind [`FileDialogs`], so
+//! that tests can answer for the person. On a Linux desktop without a portal the system's dialog answers "nothing
+//! chosen" at once; nobody cancels that quickly, so then the path field opens instead.
 
 use crate::app::project::pair::Side;
 use crate::engine::OnUpdate;
@@ -367,7 +367,8 @@ fn new_folder(path: &std::path::Path) -> Option<PathBuf> {
     (!folder.exists()).then(|| folder.to_path_buf())
 }
 
-/// The path that a person typed or pasted: without blanks around it, quotes, or a `file://` in front; `~` is the home folder.
+/// The path that a person typed or pasted: without blanks around it, quotes, or a `file://` in front; `~` is the home
+/// folder.
 pub fn path_from_text(text: &str) -> PathBuf {
     let text = text.trim();
     let unquoted = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q)).unwrap_or(text);

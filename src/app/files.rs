@@ -132,7 +132,8 @@ impl BurstscopeApp {
         }
     }
 
-    /// Restores a session file: opens its burst, and when that worked takes over everything else. Until then nothing changes.
+    /// Restores a session file: opens its burst, and when that worked takes over everything else. Until then nothing
+    /// changes.
     pub fn restore_session(&mut self, path: &std::path::Path) {
         let read = std::fs::read_to_string(path).map_err(|e| e.to_string());
         match read.and_then(|text| Session::from_toml(&text)) {

@@ -1,7 +1,8 @@
-//! The window without a display: frames are run as a window would run them, and the last one is drawn into a picture in memory.
+//! The window without a display: frames are run as a window would run them, and the last one is drawn into a picture in
+//! memory.
 //!
-//! This is what `burstscope render` uses, and what the tests of the card's pictures use. It needs a graphics adapter that Vulkan, Metal or
-//! DirectX can reach; Mesa's software adapter is enough.
+//! This is what `burstscope render` uses, and what the tests of the card's pictures use. It needs a graphics adapter
+//! that Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough.
 
 use super::gpu::{self, AdapterChoice};
 use egui_wgpu::{RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, WgpuSetup};
@@ -40,7 +41,8 @@ pub enum OffscreenError {
 /// How long the card may take for one frame. A software adapter needs a fraction of a second.
 const CARD_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Frames that are run at least, so that everything that measures itself in one frame and is placed in the next has settled.
+/// Frames that are run at least, so that everything that measures itself in one frame and is placed in the next has
+/// settled.
 const MIN_FRAMES: usize = 3;
 
 /// A window that exists only in memory.
@@ -59,7 +61,8 @@ pub struct Offscreen {
 pub struct Rendered {
     /// The window's pixels.
     pub image: RgbaImage,
-    /// Whether the window had come to rest; `false` when the time ran out first, and the picture shows the state at that moment.
+    /// Whether the window had come to rest; `false` when the time ran out first, and the picture shows the state at
+    /// that moment.
     pub settled: bool,
 }
 
@@ -234,8 +237,8 @@ fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
     RgbaImage::from_raw(width, height, bytes).ok_or_else(|| failed(&"the answer had the wrong size"))
 }
 
-/// Draws a whole app to a picture: makes it with `make`, runs frames of `draw` until `is_idle` says that it has come to rest or `max_duration`
-/// is over, and draws the last frame.
+/// Draws a whole app to a picture: makes it with `make`, runs frames of `draw` until `is_idle` says that it has come to
+/// rest or `max_duration` is over, and draws the last frame.
 ///
 /// `make` gets what an eframe app gets from its creation context; canvases are already prepared (see [`gpu::install`]).
 ///

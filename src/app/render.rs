@@ -20,7 +20,8 @@ pub struct RenderOptions {
     pub second: Option<BurstSource>,
     /// A dataset that is drawn instead, on its first burst.
     pub dataset: Option<DatasetSource>,
-    /// A session that is drawn instead, as it was left: what is said here of parameters and the cursor has no effect then.
+    /// A session that is drawn instead, as it was left: what is said here of parameters and the cursor has no effect
+    /// then.
     pub session: Option<PathBuf>,
     /// The detector's parameters.
     pub params: SearchParams,
@@ -91,7 +92,8 @@ pub enum RenderError {
 /// Draws the window with `options` into the PNG file `path`.
 ///
 /// # Errors
-/// When the burst cannot be opened, the parameters make no sense for it, nothing can be drawn, or the file cannot be written.
+/// When the burst cannot be opened, the parameters make no sense for it, nothing can be drawn, or the file cannot be
+/// written.
 pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderError> {
     let settings = Settings {
         theme: if options.light { egui::ThemePreference::Light } else { egui::ThemePreference::Dark },

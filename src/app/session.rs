@@ -1,7 +1,7 @@
 //! A session: what is needed to come back to the same view of the same burst, as a TOML file.
 //!
-//! Pixels and features are not kept: the burst is opened again from where it was, and the features are found again, which gives the
-//! same bits. The selected feature is then found again by its place.
+//! Pixels and features are not kept: the burst is opened again from where it was, and the features are found again,
+//! which gives the same bits. The selected feature is then found again by its place.
 
 use super::canvas::{View, overlay::ColourBy};
 use super::dataset::{Dataset, Trajectories};

@@ -1,5 +1,5 @@
-//! The window: what it holds, and what it does in each pass. What goes to the engine and comes from it is in `burst_work` and its
-//! neighbours.
+//! The window: what it holds, and what it does in each pass. What goes to the engine and comes from it is in
+//! `burst_work` and its neighbours.
 
 use super::actions::{self, ActionId, Queue};
 use super::canvas::Readout;
@@ -248,7 +248,8 @@ impl BurstscopeApp {
         self.model.history.take(before, &after, goes_on);
     }
 
-    /// Puts a burst at the top of the recent ones. One of the dataset is remembered with it, and has the name that it has there.
+    /// Puts a burst at the top of the recent ones. One of the dataset is remembered with it, and has the name that it
+    /// has there.
     pub(super) fn remember(&mut self, burst: &mut OpenBurst) {
         match &self.model.datasets.open {
             Some(dataset) if dataset.place_of(Some(burst)).is_some() => dataset.name_as_here(burst),

@@ -2,7 +2,8 @@
 //!
 //! Every piece of work is asked for under a [`JobKey`]: what kind of work it is, and for whom (a pane, say). Of one key
 //! the latest request wins: a newer one takes the place of the one that waits, and supersedes the one that runs, which
-//! is cancelled once it has had its grace. Keys do not disturb one another. Urgent work goes first, and threads are set
+//! is cancelled once it has had its grace. Keys do not disturb one another; of one kind one runs at a time, in the order
+//! in which their keys asked. Urgent work goes first, and threads are set
 //! apart for it, so that a picture never waits for a dataset.
 //!
 //! Every request ends in exactly one answer, also one that was superseded or cancelled before it began. An answer is
@@ -136,13 +137,14 @@ impl State {
         }
     }
 
-    /// Takes out what a thread that takes nothing less urgent than `limit` does next: the most urgent, of those the one that
-    /// has waited longest, whose key has nothing running.
+    /// Takes out what a thread that takes nothing less urgent than `limit` does next: the most urgent, of those the one
+    /// that has waited longest, of a kind of which nothing runs. One piece of work of a kind at a time has all cores, and
+    /// its answers come in the order in which their keys asked.
     fn take(&mut self, limit: Priority) -> Option<WaitingJob> {
         let is_free = |job: &WaitingJob| {
             job.priority <= limit
                 && (!self.stop || job.priority == Priority::Write)
-                && !self.running.iter().any(|running| running.key == job.key)
+                && !self.running.iter().any(|running| running.key.kind == job.key.kind)
         };
         let free = self.waiting.iter().enumerate().filter(|(_, job)| is_free(job));
         let index = free.min_by_key(|(index, job)| (job.priority, *index))?.0;
@@ -329,7 +331,7 @@ fn work(shared: &Shared, thread: &str, limit: Priority) {
         let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
         publish(standing);
         state.running.retain(|job| job.id != id);
-        let waits = state.waiting.iter().any(|job| job.key == key);
+        let waits = state.waiting.iter().any(|job| job.key.kind == key.kind);
         drop(state);
         if waits {
             // It waited for this one to end; another thread may take it.

@@ -14,7 +14,8 @@ use egui_kittest::kittest::Queryable;
 use ndarray::Array3;
 use std::path::{Path, PathBuf};
 
-/// A dark room with a bright lamp on the right, as a `.npy` stack: the noise grows with the light. Discs move by (1, 0).
+/// A dark room with a bright lamp on the right, as a `.npy` stack: the noise grows with the light. Discs move by (1,
+/// 0).
 pub fn lamp(folder: &Path) -> PathBuf {
     let (frames, height, width) = (8, 160, 240);
     let mut stream = Stream::new(5, 0);

@@ -194,7 +194,8 @@ impl Window {
         self.harness.run_steps(2);
     }
 
-    /// Clicks twice at a place of the window. A step here takes longer than a hand's double click, so that one may be slower.
+    /// Clicks twice at a place of the window. A step here takes longer than a hand's double click, so that one may be
+    /// slower.
     pub fn double_click_at(&mut self, pos: egui::Pos2) {
         let set_delay = |window: &Self, seconds| {
             window.harness.ctx.options_mut(|o| o.input_options.max_double_click_delay = seconds);

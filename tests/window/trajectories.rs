@@ -14,7 +14,8 @@ fn true_centres() -> Vec<[f64; 3]> {
     (0..14).map(|k| f64::from(k) * 0.2).map(|t| [3.0 * t.sin(), 0.3 * t, 3.0 * (1.0 - t.cos())]).collect()
 }
 
-/// The truth as a file of trajectories with names, and a sparse model of another scale in which one camera is missing and the others are a little off.
+/// The truth as a file of trajectories with names, and a sparse model of another scale in which one camera is missing
+/// and the others are a little off.
 fn files(home: &Path) -> (PathBuf, PathBuf) {
     let (mut truth, mut images, mut points) = (String::new(), String::new(), String::new());
     for (k, [x, y, z]) in true_centres().into_iter().enumerate() {

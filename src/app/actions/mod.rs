@@ -1,7 +1,8 @@
 //! Everything a person can do, registered once.
 //!
-//! [`registry`] holds one row for each action: its label, menu, shortcut and help. The menu bar, the toolbar's tooltips, the command palette and
-//! the sheet of shortcuts are drawn from these rows, so none of them can miss an action or name it differently.
+//! [`registry`] holds one row for each action: its label, menu, shortcut and help. The menu bar, the toolbar's
+//! tooltips, the command palette and the sheet of shortcuts are drawn from these rows, so none of them can miss an
+//! action or name it differently.
 
 pub mod menu;
 pub mod palette;
@@ -60,7 +61,8 @@ pub fn button_ui(
     response
 }
 
-/// Puts the actions into `queue` whose shortcuts were pressed in this pass. Plain keys are left to a text field that is being edited.
+/// Puts the actions into `queue` whose shortcuts were pressed in this pass. Plain keys are left to a text field that is
+/// being edited.
 pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
     let typing = ctx.egui_wants_keyboard_input();
     // Escape closes a menu or a drop-down that is open, and does nothing else.

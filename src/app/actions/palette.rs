@@ -98,7 +98,8 @@ fn row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: bool) -> eg
     ui.add(button).on_hover_text(action.help)
 }
 
-/// The actions that can be done now and whose label (with the menu's name before it) holds the letters of `text` in their order; the best match first.
+/// The actions that can be done now and whose label (with the menu's name before it) holds the letters of `text` in
+/// their order; the best match first.
 fn matches(text: &str, model: &Model) -> Vec<&'static Action> {
     let mut possible: Vec<&Action> =
         ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != super::ActionId::Palette).collect();
@@ -115,7 +116,8 @@ fn matches(text: &str, model: &Model) -> Vec<&'static Action> {
     scored.into_iter().map(|(_, action)| action).collect()
 }
 
-/// How well the letters of `wanted` are found in `label` in their order; `None` if they are not. Letters in a row and at the beginnings of words count more.
+/// How well the letters of `wanted` are found in `label` in their order; `None` if they are not. Letters in a row and
+/// at the beginnings of words count more.
 fn score(wanted: &str, label: &str) -> Option<i32> {
     let label: Vec<char> = label.to_lowercase().chars().collect();
     let (mut at, mut total, mut last) = (0, 0, None);

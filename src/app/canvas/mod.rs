@@ -1,10 +1,12 @@
 //! The canvas: one picture that can be panned and zoomed, and what is drawn over it.
 //!
-//! Positions are in pixels of the input image (`pos_image`: the centre of the first pixel is (0, 0), it covers −0.5 … 0.5) or in points of the
-//! window (`pos_ui`). `ui_from_image` leads from the one to the other. A picture of another octave is laid over the image where its pixels
-//! belong, so that switching the kind of picture never moves what one looks at.
+//! Positions are in pixels of the input image (`pos_image`: the centre of the first pixel is (0, 0), it covers −0.5 …
+//! 0.5) or in points of the window (`pos_ui`). `ui_from_image` leads from the one to the other. A picture of another
+//! octave is laid over the image where its pixels belong, so that switching the kind of picture never moves what one
+//! looks at.
 //!
-//! The wheel (with or without Ctrl) and pinching zoom at the pointer, dragging with the primary or the middle button pans, a double click fits.
+//! The wheel (with or without Ctrl) and pinching zoom at the pointer, dragging with the primary or the middle button
+//! pans, a double click fits.
 //!
 //! ```no_run
 //! # use burstscope::app::canvas::{Canvas, Picture, View, overlay};
@@ -130,7 +132,8 @@ impl<'a> Canvas<'a> {
         self
     }
 
-    /// Whether dragging with the primary button pans; yes by default. Where it draws something instead, the middle button still pans.
+    /// Whether dragging with the primary button pans; yes by default. Where it draws something instead, the middle
+    /// button still pans.
     pub fn primary_pans(mut self, primary_pans: bool) -> Self {
         self.primary_pans = primary_pans;
         self
@@ -186,8 +189,8 @@ impl<'a> Canvas<'a> {
         CanvasOutput { response, ..output }
     }
 
-    /// Draws the picture over the canvas that answered `below`, at the same places of the image, but only within `clip_ui`. The pointer belongs to the canvas
-    /// below. Answers what overlays of this picture draw with.
+    /// Draws the picture over the canvas that answered `below`, at the same places of the image, but only within
+    /// `clip_ui`. The pointer belongs to the canvas below. Answers what overlays of this picture draw with.
     pub fn show_over(self, ui: &Ui, below: &CanvasOutput, clip_ui: Rect) -> CanvasOutput {
         let output = CanvasOutput {
             response: below.response.clone(),

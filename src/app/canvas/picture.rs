@@ -9,15 +9,16 @@ use std::sync::Arc;
 
 /// A plane to be shown, with its place in the input image. Cheap to clone; the pixels are shared.
 ///
-/// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`; with s = 2^octave this is where
-/// the detector's octaves lie.
+/// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`; with
+/// s = 2^octave this is where the detector's octaves lie.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// Names the content: new values need a new id, the same values should keep theirs.
     pub id: PictureId,
     /// The values.
     pub plane: Arc<Plane>,
-    /// Image pixels from one pixel of the plane to the next: 1 for frames and motion-stack images, 2^octave for DoG responses.
+    /// Image pixels from one pixel of the plane to the next: 1 for frames and motion-stack images, 2^octave for DoG
+    /// responses.
     pub image_from_picture_scale: f32,
     /// (columns, rows) of the input image, which a fitted view shows whole.
     pub image_size: (usize, usize),

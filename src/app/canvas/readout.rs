@@ -42,7 +42,8 @@ pub struct Readout {
     pub quantity: Quantity,
 }
 
-/// The value of `picture` at `pos_image`, without interpolation; `None` beside the picture. `full_scale` is the burst's.
+/// The value of `picture` at `pos_image`, without interpolation; `None` beside the picture. `full_scale` is the
+/// burst's.
 pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Readout> {
     let pixel = picture.pixel_at(pos_image)?;
     Some(Readout {
@@ -100,7 +101,8 @@ impl std::fmt::Display for Readout {
     }
 }
 
-/// A number with `digits` significant digits, without trailing zeros, as people read values: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
+/// A number with `digits` significant digits, without trailing zeros, as people read values: `0.0123`, `1234`,
+/// `−3.2e−7`, `NaN`.
 pub fn number(value: f32, digits: usize) -> String {
     if value.is_nan() {
         return "NaN".to_owned();

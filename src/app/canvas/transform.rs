@@ -4,8 +4,9 @@ use egui::{Pos2, Rect, Vec2};
 
 /// A uniform scale and shift, as `ui_from_image` or its inverse: names say "to from".
 ///
-/// It is kept as a pair of corresponding points and a scale, not as an offset: near the anchor, which is what a person looks at, positions stay
-/// exact even at 128-fold zoom in the corner of a huge picture, where an offset would have lost its fraction.
+/// It is kept as a pair of corresponding points and a scale, not as an offset: near the anchor, which is what a person
+/// looks at, positions stay exact even at 128-fold zoom in the corner of a huge picture, where an offset would have
+/// lost its fraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectTransform {
     anchor_from: Pos2,
@@ -14,7 +15,8 @@ pub struct RectTransform {
 }
 
 impl RectTransform {
-    /// The transform that brings `anchor_from` to `anchor_to` and multiplies lengths by `scale`, which must be finite and positive.
+    /// The transform that brings `anchor_from` to `anchor_to` and multiplies lengths by `scale`, which must be finite
+    /// and positive.
     pub fn new(anchor_from: Pos2, anchor_to: Pos2, scale: f32) -> Self {
         debug_assert!(scale.is_finite() && scale > 0.0, "a scale is positive, not {scale}");
         Self { anchor_from, anchor_to, scale }
@@ -56,8 +58,8 @@ impl RectTransform {
         Self { anchor_from: self.anchor_to, anchor_to: self.anchor_from, scale: 1.0 / self.scale }
     }
 
-    /// The same transform for coordinates that are `factor` times smaller than those it took before: with `ui_from_image` and a picture whose
-    /// pixels are `factor` image pixels apart, this is `ui_from_picture`.
+    /// The same transform for coordinates that are `factor` times smaller than those it took before: with
+    /// `ui_from_image` and a picture whose pixels are `factor` image pixels apart, this is `ui_from_picture`.
     #[must_use]
     pub fn from_scaled(&self, factor: f32) -> Self {
         Self {

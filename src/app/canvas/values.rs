@@ -11,7 +11,8 @@ pub const VALUE_MIN_POINTS: f32 = 36.0;
 /// From this size of a pixel on, in points, the grid can be seen.
 pub const GRID_MIN_POINTS: f32 = 8.0;
 
-/// Draws the value of every visible pixel into it, in the file's unit when `full_scale` is not 1. Does nothing while pixels are too small.
+/// Draws the value of every visible pixel into it, in the file's unit when `full_scale` is not 1. Does nothing while
+/// pixels are too small.
 pub fn draw_values(
     painter: &Painter,
     picture: &Picture,

@@ -21,14 +21,16 @@ pub enum Zoom {
     PointsPerPixel(f32),
 }
 
-/// Which part of the image a canvas shows, and how large. It knows the input image's pixels only, so that frames, motion-stack images and DoG
-/// responses of any octave share one view. Several canvases that share a `View` pan and zoom together.
+/// Which part of the image a canvas shows, and how large. It knows the input image's pixels only, so that frames,
+/// motion-stack images and DoG responses of any octave share one view. Several canvases that share a `View` pan and
+/// zoom together.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct View {
     /// How large.
     pub zoom: Zoom,
-    /// The place of the image in the middle of the canvas, (u, v) in image pixels. Follows the image while it is fitted.
+    /// The place of the image in the middle of the canvas, (u, v) in image pixels. Follows the image while it is
+    /// fitted.
     pub centre_image: [f32; 2],
     /// What the last canvas made of [`Zoom::Fit`]; 0 before the first frame.
     #[serde(skip)]
@@ -106,14 +108,15 @@ impl View {
         self.centre_image = [self.centre_image[0] + delta_image.x, self.centre_image[1] + delta_image.y];
     }
 
-    /// From half the fitted size, or a quarter point a pixel if that is smaller (1:1 must be in reach on a screen of any density), to
-    /// [`MAX_POINTS_PER_PIXEL`].
+    /// From half the fitted size, or a quarter point a pixel if that is smaller (1:1 must be in reach on a screen of
+    /// any density), to [`MAX_POINTS_PER_PIXEL`].
     fn limited(&self, points_per_pixel: f32) -> f32 {
         let fit = if self.fit_points_per_pixel > 0.0 { self.fit_points_per_pixel } else { 1.0 };
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
 
-    /// Moves as another view has moved from `before` to `after`, and zooms as it does. Places stay apart as they were, until both are fitted.
+    /// Moves as another view has moved from `before` to `after`, and zooms as it does. Places stay apart as they were,
+    /// until both are fitted.
     pub fn follow(&mut self, before: &Self, after: &Self) {
         if (before.zoom, before.centre_image) == (after.zoom, after.centre_image) {
             return;
@@ -128,8 +131,8 @@ impl View {
         self.zoom = after.zoom;
     }
 
-    /// Fits the view to this frame's canvas `rect_ui` and image of `image_size` = (columns, rows), keeps the middle of the canvas on the image,
-    /// and answers `ui_from_image`.
+    /// Fits the view to this frame's canvas `rect_ui` and image of `image_size` = (columns, rows), keeps the middle of
+    /// the canvas on the image, and answers `ui_from_image`.
     pub fn settle(&mut self, rect_ui: Rect, image_size: (usize, usize), pixels_per_point: f32) -> RectTransform {
         let (width, height) = (image_size.0.max(1) as f32, image_size.1.max(1) as f32);
         let room = (rect_ui.size() - Vec2::splat(2.0 * FIT_MARGIN_POINTS)).max(Vec2::splat(1.0));
@@ -151,8 +154,9 @@ impl View {
     }
 }
 
-/// Moves the picture by less than half a pixel of the screen so that pixel borders fall on the screen's, when all of them can: at 1:1 and at
-/// whole multiples. Otherwise a border in the middle of a screen pixel would flicker between its two neighbours.
+/// Moves the picture by less than half a pixel of the screen so that pixel borders fall on the screen's, when all of
+/// them can: at 1:1 and at whole multiples. Otherwise a border in the middle of a screen pixel would flicker between
+/// its two neighbours.
 fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     let px_per_pixel = transform.scale() * pixels_per_point;
     if px_per_pixel < 0.999 || (px_per_pixel - px_per_pixel.round()).abs() > 1e-3 {

@@ -1,4 +1,5 @@
-//! Trajectories in numbers: which files, how they are compared, the errors, and the reconstruction in the paper's columns.
+//! Trajectories in numbers: which files, how they are compared, the errors, and the reconstruction in the paper's
+//! columns.
 
 use super::model::Dataset;
 use super::trajectories::Trajectories;

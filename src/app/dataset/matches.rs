@@ -90,7 +90,8 @@ pub struct PairOrder {
 }
 
 impl PairOrder {
-    /// The order after a click on the heading of `column`: numbers begin with the largest, a second click turns it round.
+    /// The order after a click on the heading of `column`: numbers begin with the largest, a second click turns it
+    /// round.
     #[must_use]
     pub fn clicked(self, column: PairColumn) -> Self {
         let descending = if self.column == column { !self.descending } else { column != PairColumn::Pair };

@@ -1,4 +1,5 @@
-//! The matrix of matches: a row and a column for each burst, in each cell how many inliers the two have, as a colour and a number.
+//! The matrix of matches: a row and a column for each burst, in each cell how many inliers the two have, as a colour
+//! and a number.
 
 use super::filmstrip::{SIDES, side_colour};
 use super::matches::{BurstPair, PairTable, pair_of};

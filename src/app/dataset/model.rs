@@ -145,7 +145,8 @@ impl Dataset {
         self.bursts.iter().position(|b| b.paths == *paths)
     }
 
-    /// The place of the burst that a camera's label names: its picture's name, with or without folders before it, or its own name.
+    /// The place of the burst that a camera's label names: its picture's name, with or without folders before it, or
+    /// its own name.
     pub fn place_of_camera(&self, label: &str) -> Option<usize> {
         let file = label.rsplit(['/', '\\']).next().unwrap_or(label);
         let named = |b: &BurstSource| image_name(b) == file || b.name == label;
@@ -157,7 +158,8 @@ impl Dataset {
         self.bursts.get(place).map(|burst| crate::engine::BurstSource::Paths(burst.paths.clone()))
     }
 
-    /// Gives a burst that was opened from here the name that it has here: a cut sequence's bursts all lie in one folder.
+    /// Gives a burst that was opened from here the name that it has here: a cut sequence's bursts all lie in one
+    /// folder.
     pub fn name_as_here(&self, open: &mut OpenBurst) {
         if let Some(BurstSource { name, .. }) = self.place_of(Some(open)).and_then(|place| self.bursts.get(place))
             && open.burst.name != *name

@@ -1,4 +1,5 @@
-//! Both trajectories in a plane: the truth as a line with rings, the estimate as a dashed one with discs, and between them what is off.
+//! Both trajectories in a plane: the truth as a line with rings, the estimate as a dashed one with discs, and between
+//! them what is off.
 
 use super::trajectories::{PlaneScene, Spot, Trajectories, round_length};
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};

@@ -13,7 +13,8 @@ struct Bar {
     pair: Option<usize>,
 }
 
-/// A bar for each image: those of the truth in their order where there is a comparison, otherwise those of the estimate.
+/// A bar for each image: those of the truth in their order where there is a comparison, otherwise those of the
+/// estimate.
 fn bars(trajectories: &Trajectories) -> Vec<Bar> {
     let compared = &trajectories.compared;
     let Some((_, estimate)) = &compared.estimate else { return Vec::new() };

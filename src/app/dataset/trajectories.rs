@@ -147,7 +147,8 @@ impl Trajectories {
 }
 
 impl PlaneScene {
-    /// Both trajectories seen from one side. An estimate that cannot be compared is drawn only where there is no truth: its world is another.
+    /// Both trajectories seen from one side. An estimate that cannot be compared is drawn only where there is no truth:
+    /// its world is another.
     pub fn of(compared: &ComparedPoses, projection: Projection) -> Self {
         let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
         let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
@@ -209,7 +210,8 @@ impl PlaneScene {
     }
 }
 
-/// A length that makes a good scale bar: the largest of 1, 2 or 5 times a power of ten that is not longer than `longest`.
+/// A length that makes a good scale bar: the largest of 1, 2 or 5 times a power of ten that is not longer than
+/// `longest`.
 pub fn round_length(longest: f64) -> f64 {
     if !(longest.is_finite() && longest > 0.0) {
         return 1.0;

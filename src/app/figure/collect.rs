@@ -166,7 +166,8 @@ fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
     }
 }
 
-/// Entries that show the colours of the slopes of the grid that have features (at most a dozen), or of five steps through the range.
+/// Entries that show the colours of the slopes of the grid that have features (at most a dozen), or of five steps
+/// through the range.
 fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
     const MOST: usize = 12;
     let Some(sample) = detection.features.first().copied() else { return Vec::new() };

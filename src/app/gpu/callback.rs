@@ -53,7 +53,8 @@ impl PicturePaint {
     }
 }
 
-/// A ratio so close to 1:1 that the difference is rounding counts as 1:1, so that pixels are copied and not mixed with their neighbours.
+/// A ratio so close to 1:1 that the difference is rounding counts as 1:1, so that pixels are copied and not mixed with
+/// their neighbours.
 fn screen_ratio(picture_px_per_px: f32) -> f32 {
     if (picture_px_per_px - 1.0).abs() < 1e-5 { 1.0 } else { picture_px_per_px }
 }

@@ -1,8 +1,9 @@
-//! How a picture lies in a texture: tiles for pictures wider than a texture may be, and coarser levels for showing it small.
+//! How a picture lies in a texture: tiles for pictures wider than a texture may be, and coarser levels for showing it
+//! small.
 //!
-//! A texture has a largest side; a picture beyond it is cut into equal tiles, one array layer each, and the shader finds the layer of a pixel.
-//! Coarser levels hold means of 2×2 pixels, so that a picture shown small is averaged, not thinned out. The side of a tile is a multiple of
-//! 2^(levels − 1), hence a cell of any level lies in one tile.
+//! A texture has a largest side; a picture beyond it is cut into equal tiles, one array layer each, and the shader
+//! finds the layer of a pixel. Coarser levels hold means of 2×2 pixels, so that a picture shown small is averaged, not
+//! thinned out. The side of a tile is a multiple of 2^(levels − 1), hence a cell of any level lies in one tile.
 
 use super::limits::DeviceLimits;
 
@@ -69,8 +70,8 @@ impl Layout {
         (0..self.levels).map(level).sum::<u64>() * u64::from(self.layers())
     }
 
-    /// The level for showing `picture_px_per_px` pixels of the picture in one pixel of the screen: the coarsest whose cells are not wider
-    /// than a screen pixel.
+    /// The level for showing `picture_px_per_px` pixels of the picture in one pixel of the screen: the coarsest whose
+    /// cells are not wider than a screen pixel.
     pub fn level_for(&self, picture_px_per_px: f32) -> u32 {
         let level = if picture_px_per_px >= 2.0 { picture_px_per_px.log2().floor() as u32 } else { 0 };
         level.min(self.levels - 1)

@@ -1,8 +1,9 @@
 //! Float pictures on the graphics card.
 //!
-//! A picture goes to the card once, as 32-bit floats. Range, gamma and colour map are a few numbers that the shader reads, so changing the
-//! exposure uploads nothing. [`install`] prepares a window; a canvas then adds one [`PicturePaint`] shape for each pane. Magnified pictures show
-//! crisp pixels, small ones are averaged over the area of a screen pixel, large ones are tiled, and what cannot be shown is said.
+//! A picture goes to the card once, as 32-bit floats. Range, gamma and colour map are a few numbers that the shader
+//! reads, so changing the exposure uploads nothing. [`install`] prepares a window; a canvas then adds one
+//! [`PicturePaint`] shape for each pane. Magnified pictures show crisp pixels, small ones are averaged over the area of
+//! a screen pixel, large ones are tiled, and what cannot be shown is said.
 
 mod callback;
 mod layout;
@@ -22,7 +23,8 @@ pub use setup::{AdapterChoice, Gpu, install, wgpu_configuration, wgpu_setup};
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Names the content of a picture: the card holds a picture as long as the same id comes again. New values need a new id.
+/// Names the content of a picture: the card holds a picture as long as the same id comes again. New values need a new
+/// id.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PictureId(u64);
 

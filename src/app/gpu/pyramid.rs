@@ -3,8 +3,8 @@
 use crate::plane::Plane;
 use rayon::prelude::*;
 
-/// The next coarser level of `fine`: (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four cells that exist and are numbers; NaN
-/// when none is.
+/// The next coarser level of `fine`: (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four cells that exist
+/// and are numbers; NaN when none is.
 pub fn halve(fine: &Plane) -> Plane {
     let (width, height) = (fine.width().div_ceil(2), fine.height().div_ceil(2));
     let mut coarse = Plane::zeros(width, height);

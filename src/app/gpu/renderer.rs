@@ -114,8 +114,8 @@ impl PictureRenderer {
         self.pictures.values().map(|p| p.texture.layout.bytes()).sum()
     }
 
-    /// Makes sure that the picture is on the card and that the pane's bind group shows it. `uniforms` are filled in by the caller, except for
-    /// what depends on how the picture lies in its texture.
+    /// Makes sure that the picture is on the card and that the pane's bind group shows it. `uniforms` are filled in by
+    /// the caller, except for what depends on how the picture lies in its texture.
     pub(super) fn prepare(
         &mut self,
         device: &wgpu::Device,
@@ -185,7 +185,8 @@ impl PictureRenderer {
         }
     }
 
-    /// Ends the frame, once, after all panes were prepared: what is over the budget and was not seen in this frame goes, oldest first.
+    /// Ends the frame, once, after all panes were prepared: what is over the budget and was not seen in this frame
+    /// goes, oldest first.
     pub(super) fn end_frame(&mut self) {
         if !std::mem::take(&mut self.frame_open) {
             return;

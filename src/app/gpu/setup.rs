@@ -17,8 +17,9 @@ pub enum AdapterChoice {
 
 /// How instance, adapter and device are made, everywhere in the program.
 ///
-/// Vulkan, Metal or DirectX 12 (or what the environment variable `WGPU_BACKEND` names). The device gets the adapter's own limits for the size of
-/// pictures and buffers; the portable defaults would refuse pictures that the machine can hold.
+/// Vulkan, Metal or DirectX 12 (or what the environment variable `WGPU_BACKEND` names). The device gets the adapter's
+/// own limits for the size of pictures and buffers; the portable defaults would refuse pictures that the machine can
+/// hold.
 pub fn wgpu_setup(choice: AdapterChoice) -> WgpuSetup {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
@@ -41,7 +42,8 @@ pub fn wgpu_configuration() -> WgpuConfiguration {
     WgpuConfiguration { wgpu_setup: wgpu_setup(AdapterChoice::Fastest), ..Default::default() }
 }
 
-/// The portable limits (the smaller portable set on weak adapters), raised to the adapter's where the size of pictures depends on them.
+/// The portable limits (the smaller portable set on weak adapters), raised to the adapter's where the size of pictures
+/// depends on them.
 fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
     let base = if wgpu::Limits::default().check_limits(adapter) {
         wgpu::Limits::default()
@@ -57,10 +59,11 @@ fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
     }
 }
 
-/// Makes `ctx` able to draw float pictures with `render_state`. Call it once when the window (or the offscreen drawing) is made, before the
-/// first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`.
+/// Makes `ctx` able to draw float pictures with `render_state`. Call it once when the window (or the offscreen drawing)
+/// is made, before the first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`.
 ///
-/// The renderer of `render_state` must draw without multisampling and without a depth buffer, which are egui's defaults.
+/// The renderer of `render_state` must draw without multisampling and without a depth buffer, which are egui's
+/// defaults.
 pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     let limits = DeviceLimits::of(&render_state.device);
     let renderer = PictureRenderer::new(&render_state.device, &render_state.queue, render_state.target_format, limits);

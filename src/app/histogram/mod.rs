@@ -1,7 +1,8 @@
 //! The histogram of a picture, and everything that decides how its values are shown: range, colour map, gamma.
 //!
-//! The range is never changed behind one's back: it moves when a handle is dragged, a number typed or a button pressed, and stays when the
-//! picture changes, so that pictures can be compared. The axis stays too, as long as range and values fit on it.
+//! The range is never changed behind one's back: it moves when a handle is dragged, a number typed or a button pressed,
+//! and stays when the picture changes, so that pictures can be compared. The axis stays too, as long as range and
+//! values fit on it.
 
 mod axis;
 mod drag;
@@ -59,8 +60,9 @@ impl HistogramPanel {
         Self::default()
     }
 
-    /// Draws the panel for `picture` and lets it change `display`; answers whether it did. `visible` is the part of the image that the canvas
-    /// shows, in image pixels ([`crate::app::canvas::CanvasOutput::visible_image`] of the last frame), for the button that asks for it.
+    /// Draws the panel for `picture` and lets it change `display`; answers whether it did. `visible` is the part of the
+    /// image that the canvas shows, in image pixels ([`crate::app::canvas::CanvasOutput::visible_image`] of the last
+    /// frame), for the button that asks for it.
     pub fn ui(&mut self, ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) -> bool {
         let before = *display;
         *display = display.sanitised();

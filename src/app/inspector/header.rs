@@ -1,4 +1,5 @@
-//! The line above a pane's picture: which pane it is, what it shows, what it shares, and the buttons that split and close it.
+//! The line above a pane's picture: which pane it is, what it shows, what it shares, and the buttons that split and
+//! close it.
 
 use super::icons::{Icon, icon_button_ui};
 use super::menu::{Change, pane_menu_ui};

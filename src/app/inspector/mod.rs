@@ -1,8 +1,9 @@
 //! The inspector's middle: panes in any arrangement, what each of them shows, and what they share.
 //!
-//! `egui_tiles` draws the arrangement and lets it be dragged; everything in a pane is drawn here: its header, its picture with features, another picture over it,
-//! and the marks of the place that is pointed at elsewhere. What a menu or button of a pane asks for that changes other panes is collected as [`Change`]s and
-//! done after all panes are drawn.
+//! `egui_tiles` draws the arrangement and lets it be dragged; everything in a pane is drawn here: its header, its
+//! picture with features, another picture over it, and the marks of the place that is pointed at elsewhere. What a menu
+//! or button of a pane asks for that changes other panes is collected as [`Change`]s and done after all panes are
+//! drawn.
 
 mod behaviour;
 mod header;

@@ -1,4 +1,5 @@
-//! What a click with the second button on a picture shows: what can be done with the feature and the place there, and with the pane.
+//! What a click with the second button on a picture shows: what can be done with the feature and the place there, and
+//! with the pane.
 
 use super::menu::{Change, pane_menu_ui};
 use super::menu_place::MenuPlace;

@@ -37,7 +37,8 @@ pub struct PlaceValue {
 #[derive(Default)]
 pub struct PaneWidgets {
     all: HashMap<PaneId, PaneWidget>,
-    /// The values at the place that is pointed at: of the pane under the pointer first, then of those that are linked to it.
+    /// The values at the place that is pointed at: of the pane under the pointer first, then of those that are linked
+    /// to it.
     pub values: Vec<PlaceValue>,
 }
 

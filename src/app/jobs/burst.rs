@@ -1,5 +1,6 @@
-//! What the window asks the engine for and takes from it, for the burst in the inspector: opening, pictures, features. The second burst's part is in
-//! [`pair_work`](crate::app::jobs::pair), the compared methods' in [`compare_work`](crate::app::jobs::compare).
+//! What the window asks the engine for and takes from it, for the burst in the inspector: opening, pictures, features.
+//! The second burst's part is in [`pair_work`](crate::app::jobs::pair), the compared methods' in
+//! [`compare_work`](crate::app::jobs::compare).
 
 use crate::app::pane::PaneId;
 use crate::app::project::Busy;

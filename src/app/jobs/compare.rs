@@ -1,4 +1,5 @@
-//! What the window does to compare methods: takes what the worker found, and gives it the next piece of work that is missing.
+//! What the window does to compare methods: takes what the worker found, and gives it the next piece of work that is
+//! missing.
 
 use crate::app::histogram::PERCENTILES;
 use crate::app::project::compare::{Busy, CompareJob, Gold, MethodFound};
@@ -79,7 +80,8 @@ impl BurstscopeApp {
             .map(|(running, (_, job))| Busy { method: job.method, running });
     }
 
-    /// Gives the worker the next piece of work, if it has none. `dragging` says whether the pointer still drags something.
+    /// Gives the worker the next piece of work, if it has none. `dragging` says whether the pointer still drags
+    /// something.
     pub(in crate::app) fn request_for_compare(&mut self, dragging: bool) {
         if self.model.workspace != Workspace::Methods || self.model.burst.is_none() {
             return;

@@ -1,7 +1,7 @@
 //! The only place that asks the engine, and takes its answers into the project.
 //!
-//! One file for each subject: a [`burst`] that is opened and searched, the [`pair`] of two, [`compare`]d methods, the pictures of [`panes`], the [`probe`], a [`dataset`],
-//! and files that are [written](writing).
+//! One file for each subject: a [`burst`] that is opened and searched, the [`pair`] of two, [`compare`]d methods, the
+//! pictures of [`panes`], the [`probe`], a [`dataset`], and files that are [written](writing).
 
 pub(super) mod against;
 pub(super) mod burst;

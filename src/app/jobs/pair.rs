@@ -235,7 +235,8 @@ impl BurstscopeApp {
         patches && !(self.model.auto_detect && self.wants_second_detection()) && !self.wants_matching()
     }
 
-    /// Asks the engine for what the pair wants and does not have. `dragging` says whether the pointer still drags something.
+    /// Asks the engine for what the pair wants and does not have. `dragging` says whether the pointer still drags
+    /// something.
     pub(in crate::app) fn request_for_pair(&mut self, dragging: bool) {
         if self.model.workspace != Workspace::Pair || self.model.pair.b.burst.is_none() {
             return;

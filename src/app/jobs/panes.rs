@@ -1,4 +1,5 @@
-//! What the window does for its panes: changes them as a pane asked for, lets linked ones follow, and asks the engine for the pictures that they want.
+//! What the window does for its panes: changes them as a pane asked for, lets linked ones follow, and asks the engine
+//! for the pictures that they want.
 
 use crate::app::inspector::Change;
 use crate::app::pane::{PaneId, Panes};

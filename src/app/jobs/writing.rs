@@ -1,4 +1,5 @@
-//! What is written to files from the window: prepared from what is on show, then written in the background, whole or not at all.
+//! What is written to files from the window: prepared from what is on show, then written in the background, whole or
+//! not at all.
 
 use crate::app::dialogs::{ExportKind, Purpose};
 use crate::app::figure::{drawing_of, rasterise};

@@ -1,7 +1,8 @@
-//! A line and a rectangle that one draws on a picture: the values along the one, and what is known of those in the other, in all linked panes together.
+//! A line and a rectangle that one draws on a picture: the values along the one, and what is known of those in the
+//! other, in all linked panes together.
 //!
-//! [`Measure`] is a plain value: what was drawn, on which pane, in pixels of the input image. The panels below the pictures draw [`profiles_of`] and
-//! [`region_in`]; the export writes the same.
+//! [`Measure`] is a plain value: what was drawn, on which pane, in pixels of the input image. The panels below the
+//! pictures draw [`profiles_of`] and [`region_in`]; the export writes the same.
 
 mod draw;
 mod line_panel;

@@ -1,4 +1,5 @@
-//! The values along the line and in the rectangle, of every pane that shares its places with the one they were drawn on.
+//! The values along the line and in the rectangle, of every pane that shares its places with the one they were drawn
+//! on.
 
 use super::{MeasuredLine, MeasuredRegion};
 use crate::app::canvas::Picture;
@@ -37,7 +38,8 @@ pub struct PaneRegion {
     pub region: Region,
 }
 
-/// The pane that was drawn on and those that share their places with it, in reading order; none if it is not open any more.
+/// The pane that was drawn on and those that share their places with it, in reading order; none if it is not open any
+/// more.
 pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
     let shown = model.panes.shown();
     if !shown.contains(&drawn_on) {

@@ -1,4 +1,5 @@
-//! Where panes are on the screen: rows and columns of them within one another, and tabs. Plain values; [`super::tiles`] lends them to the widget.
+//! Where panes are on the screen: rows and columns of them within one another, and tabs. Plain values; [`super::tiles`]
+//! lends them to the widget.
 
 use super::PaneId;
 use serde::{Deserialize, Serialize};
@@ -127,7 +128,8 @@ impl Arrangement {
         }
     }
 
-    /// What makes sense of it: each pane that `keep` knows once, with shares that are numbers, not too deep. What comes from a file may be anything.
+    /// What makes sense of it: each pane that `keep` knows once, with shares that are numbers, not too deep. What comes
+    /// from a file may be anything.
     #[must_use]
     pub fn sanitised(self, mut keep: impl FnMut(PaneId) -> bool) -> Option<Self> {
         let mut seen = Vec::new();

@@ -1,11 +1,13 @@
 //! Panes: each shows one picture of one open burst.
 //!
-//! A [`Pane`] is a plain value: which burst, where in it ([`Cursor`]: frame, slope, octave, level), which kind of picture, pan and zoom, a range of its own if
-//! it has one, and what it shares with other panes ([`PaneLinks`]). [`Panes`] holds all of them with their [`Arrangement`] on the screen and says which one
-//! the sliders and keys move: the one in focus. Two panes are always there, one for each of the two bursts; the workspaces that show both take these.
+//! A [`Pane`] is a plain value: which burst, where in it ([`Cursor`]: frame, slope, octave, level), which kind of
+//! picture, pan and zoom, a range of its own if it has one, and what it shares with other panes ([`PaneLinks`]).
+//! [`Panes`] holds all of them with their [`Arrangement`] on the screen and says which one the sliders and keys move:
+//! the one in focus. Two panes are always there, one for each of the two bursts; the workspaces that show both take
+//! these.
 //!
-//! What every pane wants to show follows from its values alone ([`wanted`](Pane::wanted)). The window asks the engine for it under the pane's own number, and
-//! puts the answer into [`Pane::picture`].
+//! What every pane wants to show follows from its values alone ([`wanted`](Pane::wanted)). The window asks the engine
+//! for it under the pane's own number, and puts the answer into [`Pane::picture`].
 
 mod arrangement;
 mod links;
@@ -143,7 +145,8 @@ pub struct Pane {
     pub side: Side,
     /// What it shows.
     pub content: Content,
-    /// Where in the burst it is. A linked pane may have been moved beyond what there is; [`Pane::cursor_within`] is what is shown.
+    /// Where in the burst it is. A linked pane may have been moved beyond what there is; [`Pane::cursor_within`] is
+    /// what is shown.
     pub cursor: Cursor,
     /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
     pub slope_chosen: bool,
@@ -220,7 +223,8 @@ impl Pane {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
 
-    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures, and a slice.
+    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures, and
+    /// a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = match self.content {
             Content::Cursor => self.cursor_within(burst, params).picture_kind(),

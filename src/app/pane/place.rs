@@ -5,10 +5,12 @@ use crate::engine::PictureKind;
 use egui::{Pos2, vec2};
 use std::ops::Range;
 
-/// Where the place under the pointer of one pane is in another, both of bursts of which the frames `used` are searched: in image pixels.
+/// Where the place under the pointer of one pane is in another, both of bursts of which the frames `used` are searched:
+/// in image pixels.
 ///
-/// Pictures that are made of many frames show a place where it is at mid-burst. A frame shows it moved along its slope by the frames in between: the slope is
-/// that of the pane that is no frame, or of the pane that is pointed at if both are frames.
+/// Pictures that are made of many frames show a place where it is at mid-burst. A frame shows it moved along its slope
+/// by the frames in between: the slope is that of the pane that is no frame, or of the pane that is pointed at if both
+/// are frames.
 pub fn place_in(
     pos_image: Pos2,
     (from_kind, from): (PictureKind, &Cursor),

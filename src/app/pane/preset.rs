@@ -165,8 +165,9 @@ fn two_slopes(slope: Slope, params: &DetectorParams) -> [Slope; 2] {
     [slope, if next == slope { stepped(grid, slope, along_v, false) } else { next }]
 }
 
-/// `count` neighbouring slopes along the grid's first axis that has several, with the nearest to `slope` in the middle as far as the grid reaches; and the
-/// place of that one. A grid of one slope has its neighbours a quarter of a pixel per frame apart.
+/// `count` neighbouring slopes along the grid's first axis that has several, with the nearest to `slope` in the middle
+/// as far as the grid reaches; and the place of that one. A grid of one slope has its neighbours a quarter of a pixel
+/// per frame apart.
 fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (Vec<Slope>, usize) {
     let grid = &params.slopes;
     let along_v = grid.u.count <= 1 && grid.v.count > 1;

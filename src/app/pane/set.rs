@@ -114,7 +114,8 @@ impl Panes {
         self.focus = shown[(place + step) % shown.len()];
     }
 
-    /// Splits the pane called `id`: the new pane shows the same and gets the focus. Nothing happens once there are [`MAX_PANES`].
+    /// Splits the pane called `id`: the new pane shows the same and gets the focus. Nothing happens once there are
+    /// [`MAX_PANES`].
     pub fn split(&mut self, id: PaneId, direction: Direction) -> Option<PaneId> {
         if self.shown().len() >= MAX_PANES {
             return None;
@@ -138,7 +139,8 @@ impl Panes {
         Some(new)
     }
 
-    /// Shows in pane `id` the burst of `side`. The two panes that are always there stay on their bursts: a new pane takes the place of such a one.
+    /// Shows in pane `id` the burst of `side`. The two panes that are always there stay on their bursts: a new pane
+    /// takes the place of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
         let Some(pane) = self.get(id).filter(|pane| pane.side != side) else { return };
         let changed = Pane { side, picture: None, problem: None, ..pane.clone() };
@@ -162,7 +164,8 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Closes a pane of the inspector, unless it is the only one. Panes that show something of it go back to what their cursors say.
+    /// Closes a pane of the inspector, unless it is the only one. Panes that show something of it go back to what their
+    /// cursors say.
     pub fn close(&mut self, id: PaneId) {
         let shown = self.shown();
         let Some(place) = shown.iter().position(|shown| *shown == id).filter(|_| shown.len() > 1) else { return };
@@ -244,7 +247,8 @@ impl Panes {
         }
     }
 
-    /// Closes the panes on the burst of `side`, which is not open any more. One that is left alone goes to the other burst.
+    /// Closes the panes on the burst of `side`, which is not open any more. One that is left alone goes to the other
+    /// burst.
     pub fn close_side(&mut self, side: Side) {
         for id in self.shown() {
             if self.get(id).is_some_and(|pane| pane.side == side) {
@@ -258,7 +262,8 @@ impl Panes {
         }
     }
 
-    /// What was A is B, and the other way round. The two panes that are always there change places, all others stay on their bursts.
+    /// What was A is B, and the other way round. The two panes that are always there change places, all others stay on
+    /// their bursts.
     pub fn swap_sides(&mut self) {
         self.sides.swap(0, 1);
         for (pane, side) in self.sides.iter_mut().zip(Side::BOTH) {
@@ -288,7 +293,8 @@ impl Panes {
         }
     }
 
-    /// Lets the panes that are linked so follow when the cursor of `moved` was moved since it was at `before`: by the same steps.
+    /// Lets the panes that are linked so follow when the cursor of `moved` was moved since it was at `before`: by the
+    /// same steps.
     pub fn follow_cursor(&mut self, moved: PaneId, before: Cursor) {
         let Some(after) = self.get(moved).filter(|pane| pane.links.has(Link::Cursor)).map(|pane| pane.cursor) else {
             return;

@@ -1,7 +1,7 @@
 //! The arrangement, lent to the widget that draws and changes it (`egui_tiles`) and taken back.
 //!
-//! The widget's tree is made anew in each pass from the arrangement, with the same numbers for the same panes, so that it may hold on to what is being
-//! dragged; what the pointer changed is read from it afterwards.
+//! The widget's tree is made anew in each pass from the arrangement, with the same numbers for the same panes, so that
+//! it may hold on to what is being dragged; what the pointer changed is read from it afterwards.
 
 use super::{Arrangement, PaneId, Part};
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};

@@ -3,7 +3,8 @@
 use crate::engine::BurstSource;
 use egui::{RichText, ScrollArea, Ui, vec2};
 
-/// Draws the choice among `bursts` if there are any. The chosen one is answered; then, or when it is closed, `bursts` becomes empty.
+/// Draws the choice among `bursts` if there are any. The chosen one is answered; then, or when it is closed, `bursts`
+/// becomes empty.
 pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<BurstSource> {
     if bursts.is_empty() {
         return None;

@@ -7,7 +7,8 @@ use egui::{Color32, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, vec2};
 const CELLS: usize = 4;
 const DIRECTIONS: usize = 8;
 
-/// Draws the roses in a square of `side` points, in the feature's own frame: its orientation points to the right. `name` is for screen readers.
+/// Draws the roses in a square of `side` points, in the feature's own frame: its orientation points to the right.
+/// `name` is for screen readers.
 pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32, colour: Color32) {
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
     let painter = ui.painter_at(rect.expand(1.0));
@@ -33,8 +34,8 @@ pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32
     );
 }
 
-/// The direction of a descriptor's element within its cell, from +u towards +v of the feature's own frame. In UBC's order the directions
-/// run the other way round, the first stays.
+/// The direction of a descriptor's element within its cell, from +u towards +v of the feature's own frame. In UBC's
+/// order the directions run the other way round, the first stays.
 fn angle_of(direction: usize) -> f32 {
     -std::f32::consts::TAU * direction as f32 / DIRECTIONS as f32
 }

@@ -40,7 +40,8 @@ pub struct FeatureLayer {
 }
 
 impl FeatureLayer {
-    /// Those of pane `id`; `None` while none are drawn. Those of B are only drawn: the table, the filter and the selection are A's.
+    /// Those of pane `id`; `None` while none are drawn. Those of B are only drawn: the table, the filter and the
+    /// selection are A's.
     pub fn of(model: &Model, id: PaneId) -> Option<Self> {
         let pane = model.panes.get(id).filter(|_| model.look.overlay)?;
         let found = model.found_of(pane.side)?;
@@ -68,7 +69,8 @@ impl FeatureLayer {
         overlay::ColourScale::of(by, &self.detection.features)
     }
 
-    /// In a picture that was shifted by a slope, what moves that way is sharp and the rest is smeared: whether the feature is one of the rest.
+    /// In a picture that was shifted by a slope, what moves that way is sharp and the rest is smeared: whether the
+    /// feature is one of the rest.
     pub fn is_faint(&self, index: usize) -> bool {
         let Some(slope) = self.slope else { return false };
         let f = &self.placed[index];
@@ -172,7 +174,8 @@ fn draw(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale, outpu
     overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { shown: Some(&full), ..style });
 }
 
-/// Features within this distance in slope belong to the picture, in pixels per frame: half-way to the grid's next slope, and a little.
+/// Features within this distance in slope belong to the picture, in pixels per frame: half-way to the grid's next
+/// slope, and a little.
 fn near_slope(grid: &SlopeGrid) -> f32 {
     (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
 }

@@ -70,7 +70,8 @@ fn range_ui(
         ui.spacing_mut().slider_width = 140.0;
         let text = |x: f64, _: std::ops::RangeInclusive<usize>| crate::app::canvas::number(x as f32, 4);
         ui.add(egui::RangeSlider::new(&mut min, &mut max, low..=high).custom_formatter(text)).labelled_by(name.id);
-        // The slider rounds what it shows; only the pointer moves it by more than that. A handle at its end lets everything beyond pass.
+        // The slider rounds what it shows; only the pointer moves it by more than that. A handle at its end lets
+        // everything beyond pass.
         let step = 0.002 * (high - low);
         if (min - set.min).abs() > step || (max - set.max).abs() > step {
             let min = if min - low <= step { low } else { min };

@@ -1,4 +1,5 @@
-//! The parts of the window. Each draws from the model, changes the model, and puts the actions that were asked for into a queue.
+//! The parts of the window. Each draws from the model, changes the model, and puts the actions that were asked for into
+//! a queue.
 
 pub mod about;
 pub mod advice;

@@ -1,5 +1,5 @@
-//! The noise of the burst as the last detection took it: the variance over brightness with the points it was fitted to, where in the picture the noise
-//! is how large, and which assumptions do not hold.
+//! The noise of the burst as the last detection took it: the variance over brightness with the points it was fitted to,
+//! where in the picture the noise is how large, and which assumptions do not hold.
 
 use crate::app::canvas::number as in_digits;
 use crate::app::pane::Content;

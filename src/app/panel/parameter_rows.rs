@@ -1,4 +1,5 @@
-//! The pieces of a parameter's row: its name, the editors for each type of value, and the button that gives it its default.
+//! The pieces of a parameter's row: its name, the editors for each type of value, and the button that gives it its
+//! default.
 
 use crate::app::panel::widgets::hint;
 use crate::detector::params::{ParamDoc, ParamError};

@@ -1,4 +1,5 @@
-//! The detector's parameters: every one of them, with its unit, its default, what raising it does, and what is wrong with it.
+//! The detector's parameters: every one of them, with its unit, its default, what raising it does, and what is wrong
+//! with it.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::parameter_rows as rows;

@@ -1,4 +1,5 @@
-//! The selected feature: all its numbers, its patch where the burst agrees and where one frame shows it, its descriptor.
+//! The selected feature: all its numbers, its patch where the burst agrees and where one frame shows it, its
+//! descriptor.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::signed_number;

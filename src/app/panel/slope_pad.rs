@@ -1,4 +1,5 @@
-//! The slope plane: the grid's slopes as dots, as large as features were found there; drag to move the slope in both directions at once.
+//! The slope plane: the grid's slopes as dots, as large as features were found there; drag to move the slope in both
+//! directions at once.
 
 use crate::app::project::Model;
 use crate::app::project::cursor::slope_limit;

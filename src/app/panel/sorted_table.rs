@@ -1,4 +1,5 @@
-//! A table of which a click on a heading sorts and a click on a row selects. Only the visible rows are drawn, however many there are.
+//! A table of which a click on a heading sorts and a click on a row selects. Only the visible rows are drawn, however
+//! many there are.
 
 use crate::app::project::order::Order;
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
@@ -39,8 +40,8 @@ pub(in crate::app) struct Pointed<C> {
     pub hovered: Option<usize>,
 }
 
-/// Draws the table. `text` is what a column holds of an item, `name` what screen readers call it, and `menu` draws what a click with the second button on
-/// its row shows.
+/// Draws the table. `text` is what a column holds of an item, `name` what screen readers call it, and `menu` draws what
+/// a click with the second button on its row shows.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
     order: Order<C>,
@@ -118,7 +119,8 @@ pub(in crate::app) fn heading_ui(ui: &mut Ui, heading: &str, sorted: Option<bool
     cell_ui(ui, text);
 }
 
-/// A text at the right end of its cell. (The whole table cannot be laid out from the right: cells would then take clicks of their neighbours.)
+/// A text at the right end of its cell. (The whole table cannot be laid out from the right: cells would then take
+/// clicks of their neighbours.)
 pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         ui.add(Label::new(text).selectable(false).extend());

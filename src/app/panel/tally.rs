@@ -111,8 +111,8 @@ fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
     .inner
 }
 
-/// One test: its reason, its counts, and a bar whose length grows with the logarithm of the count. With `shown` its name
-/// is a switch.
+/// One test: its reason, its counts, and a bar whose length grows with the logarithm of the count. With `shown` its
+/// name is a switch.
 fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
     ui.horizontal(|ui| {
         match shown {

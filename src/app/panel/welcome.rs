@@ -57,7 +57,8 @@ pub fn welcome_ui(
     });
 }
 
-/// Says that files can be let go while they are held over the window; `panes` are the places where what is dropped opens, with what is said there.
+/// Says that files can be let go while they are held over the window; `panes` are the places where what is dropped
+/// opens, with what is said there.
 pub fn drop_hint_ui(ctx: &egui::Context, panes: &[(Rect, &str)]) {
     if ctx.input(|i| i.raw.hovered_files.is_empty()) {
         return;

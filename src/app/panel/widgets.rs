@@ -69,8 +69,8 @@ impl CursorRow<'_> {
     }
 }
 
-/// Where the slider of a [`CursorRow`] has its handle's centre, from the one end to the other, if the row is drawn here;
-/// and the width of the row.
+/// Where the slider of a [`CursorRow`] has its handle's centre, from the one end to the other, if the row is drawn
+/// here; and the width of the row.
 pub fn slider_track(ui: &Ui) -> (egui::Rangef, f32) {
     let spacing = ui.spacing();
     let width = ui.available_width();
@@ -99,8 +99,8 @@ fn time_left_text(left: std::time::Duration) -> String {
     }
 }
 
-/// A text in one line of at most `width` points. Where it is longer its middle is left out: names of one dataset differ at
-/// their ends.
+/// A text in one line of at most `width` points. Where it is longer its middle is left out: names of one dataset differ
+/// at their ends.
 pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color32, width: f32) -> Arc<Galley> {
     let lay_out = |text: String| painter.layout_no_wrap(text, font.clone(), colour);
     let whole = lay_out(text.to_owned());

@@ -24,8 +24,8 @@ impl Model {
         self.check_params();
     }
 
-    /// Puts the panes on the burst of `side` back to where a newly opened burst begins: the one that the sliders move where `begin` says, the others as far from it
-    /// as they were.
+    /// Puts the panes on the burst of `side` back to where a newly opened burst begins: the one that the sliders move
+    /// where `begin` says, the others as far from it as they were.
     pub(crate) fn start_panes(&mut self, side: Side, begin: impl Fn(&Cursor) -> Cursor) {
         let focus = self.panes.focus();
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
@@ -57,7 +57,8 @@ impl Model {
         }
     }
 
-    /// Brings cursors into range. Panes that follow the one in focus may go beyond, so that they come back to where they were beside it.
+    /// Brings cursors into range. Panes that follow the one in focus may go beyond, so that they come back to where
+    /// they were beside it.
     fn check_cursors(&mut self) {
         let (follows, focus) = (self.workspace == Workspace::Inspect && self.panes.are_many(), self.panes.focus());
         let shown = self.panes.shown();

@@ -98,12 +98,14 @@ pub fn octave_range(params: &DetectorParams, size: (usize, usize)) -> RangeInclu
     octaves.start..=(octaves.end - 1).max(octaves.start)
 }
 
-/// Levels that the level slider offers: those that features come from, and one more on each side, against which they are compared.
+/// Levels that the level slider offers: those that features come from, and one more on each side, against which they
+/// are compared.
 pub fn level_range(params: &DetectorParams) -> RangeInclusive<i32> {
     -1..=params.levels as i32
 }
 
-/// The slope sliders reach from minus to plus this, in pixels per frame: a little beyond the grid, so that one can look past its rim.
+/// The slope sliders reach from minus to plus this, in pixels per frame: a little beyond the grid, so that one can look
+/// past its rim.
 pub fn slope_limit(grid: &SlopeGrid) -> f32 {
     (grid.max_magnitude() * 1.25).clamp(1.0, 1e4).ceil()
 }
@@ -121,8 +123,8 @@ pub fn snapped(grid: &SlopeGrid, slope: Slope) -> Slope {
     grid.at(i as f32, j as f32)
 }
 
-/// One step along the grid's first (`along_second` false) or second axis from `slope`: to the next slope of the grid in that direction, or by a
-/// quarter of a pixel per frame where that axis has a single slope.
+/// One step along the grid's first (`along_second` false) or second axis from `slope`: to the next slope of the grid in
+/// that direction, or by a quarter of a pixel per frame where that axis has a single slope.
 pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool) -> Slope {
     let sign = if forward { 1.0 } else { -1.0 };
     let axis = if along_second { &grid.v } else { &grid.u };
@@ -139,8 +141,8 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     }
 }
 
-/// The slope after `slope` when playing through the grid: row by row, every other row backwards, so that the picture never jumps.
-/// `step` counts from 0 and may run on for ever; the grid is played there and back.
+/// The slope after `slope` when playing through the grid: row by row, every other row backwards, so that the picture
+/// never jumps. `step` counts from 0 and may run on for ever; the grid is played there and back.
 pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
     let count = grid.len().max(1);
     let period = (2 * count).saturating_sub(2).max(1);

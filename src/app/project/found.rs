@@ -61,7 +61,8 @@ pub enum Stale {
 }
 
 impl Model {
-    /// Takes the features, unless they are of another burst. The selection is kept where the same feature was found again.
+    /// Takes the features, unless they are of another burst. The selection is kept where the same feature was found
+    /// again.
     pub fn take_detection(&mut self, detected: Detected, elapsed: Duration) {
         let Some(burst) = self.burst.as_ref().filter(|burst| burst.id == detected.burst) else { return };
         let found = FoundFeatures::new(detected, burst, elapsed);
@@ -124,7 +125,8 @@ impl Model {
         (distance(&features[nearest]) < 1.0).then_some(nearest)
     }
 
-    /// Goes to the slope with most features in the burst of `side`, unless a slope was chosen since that burst was opened.
+    /// Goes to the slope with most features in the burst of `side`, unless a slope was chosen since that burst was
+    /// opened.
     pub(crate) fn go_to_first_slope(&mut self, side: Side) {
         let (focus, own) = (self.panes.focus(), PaneId::of(side));
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
@@ -137,8 +139,8 @@ impl Model {
         }
     }
 
-    /// Goes in pane `id` to the slope of the grid at which most features were found, not counting its rim unless there are
-    /// features nowhere else, and says so. Does nothing without features.
+    /// Goes in pane `id` to the slope of the grid at which most features were found, not counting its rim unless there
+    /// are features nowhere else, and says so. Does nothing without features.
     pub fn go_to_busiest_slope(&mut self, id: PaneId) {
         let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };

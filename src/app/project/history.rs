@@ -1,7 +1,8 @@
 //! Undo and redo of what a person sets: the parameters of the detector and of matching, and the slopes that panes show.
 //!
-//! The window tells the history what is set before and after each pass in which a person could change it. What changes by itself (slopes that were found, the
-//! slope with most features) is no step. While something goes on (a drag, typing, playing through the slopes) all of it is one step.
+//! The window tells the history what is set before and after each pass in which a person could change it. What changes
+//! by itself (slopes that were found, the slope with most features) is no step. While something goes on (a drag,
+//! typing, playing through the slopes) all of it is one step.
 
 use crate::app::pane::PaneId;
 use crate::app::project::Model;

@@ -1,7 +1,8 @@
 //! How pictures and features look: value ranges, colour maps, and what is drawn over the picture.
 //!
-//! Ranges are fixed for each class of picture, so that two slopes or two frames can be compared: frames and motion-stack images share one,
-//! DoG responses have another, symmetric about zero; so has each map. A range is set once, from the first picture of its class; after that only by hand.
+//! Ranges are fixed for each class of picture, so that two slopes or two frames can be compared: frames and
+//! motion-stack images share one, DoG responses have another, symmetric about zero; so has each map. A range is set
+//! once, from the first picture of its class; after that only by hand.
 
 use crate::engine::{MapKind, Picture, PictureKind, PictureRequest};
 use crate::plane::colour_map::ColourMap;

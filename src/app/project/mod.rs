@@ -1,7 +1,7 @@
 //! What the window shows, as plain values: the bursts, the parameters, the panes, the features, the messages.
 //!
-//! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what is wanted with
-//! what is there and asks the engine for the difference.
+//! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what
+//! is wanted with what is there and asks the engine for the difference.
 
 pub mod against;
 mod checking;
@@ -101,7 +101,8 @@ pub struct Model {
     pub workspace: Workspace,
     /// The open burst, if any.
     pub burst: Option<OpenBurst>,
-    /// The parameters as they are being edited; they may make no sense for the moment. Where slopes are found, theirs are those found last.
+    /// The parameters as they are being edited; they may make no sense for the moment. Where slopes are found, theirs
+    /// are those found last.
     pub params: DetectorParams,
     /// How the slopes are chosen.
     pub slopes: SlopeChoice,

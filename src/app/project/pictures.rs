@@ -1,4 +1,5 @@
-//! The pictures that panes show: which are wanted, which are there, in which range they are shown, and which pane the sliders move.
+//! The pictures that panes show: which are wanted, which are there, in which range they are shown, and which pane the
+//! sliders move.
 
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
 use crate::app::project::cursor::{Cursor, ViewKind};

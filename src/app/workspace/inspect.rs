@@ -1,4 +1,5 @@
-//! One burst: scrubbing and parameters left, the panes in the middle with the table below them, the selected feature and the display right.
+//! One burst: scrubbing and parameters left, the panes in the middle with the table below them, the selected feature
+//! and the display right.
 
 use crate::app::actions::Queue;
 use crate::app::inspector::inspector_ui;

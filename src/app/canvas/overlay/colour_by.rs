@@ -56,7 +56,8 @@ impl ColourBy {
     }
 }
 
-/// A [`ColourBy`] with the range of values that its colours span, so that the same colour means the same until the next detection.
+/// A [`ColourBy`] with the range of values that its colours span, so that the same colour means the same until the next
+/// detection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourScale {
     /// What the colour tells.

@@ -8,8 +8,8 @@ use egui::Pos2;
 /// How near the pointer must come to a centre or a circle line, in points.
 const TOLERANCE_POINTS: f32 = 7.0;
 
-/// Index of the feature under `pos_ui`: the one whose centre or circle line is nearest within a few points; else the smallest circle around the
-/// pointer. `shown` is as in [`super::OverlayStyle`].
+/// Index of the feature under `pos_ui`: the one whose centre or circle line is nearest within a few points; else the
+/// smallest circle around the pointer. `shown` is as in [`super::OverlayStyle`].
 pub fn feature_at(
     features: &[Feature],
     shown: Option<&[bool]>,

@@ -1,7 +1,8 @@
 //! Lines from features of one picture to those of another: drawn, and found under the pointer.
 //!
-//! Inliers are solid and yellow, outliers dashed and vermilion: two signs each, so that nobody depends on telling the colours apart. A line is drawn
-//! where both its ends are in sight; an end whose other end is outside its pane is marked by a small ring.
+//! Inliers are solid and yellow, outliers dashed and vermilion: two signs each, so that nobody depends on telling the
+//! colours apart. A line is drawn where both its ends are in sight; an end whose other end is outside its pane is
+//! marked by a small ring.
 
 use super::super::RectTransform;
 use super::strokes::Strokes;
@@ -138,7 +139,8 @@ fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, width: f
     }
 }
 
-/// The number of the match under `pos_ui`: the one with the nearest end within a few points, else the one with the nearest line.
+/// The number of the match under `pos_ui`: the one with the nearest end within a few points, else the one with the
+/// nearest line.
 pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<usize> {
     let mut best: Option<(bool, f32, usize)> = None;
     for line in lines {

@@ -1,8 +1,8 @@
 //! Features over a picture: circles of true scale, orientation, motion over the burst.
 //!
-//! The circle is the rim of the disc that D answers most strongly at scale σ. The tick points along the orientation. The arrow
-//! runs from where the feature is in the first frame to where it is in the last. Features whose slope lies on the rim of the searched grid have a
-//! dashed circle: their true motion may lie outside.
+//! The circle is the rim of the disc that D answers most strongly at scale σ. The tick points along the orientation.
+//! The arrow runs from where the feature is in the first frame to where it is in the last. Features whose slope lies on
+//! the rim of the searched grid have a dashed circle: their true motion may lie outside.
 
 mod colour_by;
 mod compared;
@@ -64,8 +64,8 @@ impl<'a> OverlayStyle<'a> {
     }
 }
 
-/// Radius of a feature's circle, in image pixels: the rim of the disc that D answers most strongly at its scale, for the
-/// usual five levels an octave 1.51·σ (four: 1.54·σ, ten: 1.46·σ).
+/// Radius of a feature's circle, in image pixels: the rim of the disc that D answers most strongly at its scale, for
+/// the usual five levels an octave 1.51·σ (four: 1.54·σ, ten: 1.46·σ).
 pub fn circle_radius_image(feature: &Feature) -> f32 {
     rim_radius(f64::from(feature.sigma), USUAL_LEVELS) as f32
 }
@@ -91,7 +91,8 @@ const MAX_WITH_EDGE: usize = 1500;
 /// Circles smaller than this, in points, are drawn at this size, so that a feature never vanishes.
 const MIN_RADIUS_POINTS: f32 = 1.5;
 
-/// Draws `features` over the canvas that answered `output`. What lies outside costs nothing; thousands draw at display rate.
+/// Draws `features` over the canvas that answered `output`. What lies outside costs nothing; thousands draw at display
+/// rate.
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
     let pixels_per_point = output.painter.pixels_per_point();
     let visible: Vec<usize> = (0..features.len())

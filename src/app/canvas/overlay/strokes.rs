@@ -1,6 +1,7 @@
 //! Anti-aliased circles and lines, thousands of them in one mesh.
 //!
-//! egui could draw each as a shape of its own; one mesh for all saves it the sorting and stroking and keeps a full window at display rate.
+//! egui could draw each as a shape of its own; one mesh for all saves it the sorting and stroking and keeps a full
+//! window at display rate.
 
 use egui::{Color32, Mesh, Pos2, Vec2};
 
@@ -22,8 +23,9 @@ impl Strokes {
         self.mesh
     }
 
-    /// Adds the vertices across a stroke at one place: `at(distance)` is the position at a distance from its middle. Four of them, from one
-    /// soft edge over the solid part to the other; three for a line so thin that nearly all of it is soft edge. Answers how many.
+    /// Adds the vertices across a stroke at one place: `at(distance)` is the position at a distance from its middle.
+    /// Four of them, from one soft edge over the solid part to the other; three for a line so thin that nearly all of
+    /// it is soft edge. Answers how many.
     fn across(&mut self, width: f32, colour: Color32, at: impl Fn(f32) -> Pos2) -> u32 {
         if width < 1.7 * self.feather {
             // The same area as four vertices would cover.
@@ -114,7 +116,8 @@ fn unit_circle(radius: f32) -> &'static [Vec2] {
             .map(|n| (0..n).map(|i| Vec2::angled(i as f32 * std::f32::consts::TAU / n as f32)).collect())
     });
     let index = match radius {
-        // The largest distance between circle and polygon stays below a sixth of a point (half a point for the very large).
+        // The largest distance between circle and polygon stays below a sixth of a point (half a point for the very
+        // large).
         r if r < 2.5 => 0,
         r if r < 9.0 => 1,
         r if r < 36.0 => 2,

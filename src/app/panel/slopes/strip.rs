@@ -1,4 +1,5 @@
-//! Bars of features and of evidence under a slope slider, at its scale, and the ends of the range, which can be dragged.
+//! Bars of features and of evidence under a slope slider, at its scale, and the ends of the range, which can be
+//! dragged.
 
 use super::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::panel::widgets::slider_track;

@@ -53,7 +53,8 @@ impl Contender {
         }
     }
 
-    /// The parameters `edited` as this method takes them: everything but the method and, for BuFF, the shape of the grid of slopes stays.
+    /// The parameters `edited` as this method takes them: everything but the method and, for BuFF, the shape of the
+    /// grid of slopes stays.
     pub fn params(self, edited: &DetectorParams) -> DetectorParams {
         let mut params = edited.clone();
         let grid = edited.slopes;

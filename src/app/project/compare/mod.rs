@@ -1,6 +1,8 @@
-//! Several methods on the same burst, as plain values: what each found, what is missing, and how they are laid beside one another.
+//! Several methods on the same burst, as plain values: what each found, what is missing, and how they are laid beside
+//! one another.
 //!
-//! With a second burst open, each method also runs on that one and is matched with itself, so that what counts in the end, matches, can be compared.
+//! With a second burst open, each method also runs on that one and is matched with itself, so that what counts in the
+//! end, matches, can be compared.
 
 mod layout;
 mod method;
@@ -76,7 +78,8 @@ pub struct Compare {
 }
 
 impl Compare {
-    /// What `method` found on `side`, if it was run there. It may be of older parameters or bursts; [`Model::method_found`] answers only what is current.
+    /// What `method` found on `side`, if it was run there. It may be of older parameters or bursts;
+    /// [`Model::method_found`] answers only what is current.
     fn found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
         self.found[method.index()][side as usize].as_ref()
     }
@@ -160,7 +163,8 @@ impl Model {
         Contender::ALL.into_iter().filter(|m| self.compare.look.shows(*m)).filter(usable).collect()
     }
 
-    /// The next piece of work that is missing: features of A by each method that is shown, then those of B, then their matches.
+    /// The next piece of work that is missing: features of A by each method that is shown, then those of B, then their
+    /// matches.
     pub fn next_compare_job(&self) -> Option<CompareJob> {
         let jobs = self.contenders().into_iter().flat_map(|method| {
             let detections = Side::BOTH.into_iter().filter_map(move |side| self.missing_detection(method, side));
@@ -201,7 +205,8 @@ impl Model {
         self.compare.failed.iter().any(|(failed, _)| failed.method == job.method && same(failed))
     }
 
-    /// Takes over what the other workspaces have found already with the very same parameters, so that it is not done again.
+    /// Takes over what the other workspaces have found already with the very same parameters, so that it is not done
+    /// again.
     pub fn share_what_is_found(&mut self) {
         for method in Contender::ALL.into_iter().filter(|m| *m != Contender::Gold) {
             for side in Side::BOTH {

@@ -1,4 +1,5 @@
-//! The comparison's promises: what is missing is done in order and once, what is current counts, what failed is not tried again as it was.
+//! The comparison's promises: what is missing is done in order and once, what is current counts, what failed is not
+//! tried again as it was.
 
 use crate::app::project::compare::*;
 use crate::app::project::pair::tests::pair;

@@ -33,7 +33,8 @@ pub struct MatchRow<'a> {
     pub b: &'a Feature,
     /// Whether it agrees with the geometry; `None` where it was not verified.
     pub inlier: Option<bool>,
-    /// How far it is from the geometry, pixels; `None` where there is no geometry, infinite where it has no distance from it.
+    /// How far it is from the geometry, pixels; `None` where there is no geometry, infinite where it has no distance
+    /// from it.
     pub error_px: Option<f32>,
 }
 

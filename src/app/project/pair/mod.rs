@@ -1,4 +1,5 @@
-//! Two bursts and the matches between them, as plain values. A is the burst that was opened first; B is opened beside it. Each has a pane that is always there.
+//! Two bursts and the matches between them, as plain values. A is the burst that was opened first; B is opened beside
+//! it. Each has a pane that is always there.
 
 mod columns;
 mod found;
@@ -164,8 +165,8 @@ impl Model {
         self.refresh_listed();
     }
 
-    /// The detector's parameters for `side`. B has A's, as far as they can be used: a single frame is searched by SIFT, and a range of frames that B does
-    /// not have means all of them.
+    /// The detector's parameters for `side`. B has A's, as far as they can be used: a single frame is searched by SIFT,
+    /// and a range of frames that B does not have means all of them.
     pub fn params_of(&self, side: Side) -> DetectorParams {
         let mut params = self.params.clone();
         if let (Side::B, Some(b)) = (side, &self.pair.b.burst) {
@@ -274,7 +275,8 @@ impl Model {
         self.check_pair();
     }
 
-    /// Lets the other cursor follow the one that was moved since both were as in `before`, where they are linked. What was not moved stays as it is.
+    /// Lets the other cursor follow the one that was moved since both were as in `before`, where they are linked. What
+    /// was not moved stays as it is.
     pub fn follow_cursor(&mut self, before: [Cursor; 2]) {
         if !self.pair.links.cursor || self.pair.b.burst.is_none() {
             return;
@@ -290,7 +292,8 @@ impl Model {
         self.check_pair();
     }
 
-    /// The matches that are wanted now; `None` while the features of a side are missing or the parameters make no sense.
+    /// The matches that are wanted now; `None` while the features of a side are missing or the parameters make no
+    /// sense.
     pub fn wanted_matches(&self) -> Option<MatchRequest> {
         if self.pair.param_error.is_some() {
             return None;

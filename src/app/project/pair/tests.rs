@@ -1,4 +1,5 @@
-//! The pair's promises: B can be worked on as A is, cursors follow where they are linked, matches are wanted, stale and found again as they should be.
+//! The pair's promises: B can be worked on as A is, cursors follow where they are linked, matches are wanted, stale and
+//! found again as they should be.
 
 use crate::app::project::pair::*;
 use crate::app::project::tests::{detected, feature, open};

@@ -1,4 +1,5 @@
-//! Several methods on the same burst: which of them and how they are laid out left, their pictures in the middle, the table of their numbers below.
+//! Several methods on the same burst: which of them and how they are laid out left, their pictures in the middle, the
+//! table of their numbers below.
 
 mod controls;
 mod layouts;

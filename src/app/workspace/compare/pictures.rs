@@ -38,7 +38,8 @@ pub struct MethodPicture {
 }
 
 impl ComparePictures {
-    /// What `method` looks at on `side`: a frame, the merged image, the sharp image, or the motion stack at the cursor's slope.
+    /// What `method` looks at on `side`: a frame, the merged image, the sharp image, or the motion stack at the
+    /// cursor's slope.
     pub fn of(&mut self, model: &Model, method: Contender, side: Side) -> MethodPicture {
         let burst = model.method_burst(method, side);
         let full_scale = burst.map_or(1.0, |open| open.burst.full_scale);

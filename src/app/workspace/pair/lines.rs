@@ -10,7 +10,8 @@ use crate::app::workspace::pair::table::match_menu_ui;
 use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, RichText, Shape, Stroke, Ui, pos2};
 
-/// Draws the matches over the canvases of A and B and lets the pointer choose among them. Answers which one it is over; `None` while it is over neither canvas.
+/// Draws the matches over the canvases of A and B and lets the pointer choose among them. Answers which one it is over;
+/// `None` while it is over neither canvas.
 pub fn lines_ui(ui: &Ui, model: &mut Model, outputs: &[CanvasOutput; 2], queue: &mut Queue) -> Option<Option<usize>> {
     let pointer = outputs.iter().find_map(|output| output.pointer_ui);
     let Some(matches) = model.pair.matches.clone() else {

@@ -1,5 +1,5 @@
-//! Two bursts side by side, and the matches between them: the cursors and the parameters of matching left, the two pictures in the middle with the
-//! table of matches below them, the selected match with both its patches right.
+//! Two bursts side by side, and the matches between them: the cursors and the parameters of matching left, the two
+//! pictures in the middle with the table of matches below them, the selected match with both its patches right.
 
 mod detail;
 mod empty;

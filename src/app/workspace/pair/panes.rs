@@ -19,7 +19,8 @@ use egui::{Align, Frame, Label, Layout, Margin, Rect, RichText, Ui, UiBuilder, p
 /// Points between the two panes.
 const GAP: f32 = 6.0;
 
-/// Draws both panes and the matches between them. Answers which match the pointer is over; `None` while it is over neither picture.
+/// Draws both panes and the matches between them. Answers which match the pointer is over; `None` while it is over
+/// neither picture.
 pub fn panes_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Queue) -> Option<Option<usize>> {
     let room = ui.available_rect_before_wrap();
     let middle = (room.center().x * ui.ctx().pixels_per_point()).round() / ui.ctx().pixels_per_point();

@@ -1,4 +1,5 @@
-//! The parameters of matching: every one of them, with its unit, its default, what raising it does, and what is wrong with it.
+//! The parameters of matching: every one of them, with its unit, its default, what raising it does, and what is wrong
+//! with it.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::parameter_rows::{self as rows, ParamTable};
