@@ -29,6 +29,8 @@ fn single_frame() {
 fn dog_response() {
     let mut window = open();
     window.key(Key::Num3);
+    // The axis of the histogram keeps what it has shown, so each picture is waited for.
+    window.settle();
     window.slide("Octave", 1.0);
     window.app_mut().model.bottom_tab = BottomTab::Tally;
     window.snapshot("dog_response");
