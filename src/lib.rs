@@ -12,15 +12,19 @@
 //!
 //! ```text
 //! app, cli            the window; the commands
+//! teach               lessons and the glossary, as data
 //! engine              background workers: latest request wins, cancel, progress
+//! requests            what can be asked for in the background, and what is answered
 //! inspect             why: the fate of a place, which slopes a burst needs, what a change did
+//! figures             every figure and table of the paper, remade
 //! evaluate            how good the detector is, measured against known truth
 //! dataset             many bursts along a way, and on to COLMAP
 //! baseline, matching  what it is compared with; descriptors to matches
 //! export              one file a format
 //! detector, synth     the method; bursts with known truth
 //! burst               opening, decoding and calibrating frames
-//! plane, monitor      one float image; progress and cancellation
+//! plane, files         one float image; small text files and names of files
+//! monitor              progress and cancellation
 //! ```
 //!
 //! # Conventions
@@ -41,12 +45,16 @@ pub mod detector;
 pub mod engine;
 pub mod evaluate;
 pub mod export;
+pub mod figures;
+pub mod files;
 pub mod inspect;
 pub mod kernel;
 pub mod matching;
 pub mod monitor;
 pub mod plane;
+pub mod requests;
 pub mod synth;
+pub mod teach;
 
 pub use baseline::detect;
 pub use burst::Burst;

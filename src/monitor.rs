@@ -39,6 +39,8 @@ pub enum Stage {
     },
     /// Orientations and descriptors.
     Describe,
+    /// Comparing what single frames answer along the ways of features.
+    Frames,
     /// Comparing descriptors, and verifying their matches geometrically.
     Match,
     /// Making a synthetic burst.
@@ -58,6 +60,7 @@ impl std::fmt::Display for Stage {
             Self::Noise => f.write_str("Estimating noise"),
             Self::Search { octave } => write!(f, "Searching octave {octave}"),
             Self::Describe => f.write_str("Describing features"),
+            Self::Frames => f.write_str("Comparing frames"),
             Self::Match => f.write_str("Matching features"),
             Self::Synth => f.write_str("Making the burst"),
             Self::Evaluate => f.write_str("Evaluating"),

@@ -1,9 +1,17 @@
 //! The real program, run as people run it: its output, its files, its exit codes.
 
+#[path = "common/shared.rs"]
+mod shared;
+
+#[path = "commands/calibrating.rs"]
+mod calibrating;
 #[path = "commands/detecting.rs"]
 mod detecting;
 #[path = "commands/drawing.rs"]
 mod drawing;
+#[cfg(unix)]
+#[path = "commands/ending_well.rs"]
+mod ending_well;
 #[path = "commands/inspecting.rs"]
 mod inspecting;
 #[path = "commands/interrupting.rs"]
@@ -21,7 +29,11 @@ mod measuring;
 mod real;
 #[path = "commands/reconstructing.rs"]
 mod reconstructing;
+#[path = "commands/remaking.rs"]
+mod remaking;
 #[path = "commands/support.rs"]
 mod support;
+#[path = "commands/teaching.rs"]
+mod teaching;
 #[path = "commands/trajectories.rs"]
 mod trajectories;

@@ -1,8 +1,9 @@
 //! The studies that measure the detector: small ones, with numbers that must come out sane.
 
 use burstscope::evaluate::figure::roc_svg;
+use burstscope::evaluate::frames_figure::{burst_frames_svg, frames_svg};
 use burstscope::evaluate::pure_noise::NoiseLevel;
-use burstscope::evaluate::{BurstMethod, ChartReport, ChartStudy, NoiseStudy};
+use burstscope::evaluate::{BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, FramesStudy, NoiseStudy};
 use burstscope::synth::{ChartParams, Motion};
 use burstscope::{DetectorParams, Monitor, SlopeGrid};
 
@@ -143,4 +144,24 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
     let searches = NoiseStudy::searches(&detector)[..1].to_vec();
     let report = NoiseStudy { searches, ..study }.run(&Monitor::default()).expect("a report");
     assert!(report.rows[0].searches[0].per_megapixel > 20.0, "{report:?}");
+}
+
+#[test]
+fn figures_over_the_number_of_frames_are_valid_pictures() {
+    let methods = vec![BurstMethod::SiftMean, BurstMethod::Buff1d];
+    let charts = ChartStudy { methods, ..small_study() };
+    let report = FramesStudy { charts, frame_counts: vec![2, 5] }.run(&Monitor::default()).expect("a report");
+    let svg = frames_svg(&report);
+    let document = roxmltree::Document::parse(&svg).expect("valid XML");
+    let dots = document.descendants().filter(|n| n.has_tag_name("circle")).count();
+    assert_eq!(dots, 8, "two panels, two methods, two numbers of frames");
+    assert!(svg.contains("SIFT, plain mean") && svg.contains("14 discs"), "{svg}");
+    assert!(!svg.contains("NaN"));
+
+    let chart = ChartParams { frames: 4, snr: 1.0, ..small_study().chart };
+    let (burst, truth) = burstscope::synth::synth_chart(&chart, &Monitor::default()).expect("a chart");
+    let report = BurstFramesStudy::default().run(&burst, None, Some(&truth), &Monitor::default()).expect("a report");
+    let svg = burst_frames_svg(&report);
+    roxmltree::Document::parse(&svg).expect("valid XML");
+    assert!(svg.contains("confirmed by all frames") && svg.contains("discs found") && !svg.contains("inliers"));
 }

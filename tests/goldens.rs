@@ -9,6 +9,8 @@
 mod authors;
 #[path = "goldens/camera.rs"]
 mod camera;
+#[path = "goldens/own.rs"]
+mod own;
 #[path = "goldens/published.rs"]
 mod published;
 #[path = "common/shared.rs"]

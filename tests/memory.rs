@@ -3,26 +3,20 @@
 //! One test, alone in its program, so that nothing else is counted. Where the system has no `/proc` it says so and
 //! stops.
 
-use burstscope::detector::{DetectorParams, SlopeGrid};
+#[path = "common/resident.rs"]
+mod resident;
+
+use burstscope::detector::{DetectorParams, SlopeGrid, memory};
 use burstscope::synth::{SceneParams, synth_scene};
 use burstscope::{Burst, Monitor, detect};
+use resident::{peak_bytes, resident_bytes};
 
 const MB: u64 = 1_000_000;
 
-/// A number of bytes from `/proc/self/status`.
-fn status_bytes(field: &str) -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = text.lines().find(|line| line.starts_with(field))?;
-    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
-}
-
 /// The most memory that `work` had beyond what there was before. `None` where the system cannot tell.
 fn peak_over(work: impl FnOnce()) -> Option<u64> {
-    // Writing 5 makes the system forget the peak so far.
-    std::fs::write("/proc/self/clear_refs", "5").ok()?;
-    let before = status_bytes("VmRSS")?;
-    work();
-    Some(status_bytes("VmHWM")?.saturating_sub(before))
+    let before = resident_bytes()?;
+    Some(peak_bytes(work)?.saturating_sub(before))
 }
 
 fn found(burst: &Burst, params: &DetectorParams) -> usize {
@@ -43,8 +37,17 @@ fn a_search_over_a_line_and_over_a_plane_of_slopes_stay_within_their_bounds() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
     for (name, params, bound) in [("a line", line, 200 * MB), ("a plane", plane, 400 * MB)] {
         let mut count = 0;
+        let params_of = params.clone();
         let peak = peak_over(|| count = pool.install(|| found(&burst, &params))).expect("it could before");
         println!("{name}: {count} features, {} MB over the burst, at most {} MB", peak / MB, bound / MB);
+        let estimate = memory::estimate(&params_of, burst.len(), burst.size());
+        println!("{name}: estimated {} MB", estimate / MB);
+        assert!(
+            estimate >= peak && estimate < peak.max(bound / 4) * 6,
+            "{name}: {} MB estimated, {} MB taken",
+            estimate / MB,
+            peak / MB
+        );
         assert!(count > 1000, "a search that finds little needs little: {count} features");
         assert!(peak < bound * 9 / 10, "{name}: {} MB of {} MB", peak / MB, bound / MB);
     }

@@ -1,6 +1,14 @@
 //! Opening bursts: every format and its values, every way to name a burst, every failure and its message, and files
 //! that are damaged at random.
 
+#[path = "common/shared.rs"]
+mod shared;
+
+#[path = "opening/calibrating.rs"]
+mod calibrating;
+#[cfg(feature = "raw")]
+#[path = "opening/dng.rs"]
+mod dng;
 #[path = "opening/errors.rs"]
 mod errors;
 #[path = "opening/formats.rs"]
@@ -9,6 +17,11 @@ mod formats;
 mod fuzz;
 #[path = "opening/options.rs"]
 mod options;
+#[path = "opening/photographs.rs"]
+mod photographs;
+#[cfg(feature = "raw")]
+#[path = "opening/raw.rs"]
+mod raw;
 #[path = "opening/real.rs"]
 mod real;
 #[path = "opening/sources.rs"]

@@ -6,8 +6,14 @@ mod common;
 #[path = "window/support.rs"]
 mod support;
 
+#[path = "window/calibrating.rs"]
+mod calibrating;
 #[path = "window/candidates.rs"]
 mod candidates;
+#[path = "window/closing.rs"]
+mod closing;
+#[path = "window/coherence.rs"]
+mod coherence;
 #[path = "window/compared.rs"]
 mod compared;
 #[path = "window/dataset_matches.rs"]
@@ -16,10 +22,20 @@ mod dataset_matches;
 mod datasets;
 #[path = "window/detecting.rs"]
 mod detecting;
+#[path = "window/examples.rs"]
+mod examples;
+#[path = "window/filmstrip.rs"]
+mod filmstrip;
 #[path = "window/finding_ones_way.rs"]
 mod finding_ones_way;
+#[path = "window/glossary.rs"]
+mod glossary;
 #[path = "window/keeping.rs"]
 mod keeping;
+#[path = "window/lab.rs"]
+mod lab;
+#[path = "window/lessons.rs"]
+mod lessons;
 #[path = "window/long_films.rs"]
 mod long_films;
 #[path = "window/looks.rs"]
@@ -32,6 +48,8 @@ mod maps;
 mod measuring;
 #[path = "window/methods.rs"]
 mod methods;
+#[path = "window/narrow.rs"]
+mod narrow;
 #[path = "window/noise.rs"]
 mod noise;
 #[path = "window/opening.rs"]
@@ -40,8 +58,14 @@ mod opening;
 mod pairs;
 #[path = "window/panes.rs"]
 mod panes;
+#[path = "window/paper_figures.rs"]
+mod paper_figures;
 #[path = "window/probe.rs"]
 mod probe;
+#[path = "window/probe_plane.rs"]
+mod probe_plane;
+#[path = "window/recovery.rs"]
+mod recovery;
 #[path = "window/scrubbing.rs"]
 mod scrubbing;
 #[path = "window/slopes.rs"]

@@ -6,9 +6,10 @@ use super::window::BurstscopeApp;
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchColumn, MatchRow};
 use crate::app::project::workspace::Workspace;
+use crate::burst::OpenOptions;
 use crate::detector::Feature;
-use crate::engine::BurstSource;
 use crate::export::{COLUMNS, FeatureRow};
+use crate::requests::BurstSource;
 
 /// The features' columns and one feature's numbers, tabs between them: what a spreadsheet takes as two rows.
 pub fn feature_text(feature: &Feature) -> String {
@@ -63,10 +64,23 @@ impl BurstscopeApp {
             BurstSource::DemoLater => vec!["demo-later".to_owned()],
             BurstSource::Example(example) => vec![example.name().to_owned()],
             BurstSource::Paths(paths) => paths.iter().map(|path| path.display().to_string()).collect(),
+            BurstSource::Chart(_) | BurstSource::DarkCopy { .. } => {
+                let why = "this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts";
+                self.model.messages.error("Copy as command", why);
+                return;
+            }
         };
-        let line = crate::cli::detect_line(&inputs, &self.model.asked());
+        let line = crate::cli::detect_line(&inputs, &self.model.asked(), &self.calibration_of_open());
         self.model.messages.note(format!("Copied {line}"));
         ctx.copy_text(line);
+    }
+
+    /// How the burst was opened: what is built in needs nothing.
+    fn calibration_of_open(&self) -> OpenOptions {
+        match self.model.burst.as_ref().map(|open| &open.source) {
+            Some(BurstSource::Paths(_)) => self.model.calibration.clone(),
+            _ => OpenOptions::default(),
+        }
     }
 
     /// Copies the selected feature or match, or else the value under the pointer.

@@ -1,16 +1,18 @@
 //! What the window does with files: asks for them, opens, restores, loads and writes them.
 
-use super::dataset::Which;
 use super::dialogs::{ExportKind, FileAnswer, PathField, Purpose, Question};
 use super::session::Session;
 use super::window::BurstscopeApp;
 use crate::app::pane::Content;
 use crate::app::project::BottomTab;
 use crate::app::project::cursor::ViewKind;
+use crate::app::project::side::Side;
+use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
-use crate::engine::{BurstSource, MapKind};
+use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text};
+use crate::requests::{BurstSource, JobId, MapKind};
 use std::path::PathBuf;
 
 impl BurstscopeApp {
@@ -32,9 +34,15 @@ impl BurstscopeApp {
         if paths.is_empty() {
             return;
         }
+        if let (Some(draft), [one]) = (&mut self.overlays.calibration, paths.as_slice()) {
+            // Onto the open dialog: the bias first, then the flat.
+            let field = if draft.bias.is_none() { &mut draft.bias } else { &mut draft.flat };
+            *field = Some(one.clone());
+            return;
+        }
         match paths.as_slice() {
             [one] if one.extension().is_some_and(|e| e == "toml") => {
-                let is_session = std::fs::read_to_string(one).is_ok_and(|text| Session::from_toml(&text).is_ok());
+                let is_session = read_text(one, MAX_SESSION_BYTES).is_ok_and(|text| Session::from_toml(&text).is_ok());
                 self.use_files(if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }, paths);
             }
             [one] if self.model.workspace == Workspace::Trajectories => {
@@ -51,8 +59,17 @@ impl BurstscopeApp {
     /// Whether what is dropped now falls on the pane of the second burst.
     fn is_dropped_on_b(&self, ctx: &egui::Context) -> bool {
         let pointer = ctx.input(|i| i.pointer.latest_pos());
-        self.model.workspace == Workspace::Pair
-            && self.pair_panels.rect_b.zip(pointer).is_some_and(|(pane, pos)| pane.contains(pos))
+        let is_there = |rect: &egui::Rect| pointer.is_some_and(|pos| rect.contains(pos));
+        self.drop_places().iter().any(|(rect, side)| *side == Side::B && is_there(rect))
+    }
+
+    /// In *Two bursts*, where files can be dropped to be opened as which burst: the panes.
+    pub(super) fn drop_places(&self) -> Vec<(egui::Rect, Side)> {
+        if self.model.workspace != Workspace::Pair || self.model.burst.is_none() {
+            return Vec::new();
+        }
+        let place = |id| Some((self.widgets.rect_ui(id)?, self.model.panes.get(id)?.side));
+        self.model.visible_panes().into_iter().filter_map(place).collect()
     }
 
     /// Asks for files with the system's dialog.
@@ -90,6 +107,7 @@ impl BurstscopeApp {
                     ExportKind::Matches | ExportKind::MatchPicture => "matches",
                     ExportKind::Profile => "profile",
                     ExportKind::Svg | ExportKind::FigurePng => "figure",
+                    ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                     ExportKind::Tiff | ExportKind::Png => of_picture,
                 };
                 format!("{stem}-{what}.{}", kind.extension())
@@ -101,7 +119,11 @@ impl BurstscopeApp {
     fn folder_of_burst(&self) -> Option<PathBuf> {
         match &self.model.burst.as_ref()?.source {
             BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
-            BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) => None,
+            BurstSource::Demo
+            | BurstSource::DemoLater
+            | BurstSource::Example(_)
+            | BurstSource::Chart(_)
+            | BurstSource::DarkCopy { .. } => None,
         }
     }
 
@@ -113,6 +135,7 @@ impl BurstscopeApp {
             Purpose::OpenEstimate => self.open_trajectory(Which::Estimate, first),
             Purpose::OpenTruth => self.open_trajectory(Which::Truth, first),
             Purpose::FeatureFolder => self.use_feature_folder(first),
+            Purpose::PaperFigures => self.make_figures(first),
             #[cfg(feature = "colmap")]
             Purpose::ExportDatabase => self.export_database(first),
             // Without COLMAP's database nobody can ask for it.
@@ -122,33 +145,42 @@ impl BurstscopeApp {
                 self.open_second(BurstSource::Paths(paths));
             }
             Purpose::OpenGold(side) => self.open_gold(BurstSource::Paths(paths), side),
+            Purpose::OpenBias => self.overlays.calibration_draft(&self.model.calibration).bias = Some(first),
+            Purpose::OpenFlat => self.overlays.calibration_draft(&self.model.calibration).flat = Some(first),
             Purpose::OpenFeatures => {
                 self.model.lay_over(first);
                 self.model.bottom_tab = BottomTab::Compared;
             }
-            Purpose::RestoreSession => self.restore_session(&first),
+            Purpose::OpenLessons => self.open_lessons(&first),
+            Purpose::RestoreSession => {
+                self.restore_session(&first);
+            }
             Purpose::LoadParams => self.load_params(&first),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => self.write(purpose, first),
         }
     }
 
     /// Restores a session file: opens its burst, and when that worked takes over everything else. Until then nothing
-    /// changes.
-    pub fn restore_session(&mut self, path: &std::path::Path) {
-        let read = std::fs::read_to_string(path).map_err(|e| e.to_string());
-        match read.and_then(|text| Session::from_toml(&text)) {
+    /// changes. Answers the request that opens it.
+    pub fn restore_session(&mut self, path: &std::path::Path) -> Option<JobId> {
+        let read = read_text(path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
+        match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {
             Ok(session) => {
                 self.model.messages.resolved("Open session");
-                let id = self.engine.open(session.burst.clone());
+                let id = self.engine.open_with(session.burst.clone(), session.calibration.clone());
                 self.asked.restoring = Some((id, Box::new(session)));
+                Some(id)
             }
-            Err(error) => self.model.messages.error("Open session", format!("{error}: {}", path.display())),
+            Err(error) => {
+                self.model.messages.error("Open session", format!("{error}: {}", path.display()));
+                None
+            }
         }
     }
 
     fn load_params(&mut self, path: &std::path::Path) {
-        let read = std::fs::read_to_string(path).map_err(|e| e.to_string());
-        match read.and_then(|text| SearchParams::from_toml(&text)) {
+        let read = read_text(path, MAX_SETTINGS_BYTES).map_err(|e| e.to_string());
+        match read.and_then(|text| SearchParams::from_toml(&text).map_err(|e| explained(&text, &e))) {
             Ok(params) => {
                 self.model.set_search(params);
                 self.model.messages.resolved("Load parameters");

@@ -6,9 +6,9 @@
 //!
 //! What lies between toolbar and status bar is a [`workspace`]: one burst, two, several methods, or many bursts
 //! ([`dataset`]); each arranges panes and panels. Pictures are shown in [panes](pane), each with its own cursor; the
-//! [`inspector`] draws any arrangement of them, [`canvas`] is the picture's widget, [`gpu`] draws its pixels,
-//! [`histogram`] sets their range. On the pictures one can [`measure`], and a [`figure`] is made of what they show. A
-//! [`panel`] is about one subject.
+//! [`inspector`] draws any arrangement of them, [`canvas`] is the picture's widget and [`view`] how it is seen, [`gpu`]
+//! draws its pixels, [`histogram`] sets their range. On the pictures one can [`measure`], and a [`figure`] is made of
+//! what they show. A [`panel`] is about one subject.
 
 pub mod actions;
 pub mod canvas;
@@ -19,23 +19,31 @@ pub mod figure;
 mod files;
 pub mod gpu;
 pub mod histogram;
+mod icon;
 pub mod inspector;
 mod jobs;
+pub mod lesson;
 pub mod measure;
 pub mod offscreen;
 mod overlays;
 pub mod pane;
 pub mod panel;
+pub mod parts;
 pub mod project;
+pub mod recovery;
 mod render;
 mod run;
 pub mod session;
 pub mod settings;
 mod shell;
+mod startup;
 mod style;
+pub mod view;
 pub mod window;
+pub mod words;
 pub mod workspace;
 
 pub use render::{RenderError, RenderOptions, render_to_png};
 pub use run::run;
-pub use window::{BurstscopeApp, Startup};
+pub use startup::Startup;
+pub use window::BurstscopeApp;

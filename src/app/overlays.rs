@@ -4,8 +4,11 @@ use super::actions::{Queue, palette::Palette, shortcuts_sheet};
 use super::dataset::CutDialog;
 use super::dialogs::PathField;
 use super::window::BurstscopeApp;
+use crate::app::panel::calibration::CalibrationChoice;
+use crate::app::panel::glossary::GlossaryWindow;
 use crate::app::project::pair::Side;
-use crate::engine::{BurstId, BurstSource};
+use crate::burst::OpenOptions;
+use crate::requests::{BurstId, BurstSource};
 
 /// What floats over the window.
 #[derive(Default)]
@@ -13,7 +16,10 @@ pub(super) struct Overlays {
     pub palette: Palette,
     pub sheet_open: bool,
     pub about_open: bool,
+    pub glossary: GlossaryWindow,
     pub figure_open: bool,
+    /// The calibration that is being set, while its dialog is open.
+    pub calibration: Option<OpenOptions>,
     pub path_field: Option<PathField>,
     /// Bursts of a folder, of which one is to be chosen, and as which it is opened.
     pub choice: Vec<BurstSource>,
@@ -26,7 +32,31 @@ pub(super) struct Overlays {
     pub stays_whole: Option<BurstId>,
 }
 
+impl Overlays {
+    /// The calibration that is being set; its dialog is opened if it is not.
+    pub fn calibration_draft(&mut self, now: &OpenOptions) -> &mut OpenOptions {
+        self.calibration.get_or_insert_with(|| now.clone())
+    }
+}
+
 impl BurstscopeApp {
+    /// Opens what is open anew, with this calibration.
+    pub(super) fn calibrate(&mut self, options: OpenOptions) {
+        self.model.calibration = options;
+        // They are of the calibration of before.
+        self.engine.datasets.forget_thumbnails();
+        self.thumbnails.clear();
+        if let Some(source) = self.model.burst.as_ref().map(|open| open.source.clone()) {
+            self.open(source);
+        }
+        if let Some(source) = self.model.pair.b.burst.as_ref().map(|open| open.source.clone()) {
+            self.open_second(source);
+        }
+        if let Some(dataset) = &self.model.datasets.open {
+            self.look_at_dataset(dataset.source.clone(), dataset.folder.clone());
+        }
+    }
+
     /// Bursts of which a person has to choose one before anything is opened; mostly none.
     pub fn choice(&self) -> &[BurstSource] {
         &self.overlays.choice
@@ -37,7 +67,9 @@ impl BurstscopeApp {
         self.overlays.palette.is_open()
             || self.overlays.sheet_open
             || self.overlays.about_open
+            || self.lessons.list_is_open
             || self.overlays.figure_open
+            || self.overlays.calibration.is_some()
             || self.overlays.path_field.is_some()
             || self.overlays.cut.is_some()
             || self.overlays.replace_features
@@ -48,7 +80,19 @@ impl BurstscopeApp {
         self.overlays.palette.ui(ctx, &self.model, queue);
         shortcuts_sheet::sheet_ui(ctx, &mut self.overlays.sheet_open);
         crate::app::panel::about::about_ui(ctx, &mut self.overlays.about_open);
+        self.overlays.glossary.ui(ctx);
+        if let Some(lesson) = super::lesson::list_ui(ctx, &mut self.lessons, queue) {
+            self.start_lesson(lesson);
+        }
+        if self.lessons.open.is_some() && !self.modal_is_open() {
+            super::lesson::highlights_ui(ctx);
+        }
         super::figure::figure_dialog_ui(ctx, &mut self.overlays.figure_open, &mut self.model.figure, queue);
+        match crate::app::panel::calibration::calibration_ui(ctx, &mut self.overlays.calibration) {
+            Some(CalibrationChoice::Choose(purpose)) => self.ask(purpose),
+            Some(CalibrationChoice::Apply(options)) => self.calibrate(options),
+            None => {}
+        }
         if let Some(field) = &mut self.overlays.path_field {
             let purpose = field.purpose;
             let (path, stay) = field.ui(ctx);

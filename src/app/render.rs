@@ -2,13 +2,20 @@
 
 use super::offscreen::{OffscreenError, render_offscreen};
 use super::settings::Settings;
-use super::window::{BurstscopeApp, Startup};
+use super::startup::Startup;
+use super::window::BurstscopeApp;
 use crate::app::project::cursor::ViewKind;
+use crate::burst::{Burst, OpenOptions};
 use crate::dataset::DatasetSource;
-use crate::detector::{SearchParams, Slope};
-use crate::engine::BurstSource;
+use crate::detector::view::check_level;
+use crate::detector::{ParamError, SearchParams, Slope, SlopeGrid};
 use crate::export::{ExportError, Picture, write_png};
+use crate::monitor::{Cancelled, Monitor};
+use crate::requests::BurstSource;
+use crate::teach::Lesson;
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// What is drawn.
@@ -23,8 +30,12 @@ pub struct RenderOptions {
     /// A session that is drawn instead, as it was left: what is said here of parameters and the cursor has no effect
     /// then.
     pub session: Option<PathBuf>,
+    /// A lesson that is drawn instead, as it begins.
+    pub lesson: Option<Arc<Lesson>>,
     /// The detector's parameters.
     pub params: SearchParams,
+    /// How bursts are opened.
+    pub calibration: OpenOptions,
     /// Columns and rows of the window, in points.
     pub size_points: (f32, f32),
     /// Pixels for each point: 2 for a HiDPI screen.
@@ -47,6 +58,8 @@ pub struct RenderOptions {
     pub select_strongest: bool,
     /// How long it may take to open the burst and to detect.
     pub max_duration: Duration,
+    /// Ends it early: the picture is not written then.
+    pub monitor: Monitor,
 }
 
 impl Default for RenderOptions {
@@ -56,7 +69,9 @@ impl Default for RenderOptions {
             second: None,
             dataset: None,
             session: None,
+            lesson: None,
             params: SearchParams::default(),
+            calibration: OpenOptions::default(),
             size_points: (1280.0, 800.0),
             scale: 1.0,
             light: false,
@@ -68,6 +83,7 @@ impl Default for RenderOptions {
             detect: true,
             select_strongest: false,
             max_duration: Duration::from_secs(600),
+            monitor: Monitor::default(),
         }
     }
 }
@@ -84,6 +100,12 @@ pub enum RenderError {
     /// The window shows an error instead of what was asked for.
     #[error("{0}")]
     Window(String),
+    /// The burst has no such frame, octave or level, or the slope leads out of it.
+    #[error(transparent)]
+    Param(#[from] ParamError),
+    /// It was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// It took too long.
     #[error("the window was not ready after {0} seconds; allow more time, or search fewer slopes")]
     Timeout(u64),
@@ -105,24 +127,28 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         second: options.second.clone(),
         dataset: options.dataset.clone(),
         session: options.session.clone(),
+        lesson: options.lesson.clone(),
         params: options.params.clone(),
+        calibration: options.calibration.clone(),
         settings,
         ..Startup::default()
     };
     let mut placed = false;
-    let mut problem = None;
+    let (mut problem, unfit) = (None, RefCell::new(None));
     let rendered = render_offscreen(
         egui::vec2(options.size_points.0, options.size_points.1),
         options.scale,
         options.max_duration,
+        &options.monitor,
         // The offscreen window has its pictures' renderer already.
         |ctx, _| BurstscopeApp::new(ctx, None, startup),
         |app, ui| {
             app.show(ui);
             let opened = app.model.burst.is_some() && (options.second.is_none() || app.model.pair.b.burst.is_some());
             if opened && !placed {
-                if options.session.is_none() {
+                if options.session.is_none() && options.lesson.is_none() {
                     place(app, options);
+                    *unfit.borrow_mut() = app.model.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
                 }
                 placed = true;
             }
@@ -144,9 +170,13 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
             let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
             let answered = app.model.burst.is_some() || failed;
             let second = options.second.is_none() || app.model.pair.b.burst.is_some() || failed;
-            app.is_settled() && answered && second
+            unfit.borrow().is_some() || (app.is_settled() && answered && second)
         },
     )?;
+    options.monitor.check()?;
+    if let Some(unfit) = unfit.into_inner() {
+        return Err(unfit.into());
+    }
     if let Some(problem) = problem {
         return Err(RenderError::Window(problem));
     }
@@ -155,6 +185,28 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     }
     let (width, height) = rendered.image.dimensions();
     write_png(path, Picture::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
+    Ok(())
+}
+
+/// Whether the burst has the frame, octave and level that are asked for, and whether the slope stays within it.
+///
+/// # Errors
+/// The first that it has not, as the commands that compute such a picture say it.
+fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), ParamError> {
+    if let Some(frame) = options.frame.filter(|frame| *frame >= burst.len()) {
+        return Err(ParamError {
+            parameter: "frame",
+            problem: format!("there is no frame {frame} in a burst of {}", burst.len()),
+            remedy: format!("give 0 to {}", burst.len() - 1),
+        });
+    }
+    let mut params = options.params.detector.clone();
+    params.slopes = SlopeGrid::single(options.slope.unwrap_or_default());
+    params.validate_for(burst.len(), burst.size())?;
+    if options.kind == ViewKind::Dog || options.octave.is_some() {
+        let octave = options.octave.unwrap_or(params.first_octave);
+        check_level(&params, burst.size(), octave, options.level)?;
+    }
     Ok(())
 }
 
@@ -171,6 +223,6 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     pane.cursor.level = options.level;
     model.check_params();
     if model.pair.b.burst.is_some() {
-        model.bring_hands_together();
+        model.bring_cursors_together();
     }
 }

@@ -1,22 +1,100 @@
-//! Opens the window on the desktop.
+//! Opens the window on the desktop, and opens it again where the graphics device is lost.
+//!
+//! Device and window belong together in the toolkit, so a lost device cannot be replaced under an open window. The
+//! drawing ends instead, and the same program (with all that is open, runs and was undone) goes on in a new window with
+//! a new device.
 
-use super::gpu;
+use super::gpu::{self, Gpu};
+use super::recovery::{KeptIn, SAVED_EVERY};
 use super::settings::Settings;
-use super::window::{BurstscopeApp, Startup};
+use super::startup::Startup;
+use super::window::BurstscopeApp;
 use anyhow::anyhow;
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
 
 /// The name under which the desktop knows the program, and under which settings are stored.
 const APP_ID: &str = "burstscope";
 
+/// Pixels of the icon on each side; desktops make it smaller.
+const ICON_SIDE: u32 = 256;
+
+/// Where in the program's data folder the sessions of running windows are kept.
+const RUNNING_FOLDER: &str = "running";
+
+/// A device that is lost so often within [`LOSSES_WITHIN`] is not set up once more.
+const MOST_LOSSES: usize = 3;
+const LOSSES_WITHIN: Duration = Duration::from_secs(60);
+
+/// The window between two drawings: it outlives the device.
+type Kept = Rc<RefCell<Option<BurstscopeApp>>>;
+
+/// What the toolkit draws: the window that is kept.
+struct Shown(Kept);
+
+impl Shown {
+    fn with(&self, work: impl FnOnce(&mut BurstscopeApp)) {
+        if let Some(app) = &mut *self.0.borrow_mut() {
+            work(app);
+        }
+    }
+}
+
+impl eframe::App for Shown {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        self.with(|app| app.ui(ui, frame));
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.with(|app| app.save(storage));
+    }
+
+    fn on_exit(&mut self) {
+        self.with(eframe::App::on_exit);
+    }
+}
+
 /// Opens the window and answers when it is closed. Settings of the last time come on top of those in `startup`.
 ///
 /// # Errors
-/// When there is no display, or no graphics card (nor a software one) that can draw the window.
+/// When there is no display, or no graphics card (nor a software one) that can draw the window, or its device is lost
+/// again and again.
 pub fn run(mut startup: Startup) -> anyhow::Result<()> {
+    let running = eframe::storage_dir(APP_ID).map(|folder| folder.join(RUNNING_FOLDER));
+    startup.kept = running.map(|folder| KeptIn { folder, every: SAVED_EVERY });
+    let window = Kept::default();
+    let mut startup = Some(startup);
+    let mut context = None;
+    let mut losses: Vec<Instant> = Vec::new();
+    loop {
+        let opened = draw_until_closed(&window, &mut startup, &mut context);
+        let saved = "what was open was saved and is offered at the next start";
+        let opened = if losses.is_empty() { opened } else { opened.map_err(|error| anyhow!("{error}; {saved}")) };
+        let Some(why) = window.borrow_mut().as_mut().and_then(BurstscopeApp::take_lost_device) else { return opened };
+        opened?;
+        losses.retain(|at| at.elapsed() < LOSSES_WITHIN);
+        losses.push(Instant::now());
+        if losses.len() >= MOST_LOSSES {
+            let seconds = LOSSES_WITHIN.as_secs();
+            return Err(anyhow!(
+                "the graphics device was lost {MOST_LOSSES} times within {seconds} seconds ({why}); {saved}"
+            ));
+        }
+    }
+}
+
+/// Opens a window on a new device: the one that is kept, or a new one, which is kept then.
+fn draw_until_closed(
+    window: &Kept,
+    startup: &mut Option<Startup>,
+    context: &mut Option<egui::Context>,
+) -> anyhow::Result<()> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id(APP_ID)
             .with_title("Burstscope")
+            .with_icon(super::icon::icon(ICON_SIDE))
             .with_inner_size([1280.0, 800.0])
             .with_min_inner_size([900.0, 560.0])
             .with_drag_and_drop(true),
@@ -24,17 +102,44 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
         wgpu_options: gpu::wgpu_configuration(),
         ..Default::default()
     };
-    eframe::run_native(
-        APP_ID,
-        options,
-        Box::new(move |cc| {
+    let before = context.clone();
+    let create: eframe::AppCreator<'_> = Box::new(move |cc| {
+        let render_state = cc.wgpu_render_state.as_ref();
+        if let Some(mut startup) = startup.take() {
             if let Some(storage) = cc.storage {
                 startup.settings = Settings::load(storage);
             }
-            Ok(Box::new(BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), startup)))
-        }),
-    )
-    .map_err(|error| {
+            *window.borrow_mut() = Some(BurstscopeApp::new(&cc.egui_ctx, render_state, startup));
+            *context = Some(cc.egui_ctx.clone());
+        } else if let Some(render_state) = render_state {
+            gpu::install(&cc.egui_ctx, render_state);
+        }
+        Ok(Box::new(Shown(window.clone())))
+    });
+    eframe::run_native_ext(APP_ID, options, before, create).map_err(|error| {
         anyhow!("the window cannot be opened: {error}; without a display use `burstscope render` or the other commands")
     })
+}
+
+impl BurstscopeApp {
+    /// Whether the device is lost. Then the drawing ends: the session is saved, in case that no other device is found,
+    /// and the window is closed to be opened again.
+    pub(super) fn leaves_lost_device(&mut self, ctx: &egui::Context) -> bool {
+        let Some(gpu) = Gpu::of(ctx) else { return false };
+        let Some(why) = gpu.lost() else { return false };
+        if self.lost_device.is_none() {
+            self.lost_device = Some(why.to_owned());
+            self.keep_session_now();
+        }
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        true
+    }
+
+    /// Why the device was lost with which the window was drawn; another one is to draw it from now on.
+    fn take_lost_device(&mut self) -> Option<String> {
+        let why = self.lost_device.take()?;
+        let text = format!("the driver gave it up ({why}); the window was opened again, and nothing else has changed");
+        self.model.messages.error("Graphics device lost", text);
+        Some(why)
+    }
 }

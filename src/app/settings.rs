@@ -1,11 +1,13 @@
 //! What the window remembers from one start to the next.
 
-use super::figure::FigureChoice;
+use super::lesson::Progress;
+use crate::app::project::figure::FigureChoice;
 use crate::app::project::pair::{Links, MatchLook};
 use crate::app::project::{Model, Panels};
 use crate::dataset::DatasetSource;
-use crate::engine::BurstSource;
+use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The name under which the settings are stored.
 pub const STORAGE_KEY: &str = "burstscope settings";
@@ -35,6 +37,8 @@ pub struct Settings {
     pub match_look: MatchLook,
     /// What figures show.
     pub figure: FigureChoice,
+    /// How far somebody came in each lesson, by its name.
+    pub lessons: BTreeMap<String, Progress>,
 }
 
 impl Default for Settings {
@@ -49,6 +53,7 @@ impl Default for Settings {
             links: Links::default(),
             match_look: MatchLook::default(),
             figure: FigureChoice::default(),
+            lessons: BTreeMap::new(),
         }
     }
 }
@@ -82,7 +87,7 @@ impl Settings {
     /// Takes over what the model has of them.
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
-        (self.links, self.match_look) = (model.pair.links, model.pair.look);
+        (self.links, self.match_look) = (model.pair_links(), model.pair.look);
         self.figure = model.figure;
     }
 }
@@ -94,7 +99,7 @@ fn put_first<T: Clone + PartialEq>(list: &mut Vec<T>, item: &T) {
 }
 
 /// What was opened before and is to be opened again.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Recent {
     /// One burst.
     Burst(BurstSource),

@@ -1,73 +1,41 @@
 //! The window: what it holds, and what it does in each pass. What goes to the engine and comes from it is in
 //! `burst_work` and its neighbours.
 
+mod reading;
+
 use super::actions::{self, ActionId, Queue};
-use super::canvas::Readout;
 use super::dataset::thumbnails::Thumbnails;
-use super::dialogs::{Desk, FileDialogs, SystemDialogs};
-use super::inspector::{PaneWidgets, PlaceValue};
+use super::dialogs::Desk;
+use super::inspector::PaneWidgets;
+use super::lesson::{Captions, Lessons};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
 use super::pane::PaneId;
+use super::recovery::Recovery;
 use super::session::Session;
 use super::settings::Settings;
+use super::startup::Startup;
 use crate::app::jobs::against::AgainstAsked;
+use crate::app::jobs::coherence::CoherenceAsked;
 use crate::app::jobs::compare::CompareAsked;
 use crate::app::jobs::explain::ExplainAsked;
+use crate::app::jobs::lab::LabAsked;
 use crate::app::jobs::losses::LossesAsked;
 use crate::app::jobs::pair::PairAsked;
-use crate::app::jobs::panes::CursorsBefore;
+use crate::app::jobs::panes::CursorBefore;
 use crate::app::jobs::probe::ProbeAsked;
-use crate::app::panel::probe::ProbePanel;
+use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
 use crate::app::project::Model;
 use crate::app::project::history;
 use crate::app::project::pair::Side;
-use crate::app::project::workspace::Workspace;
-use crate::app::workspace::compare::ComparePictures;
 use crate::app::workspace::pair::PairPanels;
-use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
-use crate::engine::{BurstSource, Engine, JobId, OnUpdate, OpenBurst, PictureRequest};
+use crate::engine::{Engine, OnUpdate};
+use crate::requests::{BurstSource, JobId, OpenBurst, PictureRequest};
 use std::collections::HashMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// With what a window starts.
-pub struct Startup {
-    /// What is opened first; `None` opens nothing and shows how to begin.
-    pub source: Option<BurstSource>,
-    /// What is opened beside it, as the second burst.
-    pub second: Option<BurstSource>,
-    /// A dataset that is opened instead.
-    pub dataset: Option<DatasetSource>,
-    /// The detector's parameters, and how the slopes are chosen.
-    pub params: SearchParams,
-    /// A session file that is restored instead.
-    pub session: Option<PathBuf>,
-    /// What was remembered from the last time.
-    pub settings: Settings,
-    /// Asks for files.
-    pub dialogs: Arc<dyn FileDialogs>,
-    /// Bytes of pictures that are kept.
-    pub cache_bytes: usize,
-}
-
-impl Default for Startup {
-    fn default() -> Self {
-        Self {
-            source: Some(BurstSource::Demo),
-            second: None,
-            dataset: None,
-            params: SearchParams::default(),
-            session: None,
-            settings: Settings::default(),
-            dialogs: Arc::new(SystemDialogs),
-            cache_bytes: crate::engine::DEFAULT_CACHE_BYTES,
-        }
-    }
-}
 
 /// What the engine is asked for and has not answered yet, so that it is not asked for again.
 #[derive(Default)]
@@ -101,10 +69,10 @@ pub struct BurstscopeApp {
     pub widgets: PaneWidgets,
     /// What the workspace of two bursts keeps.
     pub pair_panels: PairPanels,
-    /// What the workspace of methods keeps.
-    pub compare_pictures: ComparePictures,
     pub(super) selection: SelectionState,
     pub(super) probe: ProbePanel,
+    /// The Lab's chart as a texture.
+    pub(super) lab_picture: PlaneTexture,
     /// What was computed of the rectangle that is measured.
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
@@ -113,14 +81,22 @@ pub struct BurstscopeApp {
     pub(super) pair_asked: PairAsked,
     pub(super) compare_asked: CompareAsked,
     pub(super) explain_asked: ExplainAsked,
+    pub(super) coherence_asked: CoherenceAsked,
     pub(super) against_asked: AgainstAsked,
     pub(super) losses_asked: LossesAsked,
+    pub(super) lab_asked: LabAsked,
     pub(super) play: Play,
     /// Whether cursors were set on purpose, each to its own place, so that none follows another.
     pub(super) cursors_set: bool,
     /// Whether what is set was changed otherwise than by a step that can be undone.
     pub(super) history_set: bool,
+    /// The lessons, and the one that is open.
+    pub lessons: Lessons,
+    pub(super) captions: Captions,
     pub(super) desk: Desk,
+    pub(super) recovery: Option<Recovery>,
+    /// Why the device that drew the window is lost, until it is drawn by another.
+    pub(super) lost_device: Option<String>,
     settings: Settings,
 }
 
@@ -135,20 +111,21 @@ impl BurstscopeApp {
         let on_update: OnUpdate = Arc::new(move || waker.request_repaint());
         let mut model = Model::default();
         model.set_search(startup.params);
+        model.calibration = startup.calibration;
         model.usable_params = model.params.clone();
         (model.theme, model.panels) = (startup.settings.theme, startup.settings.panels);
         (model.auto_detect, model.figure) = (startup.settings.auto_detect, startup.settings.figure);
-        (model.pair.links, model.pair.look) = (startup.settings.links, startup.settings.match_look.sanitised());
-        model.link_ranges(model.pair.links.ranges);
+        model.pair.look = startup.settings.match_look.sanitised();
+        model.set_pair_links(startup.settings.links);
         model.check_params();
         let mut app = Self {
             model,
             engine: Engine::new(on_update.clone(), startup.cache_bytes),
             widgets: PaneWidgets::default(),
             pair_panels: PairPanels::default(),
-            compare_pictures: ComparePictures::default(),
             selection: SelectionState::default(),
             probe: ProbePanel::default(),
+            lab_picture: PlaneTexture::default(),
             regions: RegionCache::default(),
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
@@ -156,14 +133,21 @@ impl BurstscopeApp {
             pair_asked: PairAsked::default(),
             compare_asked: CompareAsked::default(),
             explain_asked: ExplainAsked::default(),
+            coherence_asked: CoherenceAsked::default(),
             against_asked: AgainstAsked::default(),
             losses_asked: LossesAsked::default(),
+            lab_asked: LabAsked::default(),
             play: Play::default(),
             cursors_set: false,
             history_set: false,
+            lessons: Lessons { progress: startup.settings.lessons.clone(), ..Lessons::default() },
+            captions: Captions::default(),
             desk: Desk::new(startup.dialogs, on_update),
+            recovery: None,
+            lost_device: None,
             settings: startup.settings,
         };
+        app.begin_keeping_session(startup.kept.as_ref());
         if let Some(path) = startup.session {
             app.restore_session(&path);
         } else if let Some(dataset) = startup.dataset {
@@ -174,13 +158,17 @@ impl BurstscopeApp {
         if let Some(second) = startup.second {
             app.open_second(second);
         }
+        app.lessons.add(startup.lessons);
+        if let Some(lesson) = startup.lesson {
+            app.start_lesson(lesson);
+        }
         app
     }
 
     /// Opens a burst in the background; the one that is open stays until the new one is there.
     pub fn open(&mut self, source: BurstSource) {
         self.asked.restoring = None;
-        self.asked.opening = Some((self.engine.open(source.clone()), source));
+        self.asked.opening = Some((self.engine.open_with(source.clone(), self.model.calibration.clone()), source));
     }
 
     /// Whether everything that is wanted is there and nothing runs.
@@ -194,21 +182,32 @@ impl BurstscopeApp {
             && self.probe_is_settled()
             && self.compare_is_settled()
             && self.explanations_are_settled()
+            && self.coherences_are_settled()
             && self.comparison_is_settled()
+            && self.lesson_is_settled()
+            && self.lab_is_settled()
+    }
+
+    /// Whether a dialog for files is open.
+    pub fn is_asking(&self) -> bool {
+        self.desk.is_asking()
     }
 
     /// Draws the window and answers what happened since the last time.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
-        let cursors_before = CursorsBefore::of(&self.model);
+        self.model.refresh_workspace();
+        let cursor_before = CursorBefore::of(&self.model);
         self.take_updates(&ctx);
         self.take_probe_updates();
         self.take_pair_updates();
         self.take_compare_updates();
         self.take_explanations();
+        self.take_coherences();
         self.take_against_updates();
         self.take_losses();
+        self.take_lab_updates();
         self.take_answers();
         self.take_dropped_files(&ctx);
         let before = history::Settings::of(&self.model);
@@ -222,20 +221,23 @@ impl BurstscopeApp {
             self.take_copy(&ctx);
         }
         self.step_play(&ctx);
-        super::shell::shell_ui(self, ui, &mut queue);
+        let wish = super::shell::shell_ui(self, ui, &mut queue);
         self.overlays_ui(&ctx, &mut queue);
         for id in queue {
             self.run_action(&ctx, id);
+            self.model.refresh_workspace();
         }
+        self.go_on_with_lesson(&ctx, wish);
         self.model.check_params();
         self.model.check_pair();
         if !std::mem::take(&mut self.cursors_set) {
-            cursors_before.lead(&mut self.model);
+            cursor_before.lead(&mut self.model);
         }
         self.keep_history(&ctx, before);
         self.model.refresh_listed();
         self.model.pair.refresh_listed();
         self.request_what_is_missing(&ctx);
+        self.keep_session(&ctx);
     }
 
     /// Adds what a person has changed in this pass to what can be undone.
@@ -273,53 +275,23 @@ impl BurstscopeApp {
 
 impl eframe::App for BurstscopeApp {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        self.show(ui);
+        // What a lost device shall draw fails; so nothing is.
+        if !self.leaves_lost_device(ui.ctx()) {
+            self.show(ui);
+        }
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        self.settings.take_from(&self.model);
+        // What a lesson shows is nobody's setting.
+        self.settings.take_from(self.lessons.open.as_ref().map_or(&self.model, |open| open.before()));
+        (self.settings.theme, self.settings.lessons) = (self.model.theme, self.lessons.progress.clone());
         self.settings.store(storage);
     }
-}
 
-impl BurstscopeApp {
-    /// Where a place of the image (in pixels) is in the window (in points), as last drawn.
-    pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
-        self.widgets.pos_ui(self.model.focus(), pos_image)
-    }
-
-    /// The same in the pane of the burst of `side`.
-    pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
-        self.widgets.pos_ui(PaneId::of(side), pos_image)
-    }
-
-    /// The value under the pointer; with several panes those of all that are linked.
-    pub(super) fn readout(&self) -> Option<String> {
-        if self.model.workspace == Workspace::Inspect && self.model.panes.are_many() {
-            let (first, rest) = self.widgets.values.split_first()?;
-            let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
-            let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
-            return Some(format!("u {:.1}  v {:.1}   {}", first.readout.u, first.readout.v, values.join("  ")));
+    fn on_exit(&mut self) {
+        // With a lost device only the drawing ends; the window goes on, or its session is offered at the next start.
+        if let (Some(recovery), None) = (&self.recovery, &self.lost_device) {
+            recovery.end();
         }
-        let readouts = self.model.visible_panes().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
-        readouts.into_iter().next().map(|readout: Readout| readout.to_string())
-    }
-
-    /// What is remembered from the last time.
-    pub fn remembered(&self) -> &Settings {
-        &self.settings
-    }
-
-    pub(super) fn remember_dataset(&mut self, source: &DatasetSource) {
-        self.settings.remember_dataset(source);
-    }
-
-    pub(super) fn burst_length(&self) -> usize {
-        self.settings.burst_length
-    }
-
-    /// Bursts that were opened before, the latest first.
-    pub fn recent(&self) -> &[BurstSource] {
-        &self.settings.recent
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::Plane;
+use crate::plane::{Plane, memory};
 
 /// A burst of one frame, the mean of all frames of `burst`, as it would be at mid-burst if nothing moved.
 ///
@@ -11,7 +11,7 @@ use crate::plane::Plane;
 pub fn plain_mean(burst: &Burst, monitor: &Monitor) -> Result<Burst, Cancelled> {
     let (width, height) = burst.size();
     // Sums of many 16-bit values need more than the 24 bits of f32.
-    let mut sums = vec![0.0f64; width * height];
+    let mut sums: Vec<f64> = memory::zeroed(width * height);
     for frame in &burst.frames {
         monitor.check()?;
         sums.iter_mut().zip(frame.data()).for_each(|(sum, &value)| *sum += f64::from(value));

@@ -1,6 +1,7 @@
 //! Why a burst could not be opened: each message names the file, says what is wrong and what would be right.
 
 use crate::monitor::Cancelled;
+use crate::plane::memory::NoMemory;
 use std::path::{Path, PathBuf};
 
 /// Why there is no burst. Nothing else has changed: a burst that was open stays as it is.
@@ -92,18 +93,39 @@ pub enum OpenError {
         /// Its (columns, rows).
         size: (usize, usize),
     },
-    /// The bias frame does not fit the burst.
+    /// The bias or flat frame does not fit the burst.
     #[error(
-        "the bias frame is {}×{}, but the frames are {}×{}; take it with the same camera settings: {}",
-        bias_size.0, bias_size.1, frame_size.0, frame_size.1, path.display()
+        "the {kind} frame is {}×{}, but the frames are {}×{}; take it with the same camera settings: {}",
+        size.0, size.1, frame_size.0, frame_size.1, path.display()
     )]
-    BiasSize {
-        /// The bias file.
+    CalibrationSize {
+        /// "bias" or "flat".
+        kind: &'static str,
+        /// Its file.
         path: PathBuf,
         /// Its (columns, rows).
-        bias_size: (usize, usize),
+        size: (usize, usize),
         /// The frames' (columns, rows).
         frame_size: (usize, usize),
+    },
+    /// The values of the bias or flat frame mean nothing for the burst.
+    #[error("the {kind} frame does not fit the frames: {reason}: {}", path.display())]
+    CalibrationUnit {
+        /// "bias" or "flat".
+        kind: &'static str,
+        /// Its file.
+        path: PathBuf,
+        /// What is wrong, and what would be right.
+        reason: &'static str,
+    },
+    /// A film.
+    #[error(
+        "this is a video; make frames of it first: mkdir frames && ffmpeg -i {} frames/frame_%05d.png",
+        quoted(path)
+    )]
+    Video {
+        /// The file.
+        path: PathBuf,
     },
     /// Integer frames of 8 or 16 bit together with frames of float or 32-bit values, which have no unit in common.
     #[error(
@@ -163,6 +185,14 @@ pub enum OpenError {
         /// What to do about it.
         remedy: &'static str,
     },
+    /// Within the [`Limits`](super::Limits), but more than the system gives.
+    #[error("{refused}: {}", path.display())]
+    NoMemory {
+        /// The file.
+        path: PathBuf,
+        /// How much it refused.
+        refused: NoMemory,
+    },
     /// Folders and files together.
     #[error(
         "open either folders or files, not both: {} is a folder and {} is a file", folder.display(), file.display()
@@ -172,6 +202,12 @@ pub enum OpenError {
         folder: PathBuf,
         /// The first file.
         file: PathBuf,
+    },
+    /// A picture beside the bursts of a dataset.
+    #[error("this picture lies beside the bursts of a dataset and belongs to none; move it into one or away: {}", path.display())]
+    Stray {
+        /// The picture.
+        path: PathBuf,
     },
     /// Several files are the frames of a burst, but one of them is a stack of its own.
     #[error("several files are taken as the frames of one burst, but this one holds {frames} frames itself; open it alone: {}", path.display())]
@@ -215,12 +251,27 @@ pub enum OpenError {
         /// How many frames it holds.
         frames: usize,
     },
+    /// The value that shall become 0 is not below the one that becomes 1.0.
+    #[error(
+        "the black level is the file's value that becomes 0; it must be a number below the full scale, {full_scale}, not {value}"
+    )]
+    BlackLevel {
+        /// What was given.
+        value: f32,
+        /// The full scale.
+        full_scale: f32,
+    },
     /// The value that shall become 1.0 is not a positive number.
     #[error("the full scale is the file's value that becomes 1.0; it must be a positive number, not {value}")]
     FullScale {
         /// What was given.
         value: f32,
     },
+}
+
+/// The path as a shell takes it for one word.
+fn quoted(path: &Path) -> String {
+    format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
 
 fn list_of(names: &[String]) -> String {

@@ -1,7 +1,10 @@
 //! From a file's samples to one float value a pixel.
 //!
 //! Colour becomes luma: Y' = 0.2126 R' + 0.7152 G' + 0.0722 B', the weights of Rec. ITU-R BT.709, applied to the values
-//! as they are stored, that is, to gamma-encoded values without decoding them. Alpha is ignored.
+//! as they are stored, that is, to gamma-encoded values without decoding them, unless the [`Curve`] undoes the encoding
+//! first. Alpha is ignored.
+
+use std::sync::LazyLock;
 
 /// Weights of Rec. 709 for red, green and blue. They sum to 1.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
@@ -28,22 +31,57 @@ fn luma(r: f32, g: f32, b: f32) -> f32 {
     g + LUMA_WEIGHTS[0] * (r - g) + LUMA_WEIGHTS[2] * (b - g)
 }
 
-/// One value for each pixel of `samples` (interleaved, `channels` of them: grey, grey + alpha, RGB or RGB + alpha),
-/// divided by `divisor`.
-pub(super) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, divisor: f32) -> Vec<f32> {
-    match channels {
-        1 => samples.iter().map(|s| s.to_f32() / divisor).collect(),
-        2 => samples.chunks_exact(2).map(|s| s[0].to_f32() / divisor).collect(),
-        _ => samples
-            .chunks_exact(channels)
-            .map(|s| luma(s[0].to_f32(), s[1].to_f32(), s[2].to_f32()) / divisor)
-            .collect(),
+/// How stored samples become fractions of full scale.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Curve {
+    /// They are divided by this.
+    Linear(f32),
+    /// The sRGB encoding of samples up to this value is undone (IEC 61966-2-1), so that they are proportional to light.
+    Srgb(f32),
+}
+
+impl Curve {
+    /// That of samples up to `largest`, with the sRGB encoding undone if `linearise` says so.
+    pub fn of(largest: f32, linearise: bool) -> Self {
+        if linearise { Self::Srgb(largest) } else { Self::Linear(largest) }
+    }
+
+    /// What the samples are divided by before they are weighted, and afterwards.
+    fn applied<T: Sample>(self) -> impl Fn(T) -> f32 + Copy {
+        move |sample: T| match self {
+            Self::Linear(_) => sample.to_f32(),
+            Self::Srgb(255.0) => BYTES_LINEAR[(sample.to_f32() as usize).min(255)],
+            Self::Srgb(largest) => linear(f64::from(sample.to_f32()) / f64::from(largest)),
+        }
+    }
+
+    fn divisor(self) -> f32 {
+        if let Self::Linear(divisor) = self { divisor } else { 1.0 }
     }
 }
 
-/// One value for each pixel of three planes of colour, divided by `divisor`.
-pub(super) fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue: &[T], divisor: f32) -> Vec<f32> {
-    red.iter().zip(green).zip(blue).map(|((r, g), b)| luma(r.to_f32(), g.to_f32(), b.to_f32()) / divisor).collect()
+static BYTES_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|n| linear(n as f64 / 255.0)));
+
+/// Light from an sRGB-encoded value, both 0 … 1.
+fn linear(encoded: f64) -> f32 {
+    (if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }) as f32
+}
+
+/// One value for each pixel of `samples` (interleaved, `channels` of them: grey, grey + alpha, RGB or RGB + alpha), by
+/// `curve`.
+pub(super) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, curve: Curve) -> Vec<f32> {
+    let (value, divisor) = (curve.applied::<T>(), curve.divisor());
+    match channels {
+        1 => samples.iter().map(|s| value(*s) / divisor).collect(),
+        2 => samples.chunks_exact(2).map(|s| value(s[0]) / divisor).collect(),
+        _ => samples.chunks_exact(channels).map(|s| luma(value(s[0]), value(s[1]), value(s[2])) / divisor).collect(),
+    }
+}
+
+/// One value for each pixel of three planes of colour, by `curve`.
+pub(super) fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue: &[T], curve: Curve) -> Vec<f32> {
+    let (value, divisor) = (curve.applied::<T>(), curve.divisor());
+    red.iter().zip(green).zip(blue).map(|((r, g), b)| luma(value(*r), value(*g), value(*b)) / divisor).collect()
 }
 
 #[cfg(test)]
@@ -54,15 +92,28 @@ mod tests {
     fn grey_stays_exact_and_colours_have_their_weights() {
         for n in 0..=255u8 {
             let expected = vec![f32::from(n) / 255.0];
-            assert_eq!(grey_from_interleaved(&[n], 1, 255.0), expected);
-            assert_eq!(grey_from_interleaved(&[n, 7], 2, 255.0), expected);
-            assert_eq!(grey_from_interleaved(&[n, n, n], 3, 255.0), expected);
-            assert_eq!(grey_from_interleaved(&[n, n, n, 0], 4, 255.0), expected);
+            assert_eq!(grey_from_interleaved(&[n], 1, Curve::Linear(255.0)), expected);
+            assert_eq!(grey_from_interleaved(&[n, 7], 2, Curve::Linear(255.0)), expected);
+            assert_eq!(grey_from_interleaved(&[n, n, n], 3, Curve::Linear(255.0)), expected);
+            assert_eq!(grey_from_interleaved(&[n, n, n, 0], 4, Curve::Linear(255.0)), expected);
         }
-        let primaries = grey_from_interleaved(&[1.0f32, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], 3, 1.0);
+        let primaries = grey_from_interleaved(&[1.0f32, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], 3, Curve::Linear(1.0));
         for (y, weight) in primaries.iter().zip(LUMA_WEIGHTS) {
             assert!((y - weight).abs() < 1e-6, "{y} is not {weight}");
         }
-        assert_eq!(grey_from_planes(&[3u16], &[3], &[3], 3.0), vec![1.0]);
+        assert_eq!(grey_from_planes(&[3u16], &[3], &[3], Curve::Linear(3.0)), vec![1.0]);
+    }
+
+    #[test]
+    fn the_encoding_is_undone_before_the_weights() {
+        let grey = |value: u8| grey_from_interleaved(&[value], 1, Curve::of(255.0, true))[0];
+        // Values of IEC 61966-2-1: the ends, the linear part, and the middle.
+        assert_eq!((grey(0), grey(255)), (0.0, 1.0));
+        assert!((grey(10) - 10.0 / 255.0 / 12.92).abs() < 1e-7 && (grey(188) - 0.5029).abs() < 1e-3);
+        let wide = grey_from_interleaved(&[188u16 * 257], 1, Curve::of(65535.0, true))[0];
+        assert!((wide - grey(188)).abs() < 1e-6);
+        // Red and black: half of the light of red, not of its code.
+        let red = grey_from_interleaved(&[188u8, 0, 0], 3, Curve::of(255.0, true))[0];
+        assert!((red - LUMA_WEIGHTS[0] * grey(188)).abs() < 1e-6);
     }
 }

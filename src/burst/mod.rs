@@ -4,21 +4,27 @@
 //! bursts an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens one of
 //! them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
 
+mod calibrate;
 mod decode;
+mod encoding;
 mod error;
 mod limits;
 mod luma;
+mod notes;
 mod open;
+mod options;
 mod progress;
 mod sequence;
 mod source;
 
+pub use encoding::Encoding;
 pub use error::OpenError;
 pub use limits::Limits;
 pub use luma::LUMA_WEIGHTS;
-pub use open::OpenOptions;
+pub use notes::Note;
+pub use options::{OpenOptions, RawColour};
 pub use sequence::{SequenceCut, cut_sequence, name_among_several};
-pub use source::{BurstSource, find_bursts, supported_extensions};
+pub use source::{BurstSource, Entries, find_bursts, find_entries, supported_extensions};
 
 use crate::plane::Plane;
 use std::path::PathBuf;
@@ -38,6 +44,13 @@ pub struct Burst {
     pub full_scale: f32,
     /// The smallest difference that the files can hold, in [0, 1] units: 1/255 for 8 bit; 0 when unknown (float).
     pub quantisation_step: f32,
+    /// How the values follow the light.
+    pub encoding: Encoding,
+    /// Pixels of the sensor along a side of one pixel of the frames: 1 unless a mosaic of colours was binned. Places,
+    /// scales and slopes are in pixels of the frames.
+    pub binning: usize,
+    /// The largest value of a converter of fewer bits that could have made these 16-bit files: never applied unasked.
+    pub suggested_full_scale: Option<f32>,
     /// The files or folders it was opened from; empty for synthetic bursts.
     pub sources: Vec<PathBuf>,
 }
@@ -56,6 +69,9 @@ impl Burst {
             frames: frames.into_iter().map(Arc::new).collect(),
             full_scale: 1.0,
             quantisation_step: 0.0,
+            encoding: Encoding::Linear,
+            binning: 1,
+            suggested_full_scale: None,
             sources: Vec::new(),
         }
     }

@@ -1,14 +1,18 @@
 //! What an input names: one burst, or several.
 //!
 //! A folder that holds pictures is a burst. A folder that holds none, but has subfolders that do, is a dataset: each of
-//! those subfolders is a burst. A multi-page TIFF or a `.npy` stack alone is a burst; several stacks, given together or
-//! lying in one folder, are several bursts. Several single pictures are the frames of one burst.
+//! those subfolders is a burst; so is a folder of bursts beside which fewer pictures lie than it has bursts, such as a
+//! preview. Such stray pictures are told apart. A folder that cannot be read stands in the answer as a burst, whose
+//! opening says what is wrong with it: one bad entry does not hide the others. A multi-page TIFF or a `.npy` stack
+//! alone is a burst; several stacks, given together or lying in one folder, are several bursts. Several single pictures
+//! are the frames of one burst.
 //!
 //! A folder is read in natural order (`frame_2` before `frame_10`). Files that are named one by one keep the order in
 //! which they are named, so that frames can be put in order by hand.
 
 use super::decode;
 use super::error::OpenError;
+use crate::files::path_text;
 use std::cmp::Ordering;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -36,9 +40,13 @@ impl BurstSource {
 }
 
 /// The endings (lower case, without a dot) of files that are taken for pictures in a folder.
-pub fn supported_extensions() -> &'static [&'static str] {
-    &["png", "tif", "tiff", "npy", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"]
+pub fn supported_extensions() -> Vec<&'static str> {
+    let raw = if cfg!(feature = "raw") { decode::RAW_EXTENSIONS } else { &[] };
+    [PICTURE_EXTENSIONS, raw].concat()
 }
+
+const PICTURE_EXTENSIONS: &[&str] =
+    &["png", "tif", "tiff", "npy", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"];
 
 /// The bursts that `inputs` name, in natural order (folders and stacks that are named one by one keep their order).
 /// Reads folders and the headers of possible stacks, no pixels.
@@ -46,6 +54,23 @@ pub fn supported_extensions() -> &'static [&'static str] {
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
 pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
+    Ok(find_entries(inputs)?.bursts)
+}
+
+/// What an input names.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Entries {
+    /// The bursts.
+    pub bursts: Vec<BurstSource>,
+    /// Pictures that lie beside the bursts of a dataset and belong to none.
+    pub strays: Vec<PathBuf>,
+}
+
+/// The same as [`find_bursts`], with what belongs to no burst.
+///
+/// # Errors
+/// As [`find_bursts`].
+pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
     if inputs.is_empty() {
         return Err(OpenError::NothingGiven);
     }
@@ -63,19 +88,20 @@ pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
     if let (Some(folder), Some(file)) = (folders.first(), files.first()) {
         return Err(OpenError::MixedInput { folder: folder.clone(), file: file.clone() });
     }
-    let mut sources = Vec::new();
+    let mut entries = Entries::default();
     for folder in &folders {
-        let found = bursts_of_folder(folder, true)?;
-        if found.is_empty() {
+        let found = entries_of_folder(folder, true)?;
+        if found.bursts.is_empty() {
             return Err(OpenError::NoPictures { path: folder.clone() });
         }
-        sources.extend(found);
+        entries.bursts.extend(found.bursts);
+        entries.strays.extend(found.strays);
     }
     if !files.is_empty() {
-        sources.extend(bursts_of_files(files)?);
+        entries.bursts.extend(bursts_of_files(files)?);
     }
-    make_names_unique(&mut sources);
-    Ok(sources)
+    make_names_unique(&mut entries.bursts);
+    Ok(entries)
 }
 
 /// The pictures of a folder, in natural order. Hidden files and files of other kinds are left out.
@@ -83,21 +109,30 @@ fn pictures_of_folder(folder: &Path) -> Result<Vec<PathBuf>, OpenError> {
     Ok(list(folder)?.0)
 }
 
-fn bursts_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Vec<BurstSource>, OpenError> {
+fn entries_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Entries, OpenError> {
     let (pictures, subfolders) = list(folder)?;
     if pictures.len() > 1 && pictures.iter().all(|p| is_stack(p)) {
-        return Ok(pictures.into_iter().map(stack_source).collect());
+        return Ok(Entries { bursts: pictures.into_iter().map(stack_source).collect(), strays: Vec::new() });
     }
-    if !pictures.is_empty() {
-        return Ok(vec![BurstSource { name: folder_name(folder), paths: vec![folder.into()] }]);
-    }
-    let mut sources = Vec::new();
-    if look_into_subfolders {
-        for subfolder in subfolders {
-            sources.extend(bursts_of_folder(&subfolder, false)?);
+    let mut bursts = Vec::new();
+    if look_into_subfolders && pictures.len() < subfolders.len() {
+        for subfolder in &subfolders {
+            match entries_of_folder(subfolder, false) {
+                Ok(found) => bursts.extend(found.bursts),
+                // Whoever opens it hears why.
+                Err(_) => bursts.push(folder_source(subfolder)),
+            }
         }
     }
-    Ok(sources)
+    if pictures.len() < bursts.len() {
+        return Ok(Entries { bursts, strays: pictures });
+    }
+    let bursts = if pictures.is_empty() { Vec::new() } else { vec![folder_source(folder)] };
+    Ok(Entries { bursts, strays: Vec::new() })
+}
+
+fn folder_source(folder: &Path) -> BurstSource {
+    BurstSource { name: folder_name(folder), paths: vec![folder.into()] }
 }
 
 fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstSource>, OpenError> {
@@ -129,13 +164,13 @@ fn stack_source(path: PathBuf) -> BurstSource {
 }
 
 pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "burst".into(), |s| s.to_string_lossy().into_owned())
+    path.file_stem().map_or_else(|| "burst".into(), |s| path_text(Path::new(s)))
 }
 
 /// The name of a folder, also of `.` or `a/..`.
 pub(super) fn folder_name(folder: &Path) -> String {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let named = |p: &Path| p.file_name().map(|s| s.to_string_lossy().into_owned());
+    let named = |p: &Path| p.file_name().map(|s| path_text(Path::new(s)));
     named(folder).or_else(|| named(&std::fs::canonicalize(folder).ok()?)).unwrap_or_else(|| "burst".into())
 }
 

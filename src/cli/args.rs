@@ -1,6 +1,9 @@
-//! Arguments that commands share, and those of the plain commands, as they are written: names, kinds and help texts. What they mean together is checked elsewhere.
+//! Arguments that commands share, and those of the plain commands, as they are written: names, kinds and help texts.
+//! What they mean together is checked elsewhere.
 
-use super::search_options::SearchArgs;
+use super::burst_search_args::BurstSearchArgs;
+use super::calibration_args::CalibrationArgs;
+use super::output_args::OutputArgs;
 use crate::detector::params::doc;
 use crate::detector::{FrameRange, Slope};
 use crate::export::ExportFormat;
@@ -8,30 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, multi-page TIFF, .npy stack [N,H,W], 'demo', 'demo-later', or the examples 'demo-aliasing' and 'demo-low-contrast'";
-
-/// What is printed, and with how many threads the work is done.
-#[derive(Debug, Clone, Copy, Args)]
-#[command(next_help_heading = "Output")]
-pub struct OutputArgs {
-    /// Print one JSON document on the standard output instead of the summary.
-    #[arg(long)]
-    pub json: bool,
-    /// Print no summary and show no progress; errors are still told.
-    #[arg(long, short)]
-    pub quiet: bool,
-    /// Number of threads; results are the same for any number [default: one for each core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-}
-
-/// The bias frame.
-#[derive(Debug, Clone, Args)]
-pub struct BiasArg {
-    /// Bias frame (or stack or folder of them, which is averaged), subtracted from each frame.
-    #[arg(long, value_name = "FILE")]
-    pub bias: Option<PathBuf>,
-}
+pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
 
 /// How long sequences of frames are cut into bursts.
 #[derive(Debug, Clone, Copy, Default, Args)]
@@ -67,13 +47,7 @@ pub struct DetectArgs {
     pub sequence: SequenceArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub search: SearchArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub bias: BiasArg,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
+    pub run: BurstSearchArgs,
 }
 
 const DETECT_HELP: &str = "\
@@ -84,7 +58,8 @@ Files, for each burst NAME:
 
 JSON (--json):
   {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},
-   \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"features\",
+   \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"full_scale\", \"encoding\": linear or srgb,
+     \"binning\", \"suggested_full_scale\" where 16-bit files look like 10, 12 or 14 bits, \"features\",
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
      \"noise\": {\"frame_noise\", \"is_local\", \"transfer\": {\"slope\", \"dark\", \"points\": [{\"brightness\", \"variance\", \"squares\"}]}, \"excess\", \"levels\",
        \"frames\": [{\"gain\", \"relative_variance\", \"left_out\"}], \"correlation\", \"pattern\", \"warnings\": [{\"kind\", \"number\", \"text\"}]},
@@ -120,13 +95,7 @@ pub struct StackArgs {
     pub out: PathBuf,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub search: SearchArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub bias: BiasArg,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
+    pub run: BurstSearchArgs,
 }
 
 /// Align the frames of a burst and average them into one image: the burst-merge baseline.
@@ -147,7 +116,7 @@ pub struct MergeArgs {
     pub frames: Option<FrameRange>,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub bias: BiasArg,
+    pub calibration: CalibrationArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,

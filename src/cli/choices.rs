@@ -47,6 +47,8 @@ pub(super) const NOISE_MODELS: &[&str] = &["local", "white"];
 pub(super) const FLICKERS: &[&str] = &["auto", "off"];
 /// The words of [`crate::dataset::ImageKind`].
 pub(super) const IMAGE_KINDS: &[&str] = &["middle", "merged"];
+/// The words of [`crate::burst::RawColour`].
+pub(super) const RAW_COLOURS: &[&str] = &["luma", "green", "red", "blue"];
 /// The words of [`crate::matching::Geometry`].
 pub(super) const GEOMETRIES: &[&str] = &["none", "fundamental", "essential", "homography"];
 /// The words of [`crate::matching::CameraModel`].
@@ -81,6 +83,7 @@ mod tests {
         assert!(NOISE_MODELS.iter().all(|w| read_word::<NoiseModelKind>(w).is_ok()));
         assert!(FLICKERS.iter().all(|w| read_word::<Flicker>(w).is_ok()));
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
+        assert!(RAW_COLOURS.iter().all(|w| read_word::<crate::burst::RawColour>(w).is_ok()));
         let geometries: Vec<Geometry> = GEOMETRIES.iter().map(|w| read_word(w).expect(w)).collect();
         assert_eq!(geometries, Geometry::ALL);
         assert_eq!(Geometry::ALL.map(Geometry::name).as_slice(), GEOMETRIES);

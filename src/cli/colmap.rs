@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::inputs::{Place, open_options, resolve_bursts};
 use super::report::FailureReport;
 use crate::burst::BurstSource;
-use crate::dataset::{CameraChoice, ColmapJob, ColmapReport, Event, FeatureJob, export_colmap};
+use crate::dataset::{CameraChoice, ColmapJob, ColmapReport, Event, FeatureJob, FeatureStore, export_colmap, gather};
 use crate::detector::SearchParams;
 use crate::matching::MatchParams;
 use serde::Serialize;
@@ -27,7 +27,7 @@ struct ColmapDocument<'a> {
 }
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
-    let detector = args.search.params()?;
+    let detector = args.run.search.params()?;
     let matching = args.matching.params()?;
     let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
@@ -36,10 +36,10 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             "colmap: a reconstruction needs bursts from several places, and the demo is one burst",
         ));
     }
-    let open = open_options(&inputs, args.bias.bias.as_ref())?;
+    let open = open_options(&inputs, &args.run.calibration)?;
     let job =
         ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs: args.pairs, camera };
-    let console = Console::new(&args.output)?;
+    let console = Console::new(&args.run.output)?;
     let mut failures: Vec<FailureReport> = Vec::new();
     let mut fail = |name: &str, error: String| {
         console.complain(&format!("{name}: {error}"));
@@ -52,6 +52,11 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             Place::Broken(error) => fail(&input.name, error.to_string()),
             Place::Demo { .. } | Place::Example(_) => {}
         }
+    }
+    if !args.gather.is_empty() {
+        let mut store = FeatureStore::open(&args.out, &job.features)?;
+        let brought = gather(&mut store, &bursts, &args.gather, &console.monitor)?;
+        console.say(&format!("gathered the features of {brought} of {} bursts\n", bursts.len()))?;
     }
     let mut said = Ok(());
     let mut on = |event: Event<'_>| match event {

@@ -1,9 +1,9 @@
 //! The arguments of `colmap` as they are written.
 
-use super::args::{BiasArg, OutputArgs, SequenceArgs};
+use super::args::SequenceArgs;
+use super::burst_search_args::BurstSearchArgs;
 use super::choices::{CAMERA_MODELS, IMAGE_KINDS, words};
 use super::matching_args::MatchingArgs;
-use super::search_options::SearchArgs;
 use crate::dataset::ImageKind;
 use crate::matching::CameraModel;
 use crate::matching::PairSelection;
@@ -25,6 +25,10 @@ pub struct ColmapArgs {
     /// Folder to write, made if it is missing; one that this command began is continued.
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
+    /// Folder that another run of this command wrote, of some of these bursts with the same options: what it has
+    /// finished is copied. Given once for each.
+    #[arg(long, value_name = "DIR")]
+    pub gather: Vec<PathBuf>,
     /// Which bursts are matched: all, or each with the next K (sequential:K).
     #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
     pub pairs: PairSelection,
@@ -43,13 +47,7 @@ pub struct ColmapArgs {
     pub matching: MatchingArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub search: SearchArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub bias: BiasArg,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
+    pub run: BurstSearchArgs,
 }
 
 const COLMAP_HELP: &str = "\

@@ -1,16 +1,18 @@
 //! All commands: the program's arguments are one of them, or what the window opens.
 
 use super::args::{DetectArgs, MergeArgs, SequenceArgs, StackArgs};
+use super::calibration_args::CalibrationArgs;
 #[cfg(feature = "colmap")]
 use super::colmap_args::ColmapArgs;
 use super::evaluate_args::EvaluateArgs;
+use super::figures::FiguresArgs;
 use super::inspect_args::{ProbeArgs, SlopesArgs};
 use super::match_args::MatchArgs;
 #[cfg(feature = "app")]
 use super::render_args::RenderArgs;
 use super::search_options::ParamsFileArg;
 use super::synth_args::SynthArgs;
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
@@ -31,7 +33,8 @@ use std::path::PathBuf;
         burstscope stack night/ --slope -2.1,0 --out sign.tiff\n  \
         burstscope slopes night/                         which slopes this burst needs\n  \
         burstscope probe night/ --at 412,230             why there is a feature there, or none\n  \
-        burstscope match night/a night/b --out matched      two bursts, their matches, and a picture of them\n\n\
+        burstscope match night/a night/b --out matched      two bursts, their matches, and a picture of them\n  \
+        burstscope figures --out paper                   every figure of the paper, remade\n\n\
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
 )]
 pub struct Cli {
@@ -42,9 +45,17 @@ pub struct Cli {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
+    /// Begin a lesson: one of out-of-the-dark, slope-is-depth, blobs-at-every-scale, what-noise-does, when-it-fails,
+    /// from-features-to-cameras, or a lesson's file (or a folder of them, whose first is begun).
+    #[cfg(feature = "app")]
+    #[arg(long, value_name = "NAME", conflicts_with = "inputs")]
+    pub lesson: Option<PathBuf>,
     /// The parameter file to begin with.
     #[command(flatten)]
     pub params: ParamsFileArg,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub calibration: CalibrationArgs,
     /// The command.
     #[command(subcommand)]
     pub command: Option<Command>,
@@ -69,12 +80,27 @@ pub enum Command {
     Synth(SynthArgs),
     /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
     Evaluate(EvaluateArgs),
+    /// Remake every figure and table of the paper, from our own material.
+    Figures(FiguresArgs),
     /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
     #[cfg(feature = "colmap")]
     Colmap(ColmapArgs),
     /// Draw the window into a PNG file, without a display.
     #[cfg(feature = "app")]
     Render(RenderArgs),
+    /// Write what a shell needs to complete this program's commands and options.
+    Completions(CompletionsArgs),
+}
+
+/// Write the completions of a shell to the standard output.
+///
+/// For bash, say, into a file that it reads at its start: burstscope completions bash >
+/// ~/.local/share/bash-completion/completions/burstscope
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_name = "SHELL")]
+    pub shell: clap_complete::Shell,
 }
 
 #[cfg(test)]

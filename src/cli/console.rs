@@ -1,13 +1,16 @@
 //! Where a command meets the terminal: results on the standard output, progress on the standard error, Ctrl-C as a
 //! cancel.
 
-use super::args::OutputArgs;
 use super::failure::Failure;
+use super::output_args::OutputArgs;
+use super::terminal::{complain, print, print_json, printable};
+use crate::detector::memory;
 use crate::monitor::Monitor;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// A command's terminal.
 pub(super) struct Console {
@@ -21,8 +24,8 @@ pub(super) struct Console {
 const STEPS: u64 = 1000;
 
 impl Console {
-    /// Sets up threads, the progress bar (only where the standard error is a terminal) and Ctrl-C: once cancels the
-    /// work, twice leaves at once.
+    /// Sets up threads, the budget of memory, the progress bar (only where the standard error is a terminal) and
+    /// Ctrl-C: once cancels the work, twice leaves at once.
     ///
     /// # Errors
     /// When threads or the Ctrl-C handler cannot be set up.
@@ -34,6 +37,7 @@ impl Console {
                 .context("cannot start the threads")
                 .map_err(Failure::Failed)?;
         }
+        memory::set_budget(output.memory);
         let visible = !output.quiet && std::io::stderr().is_terminal();
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let style = ProgressStyle::with_template("{prefix}{msg:22} {bar:30} {percent:>3} %")
@@ -59,13 +63,31 @@ impl Console {
 
     /// Says in front of the bar which piece of the work is being done.
     pub fn begin(&self, prefix: String) {
-        self.bar.set_prefix(prefix);
+        self.bar.set_prefix(printable(&prefix).into_owned());
         self.bar.set_position(0);
+    }
+
+    /// Says beside the bar how long the work will still take, and keeps counting over all its pieces.
+    pub fn show_time_left(&self) {
+        let style = ProgressStyle::with_template("{prefix}{msg:22} {bar:30} {percent:>3} %, {eta} left")
+            .expect("the template is a constant that parses");
+        self.bar.set_style(style);
+        // The time left runs on while a piece of work says nothing.
+        self.bar.enable_steady_tick(Duration::from_secs(1));
+    }
+
+    /// Says in front of the bar which piece of the work is being done; the bar goes on.
+    pub fn go_on(&self, prefix: String) {
+        self.bar.set_prefix(prefix);
     }
 
     /// Prints text for people, unless JSON or quiet was asked for.
     pub fn say(&self, text: &str) -> Result<(), Failure> {
-        if self.output.json || self.output.quiet { Ok(()) } else { self.bar.suspend(|| print(text)) }
+        if self.output.json || self.output.quiet {
+            Ok(())
+        } else {
+            self.bar.suspend(|| print(text)).map_err(Failure::output)
+        }
     }
 
     /// Prints a JSON document, if JSON was asked for.
@@ -75,12 +97,12 @@ impl Console {
         }
         let text =
             serde_json::to_string_pretty(value).context("cannot put the results into JSON").map_err(Failure::Failed)?;
-        self.bar.suspend(|| print(&(text + "\n")))
+        self.bar.suspend(|| print_json(&(text + "\n"))).map_err(Failure::output)
     }
 
     /// Tells of something that failed, on the standard error.
     pub fn complain(&self, text: &str) {
-        self.bar.suspend(|| eprintln!("error: {text}"));
+        self.bar.suspend(|| complain(&format!("error: {text}")));
     }
 
     /// Removes the bar.
@@ -92,19 +114,5 @@ impl Console {
 impl Drop for Console {
     fn drop(&mut self) {
         self.finish();
-    }
-}
-
-/// Prints on the standard output. A reader that has gone away, such as `head`, is no failure.
-///
-/// # Errors
-/// When the standard output cannot be written for any other reason.
-pub(super) fn print(text: &str) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::Failed(anyhow::Error::new(error).context("cannot write to the standard output")))
-        }
-        _ => Ok(()),
     }
 }

@@ -7,8 +7,11 @@ use super::inputs::{Input, open_options, resolve_bursts};
 use super::report::{BurstReport, DetectReport, FailureReport, summary};
 use crate::baseline::{Searched, search};
 use crate::burst::{Burst, OpenOptions};
+use crate::dataset::CameraChoice;
 use crate::detector::{Detection, SearchParams, explain};
 use crate::export::{ExportFormat, write_detection};
+use crate::files::path_text;
+use crate::matching::Camera;
 use crate::monitor::Stage;
 use std::path::Path;
 use std::time::Instant;
@@ -18,6 +21,8 @@ pub(super) struct DetectJob<'a> {
     out: &'a Path,
     formats: Vec<ExportFormat>,
     params: &'a SearchParams,
+    /// The camera that took the bursts, where it is known: bursts of another size are not its.
+    camera: CameraChoice,
 }
 
 impl<'a> DetectJob<'a> {
@@ -33,16 +38,21 @@ impl<'a> DetectJob<'a> {
         let mut formats = formats.to_vec();
         formats.sort_unstable();
         formats.dedup();
-        Ok(Self { out, formats, params })
+        Ok(Self { out, formats, params, camera: CameraChoice::default() })
+    }
+
+    /// The same for bursts of this camera, where it is known.
+    pub fn of_camera(self, camera: Option<Camera>) -> Self {
+        Self { camera: camera.map_or(self.camera, CameraChoice::Known), ..self }
     }
 }
 
 pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
-    let params = args.search.params()?;
+    let params = args.run.search.params()?;
     let job = DetectJob::new(&args.out, &args.format, &params)?;
-    let console = Console::new(&args.output)?;
+    let console = Console::new(&args.run.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
-    let options = open_options(&inputs, args.bias.bias.as_ref())?;
+    let options = open_options(&inputs, &args.run.calibration)?;
     let count = inputs.len();
     let mut report = DetectReport::new(&params);
     for (index, input) in inputs.into_iter().enumerate() {
@@ -70,17 +80,18 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
 /// Opens a burst, finds its features, writes them and says so.
 ///
 /// # Errors
-/// A burst that cannot be opened, parameters that make no sense for it, files that cannot be written, or an
-/// interruption.
+/// A burst that cannot be opened or is not of the camera, parameters that make no sense for it, files that cannot be
+/// written, or an interruption.
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,
     job: &DetectJob<'_>,
     console: &Console,
 ) -> Result<(BurstReport, Burst, Detection), Failure> {
-    let (name, paths) = (input.name.clone(), input.paths());
+    let (name, paths) = (input.name.clone(), input.path_texts());
     let start = Instant::now();
     let burst = input.open(options, &console.monitor)?;
+    job.camera.for_images(burst.size())?;
     let open_secs = start.elapsed().as_secs_f32();
     let Searched { detection, params, finding, slopes_secs } = search(&burst, job.params, &console.monitor)?;
     // From here on the features are written for good; a Ctrl-C stops before the next burst.
@@ -89,7 +100,7 @@ pub(super) fn detect_burst(
     let start = Instant::now();
     let files = write_detection(job.out, &name, &detection, &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
-    let files = job.formats.iter().map(ToString::to_string).zip(files).collect();
+    let files = job.formats.iter().map(ToString::to_string).zip(files.iter().map(|file| path_text(file))).collect();
     let advice = explain(&detection, &params, burst.size());
     let report = BurstReport::new(&name, paths, &burst, &detection, files, [open_secs, slopes_secs, write_secs])
         .with_slopes(finding)

@@ -1,27 +1,49 @@
 //! The way back: from a burst and parameters to the command that finds its features.
 
+use crate::burst::{OpenOptions, RawColour};
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice};
+
+use std::path::PathBuf;
 
 /// The folder that the command writes to.
 const OUT: &str = "features";
 
 /// The `burstscope detect …` line that finds features in `inputs` (paths, or one of the words for what is built in)
-/// with `params`, as a shell takes it. Only what differs from the defaults is said.
-pub fn detect_line(inputs: &[String], params: &SearchParams) -> String {
+/// with `params` where files are opened by `calibration`, as a shell takes it. Only what differs from the defaults is
+/// said.
+pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenOptions) -> String {
     let mut words = vec!["burstscope".to_owned(), "detect".to_owned()];
     // What begins with a dash would be an option.
     let path = |input: &String| if input.starts_with('-') { format!("./{input}") } else { input.clone() };
     words.extend(inputs.iter().map(|input| quoted(&path(input))));
     words.extend(["--out".to_owned(), OUT.to_owned()]);
-    for (name, value) in options(params) {
-        words.extend([format!("--{name}"), quoted(&value)]);
+    for (name, value) in options(params).into_iter().chain(calibration_options(calibration)) {
+        words.push(format!("--{name}"));
+        words.extend(value.map(|value| quoted(&value)));
     }
     words.join(" ")
 }
 
+/// The same of how files are opened. A switch has no value.
+fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<String>)> {
+    let OpenOptions { bias, flat, full_scale, black_level, linearise, raw_colour, limits: _ } = calibration;
+    let path = |path: &Option<PathBuf>| path.as_ref().map(|path| Some(path.display().to_string()));
+    let number = |level: &Option<f32>| level.map(|level| Some(level.to_string()));
+    let colour = serde_json::to_value(raw_colour).ok().filter(|_| *raw_colour != RawColour::default());
+    let all = [
+        ("bias", path(bias)),
+        ("flat", path(flat)),
+        ("full-scale", number(full_scale)),
+        ("black-level", number(black_level)),
+        ("linearise", linearise.then_some(None)),
+        ("raw-colour", colour.map(|colour| Some(word(&colour)))),
+    ];
+    all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
+}
+
 /// Names and values of the options that say what differs from the defaults.
-fn options(params: &SearchParams) -> Vec<(&'static str, String)> {
+fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
     let mut options = Vec::new();
     let grid = &params.detector.slopes;
     match params.slopes {
@@ -47,7 +69,7 @@ fn options(params: &SearchParams) -> Vec<(&'static str, String)> {
             options.push((name, word(own)));
         }
     }
-    options
+    options.into_iter().map(|(name, value)| (name, Some(value))).collect()
 }
 
 /// A value as it is typed.
@@ -79,7 +101,6 @@ mod tests {
         Slope, SlopeExtrema, SlopeGrid, SlopeNeighbours,
     };
     use clap::Parser;
-    use std::path::PathBuf;
 
     /// The words of a line, as a shell sees them.
     fn split(line: &str) -> Vec<String> {
@@ -105,17 +126,20 @@ mod tests {
     /// What the command understands of the line.
     fn understood(inputs: &[&str], params: &SearchParams) -> (Vec<PathBuf>, SearchParams) {
         let inputs: Vec<String> = inputs.iter().map(|input| (*input).to_owned()).collect();
-        let line = detect_line(&inputs, params);
+        let line = detect_line(&inputs, params, &OpenOptions::default());
         let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
         let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
-        let params = args.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
+        let params = args.run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
         (args.inputs, params)
     }
 
     #[test]
     fn the_command_understands_what_the_window_says() {
         let plain = SearchParams::default();
-        assert_eq!(detect_line(&["demo".to_owned()], &plain), "burstscope detect demo --out features");
+        assert_eq!(
+            detect_line(&["demo".to_owned()], &plain, &OpenOptions::default()),
+            "burstscope detect demo --out features"
+        );
         let mut slopes = SlopeGrid::plane(-6.0..=6.0, 25, -1.5..=1.25, 3);
         slopes.direction_deg = -30.0;
         let everything = DetectorParams {
@@ -153,6 +177,22 @@ mod tests {
         for params in cases {
             assert_eq!(understood(&["demo"], &params), (vec![PathBuf::from("demo")], params));
         }
+    }
+
+    #[test]
+    fn the_calibration_is_said_too() {
+        let calibration = OpenOptions {
+            bias: Some("dark frames/b.tiff".into()),
+            full_scale: Some(4095.0),
+            black_level: Some(-2.5),
+            linearise: true,
+            raw_colour: RawColour::Green,
+            ..OpenOptions::default()
+        };
+        let line = detect_line(&["night".to_owned()], &SearchParams::default(), &calibration);
+        let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
+        let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
+        assert_eq!(args.run.calibration.options(), calibration, "{line}");
     }
 
     #[test]

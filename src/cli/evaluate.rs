@@ -1,26 +1,26 @@
 //! `evaluate`: the detector measured against known truth.
 
+use super::chart_study::{chart_study, check_plot, write_plot};
 use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
+use super::evaluate_frames;
 use super::evaluate_matches;
 use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
-use super::study::{Document, Searched, once_each, searched, searched_by, slopes_of};
+use super::study::{Document, Searched, searched};
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
 use crate::evaluate::figure::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
-use crate::evaluate::{AccuracyStudy, ChartStudy, NoiseStudy};
-use crate::export::write_whole;
+use crate::evaluate::{AccuracyStudy, NoiseStudy};
 use crate::synth::NoiseCase;
 use serde::Serialize;
-use std::io::Write;
-use std::path::Path;
 
 pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
     match &args.study {
         EvaluateStudy::Chart(args) => chart(args),
+        EvaluateStudy::Frames(args) => evaluate_frames::run(args),
         EvaluateStudy::Accuracy(args) => accuracy(args),
         EvaluateStudy::Noise(args) => noise(args),
         EvaluateStudy::Matches(args) => evaluate_matches::run(args),
@@ -29,56 +29,15 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
 }
 
 fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
-    if args.search.method.is_some() {
-        return Err(Failure::usage("--method: this command compares several; name them with --methods"));
-    }
     if let Some(path) = &args.plot {
         check_plot(path)?;
     }
-    let Searched { detector, slopes, direction_deg } = searched_by(&args.search, &args.methods)?;
-    let default = ChartStudy::default();
-    let (slopes_1d, slopes_2d) = match slopes {
-        Some(plane) if plane.is_plane() => slopes_of(plane),
-        Some(line) => (line, default.slopes_2d),
-        None => (default.slopes_1d, default.slopes_2d),
-    };
-    let study = ChartStudy {
-        chart: args.charts.params(args.max_slope),
-        snrs: args.snr.clone(),
-        first_seed: args.charts.seed,
-        seeds: args.charts.seeds,
-        methods: once_each(&args.methods),
-        detector,
-        slopes_1d,
-        slopes_2d,
-        direction_deg,
-        ranking: args.ranking,
-        false_fraction: args.false_fraction,
-    };
+    let study = chart_study((&args.charts, &args.compared), &args.search, args.snr.clone())?;
     let console = Console::new(&args.output)?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_table(&report))?;
-    if let Some(path) = &args.plot {
-        write_whole(path, |out| out.write_all(roc_svg(&report).as_bytes()))?;
-        console.say(&format!("\nwrote {}\n", path.display()))?;
-    }
+    write_plot(&console, args.plot.as_deref(), || roc_svg(&report))?;
     console.say_json(&Document::new("evaluate chart", &report))
-}
-
-fn check_plot(path: &Path) -> Result<(), Failure> {
-    if path.is_dir() {
-        return Err(Failure::usage(format!(
-            "--plot: this is a folder; name a file such as roc.svg: {}",
-            path.display()
-        )));
-    }
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
-        return Err(Failure::usage(format!(
-            "--plot: the figure is drawn as SVG, which browsers, editors and papers take; name a file that ends in .svg: {}",
-            path.display()
-        )));
-    }
-    Ok(())
 }
 
 fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {

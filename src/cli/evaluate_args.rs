@@ -1,14 +1,13 @@
 //! The arguments of `evaluate` as they are written.
 
-use super::args::OutputArgs;
+use super::charts_args::{ChartsArgs, ComparedArgs};
+use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
+use super::output_args::OutputArgs;
 use super::search_options::SearchArgs;
-use super::synth_values::{motions, parse_range, radius_laws};
-use crate::evaluate::{BurstMethod, Ranking};
-use crate::synth::{ChartParams, Motion, NoiseCase, RadiusLaw};
+use crate::synth::{ChartParams, NoiseCase};
 use clap::{Args, Subcommand};
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -25,6 +24,8 @@ pub struct EvaluateArgs {
 pub enum EvaluateStudy {
     /// Count the discs that each method finds in the dark.
     Chart(EvaluateChartArgs),
+    /// Count what is found with few frames and with many, on charts or in a burst.
+    Frames(FramesArgs),
     /// Compare places, scales and slopes with the truth.
     Accuracy(AccuracyArgs),
     /// Count what is found on noise alone, where there is nothing.
@@ -33,48 +34,6 @@ pub enum EvaluateStudy {
     Matches(MatchesArgs),
     /// Compare camera poses that were estimated with the true ones.
     Poses(PosesArgs),
-}
-
-fn chart() -> ChartParams {
-    ChartParams::default()
-}
-
-/// The charts of a study.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Charts")]
-pub struct ChartsArgs {
-    /// Number of charts for each ratio, with seeds counting up.
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100_000))]
-    pub seeds: u64,
-    /// The first chart's seed.
-    #[arg(long, value_name = "FIRST", default_value_t = 1)]
-    pub seed: u64,
-    /// Directions of motion: 1d is horizontal, 2d any.
-    #[arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions())]
-    pub motion: Motion,
-    /// Columns.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().width)]
-    pub width: usize,
-    /// Rows.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().height)]
-    pub height: usize,
-    /// Number of discs.
-    #[arg(long, value_name = "N", default_value_t = chart().discs)]
-    pub discs: usize,
-    /// Range of the discs' radii, pixels.
-    #[arg(long, value_name = "MIN:MAX", default_value = "3.6:19", value_parser = parse_range)]
-    pub radius: RangeInclusive<f64>,
-    /// Law of the radii: uniform, or log, by which every octave of radii is equally likely.
-    #[arg(long, value_name = "LAW", default_value = "uniform", value_parser = radius_laws())]
-    pub radius_law: RadiusLaw,
-}
-
-impl ChartsArgs {
-    /// The charts, of which a study sets ratio and seed.
-    pub fn params(&self, max_slope: f64) -> ChartParams {
-        let Self { seeds: _, seed: _, motion, width, height, discs, radius, radius_law } = self.clone();
-        ChartParams { width, height, discs, radius, radius_law, motion, max_slope, ..ChartParams::default() }
-    }
 }
 
 /// Count the discs that each method finds in the dark.
@@ -89,21 +48,9 @@ pub struct EvaluateChartArgs {
     /// Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO,…", value_delimiter = ',', default_value = "0.2,0.35,0.6")]
     pub snr: Vec<f64>,
-    /// Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean of all
-    /// frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes found from each
-    /// burst).
-    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "sift-frame,sift-mean,sift-merge,buff-1d,buff-2d",
-        value_parser = BurstMethod::from_str)]
-    pub methods: Vec<BurstMethod>,
-    /// What a threshold is put on: strength (the detector's own ranking), response or snr.
-    #[arg(long, value_name = "RANKING", default_value = "strength", value_parser = Ranking::from_str)]
-    pub ranking: Ranking,
-    /// The share of false detections at which methods are compared.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1)]
-    pub false_fraction: f64,
-    /// Largest slope of the discs on each axis that moves, pixels per frame.
-    #[arg(long, value_name = "SLOPE", default_value_t = chart().max_slope)]
-    pub max_slope: f64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub compared: ComparedArgs,
     /// Draw the curves of true against false features, one panel a ratio, as an SVG figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
@@ -196,10 +143,10 @@ pub struct NoiseArgs {
     #[arg(long, value_name = "FIRST", default_value_t = 1)]
     pub seed: u64,
     /// Columns.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().width)]
+    #[arg(long, value_name = "PIXELS", default_value_t = ChartParams::default().width)]
     pub width: usize,
     /// Rows.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().height)]
+    #[arg(long, value_name = "PIXELS", default_value_t = ChartParams::default().height)]
     pub height: usize,
     #[allow(missing_docs)]
     #[command(flatten)]

@@ -1,16 +1,16 @@
 //! `evaluate matches`: how well the bursts of a dataset match, method by method.
 
-use super::args::{BiasArg, OutputArgs, SequenceArgs};
+use super::args::SequenceArgs;
+use super::burst_search_args::BurstSearchArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
-use super::search_options::SearchArgs;
-use super::study::{Document, Searched, once_each, searched_by, slopes_of};
+use super::study::{Document, Searched, once_each, searched_by};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
-use crate::evaluate::{BurstMethod, MatchMethod, MatchReport, MatchStudy, Shot};
+use crate::evaluate::{BurstMethod, MatchMethod, MatchReport, MatchStudy, Shot, slopes_of};
 use crate::matching::PairSelection;
 use crate::synth::{FrameLevels, NoisyExposure, NoisyParams};
 use clap::Args;
@@ -67,13 +67,7 @@ pub struct MatchesArgs {
     pub matching: MatchingArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub search: SearchArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub bias: BiasArg,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
+    pub run: BurstSearchArgs,
 }
 
 const MATCHES_HELP: &str = "\
@@ -108,13 +102,13 @@ struct MatchesDocument<'a> {
 }
 
 pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
-    if args.search.method.is_some() {
+    if args.run.search.method.is_some() {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
     let has_gold = args.gold.is_some() || args.snr.is_some();
     let methods = methods(args, has_gold)?;
     let of_bursts: Vec<BurstMethod> = methods.iter().filter_map(|method| method.of_burst()).collect();
-    let Searched { detector, slopes, direction_deg } = searched_by(&args.search, &of_bursts)?;
+    let Searched { detector, slopes, direction_deg } = searched_by(&args.run.search, &of_bursts)?;
     let (slopes_1d, slopes_2d) = match slopes {
         Some(slopes) => slopes_of(slopes),
         None => slopes_of(detector.slopes),
@@ -129,10 +123,10 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         matching: args.matching.params()?,
         pairs: args.pairs,
     };
-    let console = Console::new(&args.output)?;
+    let console = Console::new(&args.run.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
     let golds = sharp_inputs(args, &inputs)?;
-    let options = open_options(&inputs, args.bias.bias.as_ref())?;
+    let options = open_options(&inputs, &args.run.calibration)?;
     let exposure = exposure(args, &inputs, &options, &console)?;
     let names: Vec<String> = inputs.iter().map(|i| i.name.clone()).collect();
     let mut frames_before = 0;
@@ -171,7 +165,7 @@ fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<MatchMethod>, Failu
         return Ok(once_each(&args.methods));
     }
     use BurstMethod::{Buff1d, Buff2d, BuffAuto, SiftFrame, SiftMerge};
-    let finds_slopes = args.search.params()?.slopes.is_auto();
+    let finds_slopes = args.run.search.params()?.slopes.is_auto();
     let buff: &[BurstMethod] = if finds_slopes { &[BuffAuto] } else { &[Buff1d, Buff2d] };
     let gold = has_gold.then_some(MatchMethod::Gold);
     let compared = [SiftFrame, SiftMerge].iter().chain(buff).map(|&method| MatchMethod::Burst(method));

@@ -2,7 +2,10 @@
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
 use crate::evaluate::chart::{ChartReport, ChartSummary, MethodReport};
+use crate::evaluate::frames::FramesReport;
+use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseReport};
+use crate::evaluate::score::Ranking;
 use crate::evaluate::statistics::Errors;
 use crate::synth::RadiusLaw;
 use std::fmt::{Result, Write};
@@ -11,6 +14,18 @@ pub(super) fn chart_table(report: &ChartReport) -> String {
     let mut text = String::new();
     // Writing into a string cannot fail, here and below.
     let _ = write_chart(&mut text, report);
+    text
+}
+
+pub(super) fn frames_table(report: &FramesReport) -> String {
+    let mut text = String::new();
+    let _ = write_frames(&mut text, report);
+    text
+}
+
+pub(super) fn burst_frames_table(report: &BurstFramesReport) -> String {
+    let mut text = String::new();
+    let _ = write_burst_frames(&mut text, report);
     text
 }
 
@@ -27,7 +42,14 @@ pub(super) fn noise_table(report: &NoiseReport) -> String {
     text
 }
 
-fn write_charts(out: &mut String, chart: &ChartSummary, first_seed: u64, seeds: u64) -> Result {
+/// `frames` is a number of frames, or a range of them; `each` is what there are `seeds` charts for.
+fn write_charts(
+    out: &mut String,
+    chart: &ChartSummary,
+    (frames, each): (&str, &str),
+    first_seed: u64,
+    seeds: u64,
+) -> Result {
     writeln!(
         out,
         "{} discs of radius {} to {} px{}, contrast {}, in {} frames of {}×{}, {} bits, slopes up to ±{} px/frame in {}",
@@ -36,7 +58,7 @@ fn write_charts(out: &mut String, chart: &ChartSummary, first_seed: u64, seeds: 
         chart.radius[1],
         if chart.radius_law == RadiusLaw::Log { " (log-uniform)" } else { "" },
         chart.contrast,
-        chart.frames,
+        frames,
         chart.width,
         chart.height,
         chart.bits,
@@ -44,43 +66,112 @@ fn write_charts(out: &mut String, chart: &ChartSummary, first_seed: u64, seeds: 
         chart.motion.to_uppercase()
     )?;
     if seeds == 1 {
-        writeln!(out, "one chart for each SNR, seed {first_seed}")
+        writeln!(out, "one chart for each {each}, seed {first_seed}")
     } else {
-        writeln!(out, "{seeds} charts for each SNR, seeds {first_seed} to {}", first_seed.saturating_add(seeds - 1))
+        writeln!(out, "{seeds} charts for each {each}, seeds {first_seed} to {}", first_seed.saturating_add(seeds - 1))
     }
 }
 
 fn write_chart(out: &mut String, report: &ChartReport) -> Result {
-    write_charts(out, &report.chart, report.first_seed, report.seeds)?;
+    let frames = report.chart.frames.to_string();
+    write_charts(out, &report.chart, (&frames, "SNR"), report.setup.first_seed, report.setup.seeds)?;
+    let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.snr.to_string(), &row.methods[..])).collect();
+    let judged = (report.chart.discs, report.setup.ranking, report.setup.false_fraction);
+    write_found(out, judged, ("SNR", &rows))
+}
+
+fn write_frames(out: &mut String, report: &FramesReport) -> Result {
+    let first = report.rows.first().map_or(report.chart.frames, |row| row.frames);
+    let frames = match report.chart.frames {
+        last if last == first => last.to_string(),
+        last => format!("{first} to {last}"),
+    };
+    write_charts(out, &report.chart, (&frames, "number of frames"), report.setup.first_seed, report.setup.seeds)?;
+    writeln!(out, "SNR {}", report.snr)?;
+    let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.frames.to_string(), &row.methods[..])).collect();
+    let judged = (report.chart.discs, report.setup.ranking, report.setup.false_fraction);
+    write_found(out, judged, ("frames", &rows))
+}
+
+/// What a row is about, and the methods in it.
+type Row<'a> = (String, &'a [MethodReport]);
+
+/// What the methods found, of so many discs, by this ranking, where this share is false.
+fn write_found(
+    out: &mut String,
+    (discs, ranking, false_fraction): (usize, Ranking, f64),
+    rows: (&str, &[Row<'_>]),
+) -> Result {
     writeln!(
         out,
-        "\nDiscs found, of {}, at the threshold on {} where {} % of the detections are false (mean ± standard error)",
-        report.chart.discs,
-        report.ranking.name(),
-        (report.false_fraction * 1000.0).round() / 10.0
+        "\nDiscs found, of {discs}, at the threshold on {} where {} % of the detections are false (mean ± standard error)",
+        ranking.name(),
+        (false_fraction * 1000.0).round() / 10.0
     )?;
-    write_columns(out, report, |method| format!("{:.1}", method.true_positives))?;
+    write_columns(out, rows, |method| format!("{:.1}", method.true_positives))?;
     writeln!(out, "\nDiscs found + false features among all that was detected (means)")?;
-    write_columns(out, report, |method| {
+    write_columns(out, rows, |method| {
         format!("{:.1} + {:.1}", method.default_true_positives.mean, method.default_false_features.mean)
     })?;
     writeln!(out, "\nEstimated over true noise of a frame")?;
-    write_columns(out, report, |method| {
+    write_columns(out, rows, |method| {
         method.noise_estimate_ratio.map_or_else(|| "–".into(), |r| format!("{:.3}", r.mean))
     })
 }
 
-fn write_columns(out: &mut String, report: &ChartReport, cell: impl Fn(&MethodReport) -> String) -> Result {
-    write!(out, "{:>8}", "SNR")?;
-    for method in report.rows.first().map_or(&[][..], |row| &row.methods) {
+fn write_columns(
+    out: &mut String,
+    (first, rows): (&str, &[Row<'_>]),
+    cell: impl Fn(&MethodReport) -> String,
+) -> Result {
+    write!(out, "{first:>8}")?;
+    for method in rows.first().map_or(&[][..], |(_, methods)| methods) {
         write!(out, "{:>18}", method.method.label())?;
     }
     writeln!(out)?;
-    for row in &report.rows {
-        write!(out, "{:>8}", row.snr)?;
-        for method in &row.methods {
+    for (name, methods) in rows {
+        write!(out, "{name:>8}")?;
+        for method in *methods {
             write!(out, "{:>18}", cell(method))?;
         }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn write_burst_frames(out: &mut String, report: &BurstFramesReport) -> Result {
+    let grid = report.detector.used_slopes();
+    writeln!(
+        out,
+        "{}: the middle frames as a burst, searched at slopes u {} and v {} (min:max:count, px/frame)",
+        report.burst, grid.u, grid.v
+    )?;
+    writeln!(out, "features of all frames: {} (orientations of one keypoint count once)", report.features)?;
+    if let Some(discs) = report.discs {
+        writeln!(out, "discs known: {discs}")?;
+    }
+    if let Some(second) = &report.second {
+        writeln!(out, "matched with as many middle frames of {second}")?;
+    }
+    let or_dash = |count: Option<usize>| count.map_or_else(|| "–".to_owned(), |count| count.to_string());
+    type Column = (&'static str, fn(&BurstFramesRow) -> Option<usize>);
+    let columns: [Column; 7] = [
+        ("features", |row| Some(row.features)),
+        ("confirmed", |row| Some(row.confirmed)),
+        ("not", |row| Some(row.unconfirmed)),
+        ("discs", |row| row.discs_found),
+        ("false", |row| row.false_features),
+        ("putative", |row| row.matches.map(|m| m.putative)),
+        ("inliers", |row| row.matches.and_then(|m| m.inliers)),
+    ];
+    let columns: Vec<Column> =
+        columns.into_iter().filter(|(_, value)| report.rows.iter().any(|row| value(row).is_some())).collect();
+    write!(out, "\n{:>8}", "frames")?;
+    columns.iter().try_for_each(|(name, _)| write!(out, "{name:>11}"))?;
+    writeln!(out)?;
+    for row in &report.rows {
+        write!(out, "{:>8}", row.frames)?;
+        columns.iter().try_for_each(|(_, value)| write!(out, "{:>11}", or_dash(value(row))))?;
         writeln!(out)?;
     }
     Ok(())
@@ -93,7 +184,8 @@ fn write_accuracy(out: &mut String, crowded: &AccuracyReport, apart: Option<&Acc
     for (title, report) in titles.into_iter().zip([Some(crowded), apart]) {
         let Some(report) = report else { continue };
         writeln!(out, "\n{title}")?;
-        write_charts(out, &report.chart, report.first_seed, report.seeds)?;
+        let frames = report.chart.frames.to_string();
+        write_charts(out, &report.chart, (&frames, "SNR"), report.first_seed, report.seeds)?;
         for row in &report.rows {
             write_accuracy_row(out, row)?;
         }

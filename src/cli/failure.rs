@@ -1,10 +1,14 @@
 //! How a command can end other than well, and the exit code of each way.
 
+use super::terminal::complain;
+#[cfg(feature = "app")]
+use crate::app::RenderError;
 use crate::burst::OpenError;
 use crate::dataset::DatasetError;
 use crate::detector::{DetectError, ParamError};
 use crate::evaluate::EvaluateError;
 use crate::evaluate::poses::PoseError;
+use crate::figures::FiguresError;
 use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 use crate::synth::{SynthError, WriteBurstError};
@@ -29,6 +33,11 @@ impl Failure {
         Self::Usage(anyhow::Error::msg(message.into()))
     }
 
+    /// The standard output cannot be written.
+    pub(super) fn output(error: std::io::Error) -> Self {
+        Self::Failed(anyhow::Error::new(error).context("cannot write to the standard output"))
+    }
+
     /// The exit code.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
@@ -41,10 +50,10 @@ impl Failure {
     /// Says on the standard error what went wrong.
     pub fn print(&self) {
         match self {
-            Self::Failed(error) => eprintln!("error: {error:#}"),
-            Self::Usage(error) => eprintln!("error: {error:#}\n\nFor more information, try '--help'."),
+            Self::Failed(error) => complain(&format!("error: {error:#}")),
+            Self::Usage(error) => complain(&format!("error: {error:#}\n\nFor more information, try '--help'.")),
             Self::Reported => {}
-            Self::Interrupted => eprintln!("interrupted"),
+            Self::Interrupted => complain("interrupted"),
         }
     }
 }
@@ -121,10 +130,33 @@ impl From<DatasetError> for Failure {
     }
 }
 
+#[cfg(feature = "app")]
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Cancelled(_) => Self::Interrupted,
+            RenderError::Param(error) => error.into(),
+            other => Self::Failed(anyhow::Error::new(other).context("the window cannot be drawn")),
+        }
+    }
+}
+
 impl From<PoseError> for Failure {
     fn from(error: PoseError) -> Self {
         match error {
             PoseError::Param { .. } => Self::usage(format!("--{error}")),
+            other => Self::Failed(other.into()),
+        }
+    }
+}
+
+impl From<FiguresError> for Failure {
+    fn from(error: FiguresError) -> Self {
+        match error {
+            FiguresError::Cancelled(_) => Self::Interrupted,
+            FiguresError::Evaluate(error) => error.into(),
+            FiguresError::Dataset(error) => error.into(),
+            FiguresError::WriteBurst(error) => error.into(),
             other => Self::Failed(other.into()),
         }
     }

@@ -4,11 +4,14 @@
 //! together: several pictures are the frames of one burst.
 
 use super::args::SequenceArgs;
+use super::calibration_args::CalibrationArgs;
 use super::failure::Failure;
 use crate::burst::{
-    Burst, BurstSource, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, name_among_several,
+    Burst, BurstSource, Entries, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries,
+    name_among_several,
 };
 use crate::export::make_file_names_unique;
+use crate::files::path_text;
 use crate::monitor::Monitor;
 use crate::synth::{Example, demo_burst, later_demo_burst};
 use std::path::{Path, PathBuf};
@@ -80,6 +83,11 @@ impl Input {
             Place::Paths(paths) => paths.clone(),
             _ => Vec::new(),
         }
+    }
+
+    /// The same as text.
+    pub fn path_texts(&self) -> Vec<String> {
+        self.paths().iter().map(|path| path_text(path)).collect()
     }
 }
 
@@ -160,14 +168,17 @@ fn found(source: BurstSource) -> Input {
 }
 
 fn look(paths: &[PathBuf]) -> Vec<Input> {
-    match find_bursts(paths) {
-        Ok(sources) => sources.into_iter().map(found).collect(),
+    match find_entries(paths) {
+        Ok(Entries { bursts, strays }) => {
+            let stray = |path: PathBuf| Input { name: name_of(&path), place: Place::Broken(OpenError::Stray { path }) };
+            bursts.into_iter().map(found).chain(strays.into_iter().map(stray)).collect()
+        }
         Err(error) => vec![Input { name: name_of(&paths[0]), place: Place::Broken(error) }],
     }
 }
 
 fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    path_text(Path::new(path.file_name().unwrap_or(path.as_os_str())))
 }
 
 /// The one burst that `arguments` name.
@@ -199,17 +210,25 @@ pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
     Ok(inputs)
 }
 
-/// How to open bursts with this bias frame.
+/// How to open `inputs` with this calibration.
 ///
 /// # Errors
-/// A bias frame for the demo burst.
-pub(super) fn open_options(inputs: &[Input], bias: Option<&PathBuf>) -> Result<OpenOptions, Failure> {
-    if bias.is_some() && inputs.iter().any(Input::is_built_in) {
-        return Err(Failure::usage(
-            "--bias: the demo burst was made without a camera and has no bias frame; leave the option out",
-        ));
+/// A calibration for the demo burst, which needs none.
+pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> Result<OpenOptions, Failure> {
+    let options = calibration.options();
+    let given = [
+        ("bias", options.bias.is_some()),
+        ("flat", options.flat.is_some()),
+        ("full-scale", options.full_scale.is_some()),
+        ("black-level", options.black_level.is_some()),
+        ("linearise", options.linearise),
+    ];
+    match given.iter().find(|(_, is_given)| *is_given) {
+        Some((name, _)) if inputs.iter().any(Input::is_built_in) => Err(Failure::usage(format!(
+            "--{name}: the demo burst was made without a camera and needs no calibration; leave the option out"
+        ))),
+        _ => Ok(options),
     }
-    Ok(OpenOptions { bias: bias.cloned(), ..OpenOptions::default() })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The arguments of `slopes` and `probe`.
 
-use super::args::{BiasArg, INPUT_HELP, OutputArgs};
-use super::search_options::SearchArgs;
+use super::args::INPUT_HELP;
+use super::burst_search_args::BurstSearchArgs;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -22,13 +22,7 @@ pub struct SlopesArgs {
     pub plot: Option<PathBuf>,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub search: SearchArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub bias: BiasArg,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
+    pub run: BurstSearchArgs,
 }
 
 const SLOPES_HELP: &str = "\
@@ -68,13 +62,7 @@ pub struct ProbeArgs {
     pub plot: Option<PathBuf>,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub search: SearchArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub bias: BiasArg,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
+    pub run: BurstSearchArgs,
 }
 
 const PROBE_HELP: &str = "\

@@ -1,9 +1,8 @@
 //! The arguments of `match` as they are written.
 
-use super::args::{BiasArg, OutputArgs};
+use super::burst_search_args::BurstSearchArgs;
 use super::choices::{IMAGE_KINDS, words};
 use super::matching_args::MatchingArgs;
-use super::search_options::SearchArgs;
 use crate::dataset::ImageKind;
 use crate::export::ExportFormat;
 use clap::Args;
@@ -38,13 +37,7 @@ pub struct MatchArgs {
     pub matching: MatchingArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub search: SearchArgs,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub bias: BiasArg,
-    #[allow(missing_docs)]
-    #[command(flatten)]
-    pub output: OutputArgs,
+    pub run: BurstSearchArgs,
 }
 
 const MATCH_HELP: &str = "\

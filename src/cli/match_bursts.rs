@@ -10,12 +10,13 @@ use crate::burst::Burst;
 use crate::dataset::burst_picture;
 use crate::detector::{Detection, SearchParams};
 use crate::export::{MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
+use crate::files::serialize_path;
 use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel, match_detections};
 use crate::monitor::Stage;
 use nalgebra::Matrix3;
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 /// The JSON document.
 #[derive(Serialize)]
@@ -54,18 +55,20 @@ impl From<&TwoViewModel> for Model {
 
 #[derive(Serialize)]
 struct Files<'a> {
-    matches: &'a PathBuf,
-    picture: &'a PathBuf,
+    #[serde(serialize_with = "serialize_path")]
+    matches: &'a Path,
+    #[serde(serialize_with = "serialize_path")]
+    picture: &'a Path,
 }
 
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
-    let params = args.search.params()?;
+    let params = args.run.search.params()?;
     let matching = args.matching.params()?;
-    let job = DetectJob::new(&args.out, &args.format, &params)?;
-    let console = Console::new(&args.output)?;
+    let job = DetectJob::new(&args.out, &args.format, &params)?.of_camera(matching.camera.clone());
+    let console = Console::new(&args.run.output)?;
     let inputs = resolve_pair(&args.a, &args.b)?;
-    let options = open_options(&inputs, args.bias.bias.as_ref())?;
-    let name = format!("{}_{}", safe_file_name(&inputs[0].name), safe_file_name(&inputs[1].name));
+    let options = open_options(&inputs, &args.run.calibration)?;
+    let name = safe_file_name(&format!("{}_{}", inputs[0].name, inputs[1].name));
     let mut found: Vec<(BurstReport, Burst, Detection)> = Vec::with_capacity(2);
     for (index, input) in inputs.into_iter().enumerate() {
         console.begin(format!("[{}/2] {}: ", index + 1, input.name));

@@ -9,6 +9,7 @@ use crate::baseline::prepare;
 use crate::detector::noise::estimate::frame_noise;
 use crate::detector::{DetectorParams, Method};
 use crate::export::write_tiff;
+use crate::files::path_text;
 use crate::monitor::Stage;
 use serde_json::json;
 
@@ -18,7 +19,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     check_tiff(&args.out)?;
     let console = Console::new(&args.output)?;
     let input = resolve_one(&args.inputs, "merge")?;
-    let options = open_options(std::slice::from_ref(&input), args.bias.bias.as_ref())?;
+    let options = open_options(std::slice::from_ref(&input), &args.calibration)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
     let used = params.used_frames(burst.len());
@@ -40,7 +41,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     console.say_json(&json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": "merge",
-        "file": args.out,
+        "file": path_text(&args.out),
         "width": width,
         "height": height,
         "frames_used": [used.start, used.end],

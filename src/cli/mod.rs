@@ -7,21 +7,28 @@
 //! Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
 pub mod args;
+pub mod burst_search_args;
+pub mod calibration_args;
+mod chart_study;
+pub mod charts_args;
 mod choices;
 #[cfg(feature = "colmap")]
 mod colmap;
 #[cfg(feature = "colmap")]
 pub mod colmap_args;
 pub mod commands;
+mod completions;
 mod console;
 mod detect;
 mod detect_line;
 mod evaluate;
 pub mod evaluate_args;
+pub mod evaluate_frames;
 pub mod evaluate_matches;
 pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
+pub mod figures;
 mod inputs;
 pub mod inspect_args;
 pub mod match_args;
@@ -30,6 +37,7 @@ pub mod matching_args;
 mod merge;
 #[cfg(feature = "app")]
 mod opening;
+pub mod output_args;
 mod probe;
 #[cfg(feature = "app")]
 mod render;
@@ -45,6 +53,7 @@ pub mod synth_args;
 mod synth_values;
 #[cfg(feature = "app")]
 mod table;
+mod terminal;
 pub mod trajectory_args;
 #[cfg(feature = "app")]
 mod window;
@@ -52,6 +61,7 @@ mod window;
 pub use detect_line::detect_line;
 pub use failure::Failure;
 
+use crate::plane::memory;
 use clap::Parser;
 use commands::{Cli, Command};
 use std::process::ExitCode;
@@ -68,9 +78,21 @@ pub fn run() -> ExitCode {
             return ExitCode::from(code);
         }
     };
-    let result = match &cli.command {
+    let result = memory::refusable(|| done(&cli)).unwrap_or_else(|refused| Err(Failure::Failed(refused.into())));
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.print();
+            failure.exit_code()
+        }
+    }
+}
+
+/// Does it.
+fn done(cli: &Cli) -> Result<(), Failure> {
+    match &cli.command {
         #[cfg(feature = "app")]
-        None => window::open(&cli),
+        None => window::open(cli),
         #[cfg(not(feature = "app"))]
         None => Err(Failure::usage("this program was built without its window (the feature 'app'); name a command")),
         Some(Command::Detect(args)) => detect::run(args),
@@ -81,16 +103,11 @@ pub fn run() -> ExitCode {
         Some(Command::Stack(args)) => stack::run(args),
         Some(Command::Synth(args)) => synth::run(args),
         Some(Command::Evaluate(args)) => evaluate::run(args),
+        Some(Command::Figures(args)) => figures::run(args),
         #[cfg(feature = "colmap")]
         Some(Command::Colmap(args)) => colmap::run(args),
         #[cfg(feature = "app")]
         Some(Command::Render(args)) => render::run(args),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            failure.print();
-            failure.exit_code()
-        }
+        Some(Command::Completions(args)) => completions::run(args),
     }
 }

@@ -3,7 +3,8 @@
 use super::args::SequenceArgs;
 use super::failure::Failure;
 use super::inputs::{Input, Place, resolve, resolve_one};
-use crate::burst::SequenceCut;
+use super::terminal::complain;
+use crate::burst::{OpenError, SequenceCut};
 use crate::dataset::DatasetSource;
 use std::path::PathBuf;
 
@@ -56,6 +57,8 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
     for input in inputs {
         match input.place {
             Place::Paths(_) => {}
+            // The others are opened all the same.
+            Place::Broken(error @ OpenError::Stray { .. }) => complain(&error.to_string()),
             Place::Broken(error) => return Err(error.into()),
             Place::Demo { .. } | Place::Example(_) => {
                 return Err(Failure::usage(

@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use super::inspect_args::ProbeArgs;
 use crate::export::{ExportError, write_whole};
+use crate::files::path_text;
 use crate::inspect::figure::probe_svg;
 use crate::inspect::probe::{ProbeError, Wanted};
 use crate::inspect::report::probe_text;
@@ -15,13 +16,13 @@ use std::io::Write;
 use std::path::Path;
 
 pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
-    let params = args.search.params()?;
+    let params = args.run.search.params()?;
     if let Some(path) = &args.plot {
         check_svg(path)?;
     }
-    let console = Console::new(&args.output)?;
+    let console = Console::new(&args.run.output)?;
     let input = resolve_one(&args.inputs, "probe")?;
-    let options = open_options(std::slice::from_ref(&input), args.bias.bias.as_ref())?;
+    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
     let (width, height) = burst.size();
@@ -55,14 +56,14 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
         "command": "probe",
         "params": params,
         "name": input.name,
-        "inputs": input.paths(),
+        "inputs": input.path_texts(),
         "width": width,
         "height": height,
         "frames": burst.len(),
         "slope_grid": cache.params().used_slopes(),
         "noise_gate_factor": cache.detection().noise_gate_factor,
         "features": cache.detection().features.len(),
-        "plot": args.plot,
+        "plot": args.plot.as_deref().map(path_text),
         "probe": answer,
     }))
 }

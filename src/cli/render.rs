@@ -7,9 +7,11 @@ use super::opening::{Opening, what_to_open};
 use super::render_args::RenderArgs;
 use crate::app::{RenderOptions, render_to_png};
 use crate::dataset::DatasetSource;
-use crate::engine::BurstSource;
+use crate::files::path_text;
+use crate::plane::memory;
+use crate::requests::BurstSource;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
@@ -21,7 +23,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         second,
         dataset,
         session,
+        lesson: None,
         params,
+        calibration: args.calibration.options(),
         size_points: args.size,
         scale: args.scale,
         light: args.light,
@@ -33,22 +37,25 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         detect: !args.no_detect,
         select_strongest: args.select_strongest,
         max_duration: Duration::from_secs(args.timeout),
+        monitor: console.monitor.clone(),
     };
     console.begin("Drawing the window: ".to_owned());
-    // The window's own workers do the work and know nothing of this console; so it waits here for whichever comes
-    // first.
-    let out = args.out.clone();
-    let drawing = std::thread::spawn(move || render_to_png(&options, &out));
-    while !drawing.is_finished() {
-        console.monitor.check()?;
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    match drawing.join() {
-        Ok(result) => result.map_err(|e| Failure::Failed(e.into()))?,
-        Err(_) => return Err(Failure::Failed(anyhow::anyhow!("drawing the window failed; see the message above"))),
-    }
+    drawn(&options, &args.out)?;
     console.say(&format!("wrote {}\n", args.out.display()))?;
-    console.say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": args.out }))
+    console
+        .say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": path_text(&args.out) }))
+}
+
+/// Draws the window into `file`. Should the driver of the graphics card bring the drawing down, that is said too.
+pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure> {
+    let drawing =
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| memory::refusable(|| render_to_png(options, file))));
+    match drawing {
+        Ok(result) => Ok(result.map_err(|refused| Failure::Failed(refused.into()))??),
+        Err(_) => {
+            Err(Failure::Failed(anyhow::anyhow!("the graphics adapter or its driver failed; see the message above")))
+        }
+    }
 }
 
 /// What the window opens: a burst, perhaps with a second one beside it, a dataset, or a session.

@@ -1,7 +1,9 @@
 //! The arguments of `render`.
 
-use super::args::{INPUT_HELP, OutputArgs, SequenceArgs, parse_slope};
+use super::args::{INPUT_HELP, SequenceArgs, parse_slope};
+use super::calibration_args::CalibrationArgs;
 use super::choices::{VIEW_KINDS, words};
+use super::output_args::OutputArgs;
 use super::search_options::SearchArgs;
 use crate::app::project::cursor::ViewKind;
 use crate::detector::Slope;
@@ -57,6 +59,9 @@ pub struct RenderArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub calibration: CalibrationArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,

@@ -1,6 +1,6 @@
 //! What `detect` tells about each burst: as JSON, and as a summary for people.
 
-use crate::burst::Burst;
+use crate::burst::{Burst, Encoding, Note};
 use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::{
@@ -9,7 +9,6 @@ use crate::detector::{
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The JSON document of `detect`.
@@ -41,13 +40,23 @@ pub(super) struct FailureReport {
 #[derive(Debug, Serialize)]
 pub(super) struct BurstReport {
     name: String,
-    inputs: Vec<PathBuf>,
+    inputs: Vec<String>,
     frames: usize,
     frames_used: [usize; 2],
     width: usize,
     height: usize,
+    /// The files' value that became 1.0.
+    full_scale: f32,
+    encoding: Encoding,
+    /// Pixels of the sensor along a side of one pixel; places, scales and slopes are in pixels of the frames.
+    binning: usize,
+    /// What a converter of fewer bits would have as its largest value; absent where the values do not look so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    suggested_full_scale: Option<f32>,
+    #[serde(skip)]
+    notes: Vec<Note>,
     pub features: usize,
-    files: BTreeMap<String, PathBuf>,
+    files: BTreeMap<String, String>,
     frame_noise: f32,
     #[serde(serialize_with = "shared")]
     noise: Arc<NoiseModel>,
@@ -110,10 +119,10 @@ struct TimesReport {
 impl BurstReport {
     pub fn new(
         name: &str,
-        inputs: Vec<PathBuf>,
+        inputs: Vec<String>,
         burst: &Burst,
         detection: &Detection,
-        files: BTreeMap<String, PathBuf>,
+        files: BTreeMap<String, String>,
         [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
         let tally = &detection.tally;
@@ -125,6 +134,11 @@ impl BurstReport {
             frames_used: [detection.frames_used.start, detection.frames_used.end],
             width: burst.size().0,
             height: burst.size().1,
+            full_scale: burst.full_scale,
+            encoding: burst.encoding,
+            binning: burst.binning,
+            suggested_full_scale: burst.suggested_full_scale,
+            notes: burst.notes(),
             features: detection.features.len(),
             files,
             frame_noise: detection.frame_noise,
@@ -195,6 +209,12 @@ fn write_summary(
     let [first, end] = report.frames_used;
     let used = if end - first == report.frames { String::new() } else { format!(", {first}..{end} used") };
     writeln!(out, "{}: {} frames of {}×{}{used}", report.name, report.frames, report.width, report.height)?;
+    if report.binning > 1 {
+        writeln!(out, "  binned    {0}×{0} pixels of the sensor are one pixel", report.binning)?;
+    }
+    for note in &report.notes {
+        writeln!(out, "  note      {}", note.for_command())?;
+    }
     let gate = match params.noise_gate {
         NoiseGate::Auto => format!("{:.2} σ (auto)", report.noise_gate_factor),
         NoiseGate::Strict => format!("{:.2} σ (strict)", report.noise_gate_factor),
@@ -232,7 +252,7 @@ fn write_summary(
         t.open_secs, t.noise_secs, t.search_secs, t.describe_secs, t.write_secs
     )?;
     for path in report.files.values() {
-        writeln!(out, "  wrote     {}", path.display())?;
+        writeln!(out, "  wrote     {path}")?;
     }
     writeln!(out)
 }

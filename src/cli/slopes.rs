@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use super::inspect_args::SlopesArgs;
 use super::probe::{check_svg, write_text};
+use crate::files::path_text;
 use crate::inspect::ProbeCache;
 use crate::inspect::figure::spectrum_svg;
 use crate::inspect::report::spectrum_text;
@@ -16,13 +17,13 @@ use serde_json::json;
 const SEARCH_SHARE: f32 = 0.8;
 
 pub(super) fn run(args: &SlopesArgs) -> Result<(), Failure> {
-    let params = args.search.params()?;
+    let params = args.run.search.params()?;
     if let Some(path) = &args.plot {
         check_svg(path)?;
     }
-    let console = Console::new(&args.output)?;
+    let console = Console::new(&args.run.output)?;
     let input = resolve_one(&args.inputs, "slopes")?;
-    let options = open_options(std::slice::from_ref(&input), args.bias.bias.as_ref())?;
+    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
     let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, SEARCH_SHARE))?;
@@ -40,11 +41,11 @@ pub(super) fn run(args: &SlopesArgs) -> Result<(), Failure> {
         "command": "slopes",
         "params": params,
         "name": input.name,
-        "inputs": input.paths(),
+        "inputs": input.path_texts(),
         "width": burst.size().0,
         "height": burst.size().1,
         "most_features_at": answer.most_features(),
-        "plot": args.plot,
+        "plot": args.plot.as_deref().map(path_text),
         "spectrum": answer,
     }))
 }

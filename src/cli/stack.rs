@@ -8,18 +8,19 @@ use crate::SlopeGrid;
 use crate::baseline::prepare;
 use crate::detector::view::{dog_view, stack_view};
 use crate::export::write_tiff;
+use crate::files::path_text;
 use crate::monitor::Stage;
 use serde_json::json;
 use std::path::Path;
 
 pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
-    let mut params = args.search.params()?.detector;
+    let mut params = args.run.search.params()?.detector;
     // Only this slope is looked at, so only this slope has to make sense.
     params.slopes = SlopeGrid::single(args.slope);
     check_tiff(&args.out)?;
-    let console = Console::new(&args.output)?;
+    let console = Console::new(&args.run.output)?;
     let input = resolve_one(&args.inputs, "stack")?;
-    let options = open_options(std::slice::from_ref(&input), args.bias.bias.as_ref())?;
+    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
     params.validate_for(burst.len(), burst.size())?;
@@ -48,7 +49,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     console.say_json(&json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": "stack",
-        "file": args.out,
+        "file": path_text(&args.out),
         "slope": args.slope,
         "octave": args.octave,
         "level": args.level,

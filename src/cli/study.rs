@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::search_options::SearchArgs;
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
+use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use crate::evaluate::BurstMethod;
 use serde::Serialize;
 
@@ -55,16 +55,6 @@ fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<S
         SlopeChoice::Auto { direction_deg } => (None, direction_deg),
     };
     Ok(Searched { detector, slopes, direction_deg })
-}
-
-/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
-/// 2D has it on both axes.
-pub(super) fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
-    if slopes.is_plane() {
-        return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
-    }
-    let axis = if slopes.u.count > 1 { slopes.u } else { slopes.v };
-    (slopes, SlopeGrid { u: axis, v: axis, ..slopes })
 }
 
 /// The list without repetitions, in its order.

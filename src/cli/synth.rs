@@ -1,13 +1,14 @@
 //! `synth`: bursts with exactly known truth, and noisy copies of real ones.
 
-use super::args::OutputArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve};
+use super::output_args::OutputArgs;
 use super::synth_args::{ChartArgs, NoisyArgs, SceneArgs, SynthArgs, SynthKind};
 use super::trajectory_args::TrajectoryArgs;
 use crate::burst::Burst;
 use crate::export::safe_file_name;
+use crate::files::path_text;
 use crate::synth::{
     ChartParams, FrameLevels, NoisyParams, SceneParams, Trajectory, Truth, synth_chart, synth_scene, write_burst,
     write_noisy, write_trajectory,
@@ -38,7 +39,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let params = NoisyParams { snr, read_noise, bits, seed };
     let console = Console::new(&args.output)?;
     let inputs = resolve(&args.inputs);
-    let options = open_options(&inputs, args.bias.bias.as_ref())?;
+    let options = open_options(&inputs, &args.calibration)?;
     let mut levels = FrameLevels::default();
     for input in &inputs {
         console.begin(format!("{}: ", input.name));
@@ -63,7 +64,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     console.say_json(&json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": "synth",
-        "folder": args.out,
+        "folder": path_text(&args.out),
         "truth": truth,
     }))
 }
@@ -93,7 +94,7 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     console.say_json(&json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": "synth",
-        "folder": args.out,
+        "folder": path_text(&args.out),
         "truth": truth,
     }))
 }
@@ -101,11 +102,7 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
 fn chart_params(args: &ChartArgs) -> ChartParams {
     let ChartArgs {
         out: _,
-        width,
-        height,
         discs,
-        radius,
-        radius_law,
         gap,
         contrast,
         frames,
@@ -117,22 +114,9 @@ fn chart_params(args: &ChartArgs) -> ChartParams {
         seed,
         output: OutputArgs { .. },
     } = args.clone();
-    ChartParams {
-        width,
-        height,
-        discs,
-        radius,
-        radius_law,
-        gap,
-        contrast,
-        frames,
-        motion,
-        max_slope,
-        snr,
-        read_noise,
-        bits,
-        seed,
-    }
+    let chart =
+        ChartParams { gap, contrast, frames, motion, max_slope, snr, read_noise, bits, seed, ..ChartParams::default() };
+    discs.put_on(chart)
 }
 
 fn scene_params(args: &SceneArgs) -> SceneParams {
@@ -169,7 +153,7 @@ fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result
     console.say_json(&json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": "synth",
-        "folder": out,
+        "folder": path_text(out),
         "truth": truth,
     }))
 }

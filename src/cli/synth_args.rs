@@ -1,11 +1,13 @@
 //! The arguments of `synth` as they are written.
 
-use super::args::{BiasArg, INPUT_HELP, OutputArgs};
-use super::synth_values::{motions, parse_range, radius_laws};
+use super::args::INPUT_HELP;
+use super::calibration_args::CalibrationArgs;
+use super::charts_args::DiscsArgs;
+use super::output_args::OutputArgs;
+use super::synth_values::motions;
 use super::trajectory_args::TrajectoryArgs;
-use crate::synth::{ChartParams, Motion, NoisyParams, RadiusLaw, SceneParams};
+use crate::synth::{ChartParams, Motion, NoisyParams, SceneParams};
 use clap::{Args, Subcommand};
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Make a burst with exactly known truth, or noisy copies of real frames.
@@ -53,21 +55,9 @@ pub struct ChartArgs {
     #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
     #[allow(missing_docs)]
     pub out: PathBuf,
-    /// Columns.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().width)]
-    pub width: usize,
-    /// Rows.
-    #[arg(long, value_name = "PIXELS", default_value_t = chart().height)]
-    pub height: usize,
-    /// Number of discs.
-    #[arg(long, value_name = "N", default_value_t = chart().discs)]
-    pub discs: usize,
-    /// Range of the discs' radii, pixels.
-    #[arg(long, value_name = "MIN:MAX", default_value = "3.6:19", value_parser = parse_range)]
-    pub radius: RangeInclusive<f64>,
-    /// Law of the radii: uniform, or log, by which every octave of radii is equally likely.
-    #[arg(long, value_name = "LAW", default_value = "uniform", value_parser = radius_laws())]
-    pub radius_law: RadiusLaw,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub discs: DiscsArgs,
     /// Least distance between two discs at mid-burst, pixels.
     #[arg(long, value_name = "PIXELS", default_value_t = chart().gap)]
     pub gap: f64,
@@ -171,7 +161,7 @@ pub struct NoisyArgs {
     pub seed: u64,
     #[allow(missing_docs)]
     #[command(flatten)]
-    pub bias: BiasArg,
+    pub calibration: CalibrationArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,

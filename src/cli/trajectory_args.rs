@@ -1,6 +1,6 @@
 //! The arguments of `synth trajectory` as they are written.
 
-use super::args::OutputArgs;
+use super::output_args::OutputArgs;
 use super::synth_values::motions;
 use crate::synth::{Light, Motion, TrajectoryParams};
 use clap::Args;

@@ -1,40 +1,81 @@
 //! No command: the window. Where there is no display, the window as a picture and the table of features instead.
 
-use super::args::OutputArgs;
 use super::commands::Cli;
-use super::console::{Console, print};
+use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{DEMO, Input};
 use super::opening::{Opening, what_to_open};
-use super::render::{Sources, source_of, sources_of};
+use super::output_args::OutputArgs;
+use super::render::{Sources, drawn, source_of, sources_of};
 use super::table::feature_table;
-use crate::app::{RenderOptions, Startup, render_to_png};
+use super::terminal::print;
+use crate::app::{RenderOptions, Startup};
 use crate::baseline::search;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::export::safe_file_name;
+use crate::teach::{Lesson, built_in, built_in_names, lessons_at};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Features that the table shows.
 const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let params = cli.params.read()?;
+    let calibration = cli.calibration.options();
+    if let Some(name) = &cli.lesson {
+        return lesson(name, params);
+    }
     let demo = [PathBuf::from(DEMO)];
     let inputs = if cli.inputs.is_empty() { &demo[..] } else { &cli.inputs };
     let opening = what_to_open(inputs, cli.sequence)?;
     if !has_display() {
         return match opening {
-            Opening::Burst(input) => without_display(input, None, params),
-            Opening::Two([a, b]) => without_display(a, Some(b), params),
-            Opening::Dataset(source) => dataset_without_display(source, params),
+            Opening::Burst(input) => without_display(input, None, params, calibration),
+            Opening::Two([a, b]) => without_display(a, Some(b), params, calibration),
+            Opening::Dataset(source) => dataset_without_display(source, params, calibration),
             Opening::Session(path) => session_without_display(path),
         };
     }
     let Sources { source, second, dataset, session } = sources_of(opening)?;
-    let startup = Startup { source, second, dataset, params, session, ..Startup::default() };
+    let startup = Startup { source, second, dataset, params, calibration, session, ..Startup::default() };
     crate::app::run(startup).map_err(Failure::Failed)
+}
+
+/// Opens the window with the lesson of this name, or at this path; without a display its first step is drawn.
+fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
+    let (lesson, others) = lesson_named(name)?;
+    let startup = Startup { lesson: Some(lesson.clone()), lessons: others, params, ..Startup::default() };
+    if has_display() {
+        return crate::app::run(startup).map_err(Failure::Failed);
+    }
+    let (file, console) = begin_without_display(&lesson.name, "nothing is listed")?;
+    draw(&RenderOptions { lesson: Some(lesson), ..RenderOptions::default() }, &file, &console)
+}
+
+/// The lesson that is built in under this name, or the first one of the file or folder, with all of that folder.
+fn lesson_named(name: &Path) -> Result<(Arc<Lesson>, Vec<Lesson>), Failure> {
+    if let Some(lesson) = built_in().iter().find(|lesson| name.as_os_str() == lesson.name.as_str()) {
+        return Ok((lesson.clone(), Vec::new()));
+    }
+    if !name.exists() {
+        let names: Vec<&str> = built_in_names().collect();
+        let wrong = format!(
+            "--lesson: there is no lesson '{}'; give one of {}, or the path of a lesson's file or folder",
+            name.display(),
+            names.join(", ")
+        );
+        return Err(Failure::usage(wrong));
+    }
+    let lessons = lessons_at(name).map_err(|errors| {
+        let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        Failure::Failed(anyhow::anyhow!(lines.join("\n")))
+    })?;
+    let first = lessons.first().cloned().map(Arc::new);
+    let first = first.ok_or_else(|| Failure::usage(format!("--lesson: {} holds no lesson", name.display())))?;
+    Ok((first, lessons))
 }
 
 /// Whether a window can be shown. Systems other than free Unix ones always have a display.
@@ -49,23 +90,32 @@ fn begin_without_display(name: &str, else_is_done: &str) -> Result<(PathBuf, Con
     print(&format!(
         "There is no display here (neither DISPLAY nor WAYLAND_DISPLAY is set).\nThe window is drawn into {} instead, and {else_is_done}.\n\n",
         file.display()
-    ))?;
-    Ok((file, Console::new(&OutputArgs { json: false, quiet: false, threads: None })?))
+    ))
+    .map_err(Failure::output)?;
+    Ok((file, Console::new(&OutputArgs { json: false, quiet: false, threads: None, memory: None })?))
 }
 
 fn draw(options: &RenderOptions, file: &Path, console: &Console) -> Result<(), Failure> {
-    render_to_png(options, file)
-        .map_err(|e| Failure::Failed(anyhow::Error::new(e).context("the window cannot be drawn")))?;
+    let options = RenderOptions { monitor: console.monitor.clone(), ..options.clone() };
+    drawn(&options, file)?;
     console.say(&format!("wrote {}\n", file.display()))
 }
 
-fn dataset_without_display(source: DatasetSource, params: SearchParams) -> Result<(), Failure> {
+fn dataset_without_display(
+    source: DatasetSource,
+    params: SearchParams,
+    calibration: OpenOptions,
+) -> Result<(), Failure> {
     let (file, console) = begin_without_display(&source.label(), "the bursts are listed")?;
     for burst in source.bursts()? {
-        let frames = burst.files()?.len();
-        console.say(&format!("{}: {frames} {}\n", burst.name, if frames == 1 { "file" } else { "files" }))?;
+        match burst.files().map(|files| files.len()) {
+            Ok(count) => {
+                console.say(&format!("{}: {count} {}\n", burst.name, if count == 1 { "file" } else { "files" }))?;
+            }
+            Err(error) => console.complain(&format!("{}: {error}", burst.name)),
+        }
     }
-    draw(&RenderOptions { dataset: Some(source), params, ..RenderOptions::default() }, &file, &console)
+    draw(&RenderOptions { dataset: Some(source), params, calibration, ..RenderOptions::default() }, &file, &console)
 }
 
 fn session_without_display(session: PathBuf) -> Result<(), Failure> {
@@ -76,11 +126,16 @@ fn session_without_display(session: PathBuf) -> Result<(), Failure> {
 }
 
 /// The features listed are those of `input`; the picture shows `second` beside it, if there is one.
-fn without_display(input: Input, second: Option<Input>, params: SearchParams) -> Result<(), Failure> {
+fn without_display(
+    input: Input,
+    second: Option<Input>,
+    params: SearchParams,
+    calibration: OpenOptions,
+) -> Result<(), Failure> {
     let (file, console) = begin_without_display(&input.name, "the strongest features are listed")?;
     let name = input.name.clone();
     console.begin(format!("{name}: "));
-    let burst = input.open(&OpenOptions::default(), &console.monitor)?;
+    let burst = input.open(&calibration, &console.monitor)?;
     let detection = search(&burst, &params, &console.monitor)?.detection;
     console.say(&format!(
         "{name}: {} frames of {}×{}, {} features\n\n{}\n",
@@ -91,6 +146,6 @@ fn without_display(input: Input, second: Option<Input>, params: SearchParams) ->
         feature_table(&detection, TABLE_ROWS)
     ))?;
     let second = second.map(source_of).transpose()?;
-    let options = RenderOptions { source: source_of(input)?, second, params, ..RenderOptions::default() };
+    let options = RenderOptions { source: source_of(input)?, second, params, calibration, ..RenderOptions::default() };
     draw(&options, &file, &console)
 }

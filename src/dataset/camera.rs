@@ -2,6 +2,7 @@
 
 use super::DatasetError;
 use crate::detector::ParamError;
+use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use crate::matching::{Camera, CameraModel};
 use std::path::Path;
 
@@ -70,7 +71,7 @@ pub fn read_camera(path: &Path) -> Result<Camera, ParamError> {
         remedy: "write the file as: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each".into(),
     }
     };
-    let text = std::fs::read_to_string(path).map_err(|e| fail(e.to_string()))?;
+    let text = read_text(path, MAX_SETTINGS_BYTES).map_err(|e| fail(e.to_string()))?;
     let camera: Camera = toml::from_str(&text).map_err(|e| fail(e.message().to_owned()))?;
     camera.validate("camera")?;
     Ok(camera)

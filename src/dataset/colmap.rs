@@ -10,6 +10,7 @@ use super::pairs::match_pairs;
 use super::{CameraChoice, DatasetError};
 use crate::burst::BurstSource;
 use crate::export::write_colmap_database;
+use crate::files::serialize_path;
 use crate::matching::PairSelection;
 use crate::matching::{Camera, Geometry, MatchCounts, MatchParams, MatchResult};
 use crate::monitor::Monitor;
@@ -87,8 +88,10 @@ pub struct PairReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColmapReport {
     /// The database.
+    #[serde(serialize_with = "serialize_path")]
     pub database: PathBuf,
     /// The folder of images.
+    #[serde(serialize_with = "serialize_path")]
     pub images_folder: PathBuf,
     /// The cameras, one for each size of image.
     pub cameras: Vec<Camera>,
@@ -117,12 +120,14 @@ pub fn export_colmap(
     if bursts.len() < 2 {
         return Err(DatasetError::TooFew { count: bursts.len() });
     }
-    let all = features_of_all(bursts, out, job, on, monitor)?;
+    let mut store = FeatureStore::open(out, &job.features)?;
+    let all = features_of_all(bursts, &mut store, job, on, monitor)?;
     if all.len() < 2 {
         return Err(DatasetError::TooFew { count: all.len() });
     }
     let pairs = job.pairs.pairs(all.len());
     on(Event::Matching { pairs: pairs.len() });
+    store.begin_writing()?;
     let mut report = ColmapReport {
         database: out.join("database.db"),
         images_folder: out.join(IMAGES_FOLDER),
@@ -172,12 +177,11 @@ pub fn export_colmap(
 /// The features of every burst that can be opened.
 fn features_of_all(
     bursts: &[BurstSource],
-    out: &Path,
+    store: &mut FeatureStore,
     job: &ColmapJob,
     on: &mut dyn FnMut(Event<'_>),
     monitor: &Monitor,
 ) -> Result<Vec<BurstFeatures>, DatasetError> {
-    let mut store = FeatureStore::open(out, &job.features)?;
     let mut all = Vec::with_capacity(bursts.len());
     let mut tell = |event: BurstEvent<'_>| match event {
         BurstEvent::Begin { index } => on(Event::Begin { index, count: bursts.len(), name: &bursts[index].name }),
@@ -187,7 +191,7 @@ fn features_of_all(
         }
         BurstEvent::Failed { index, error } => on(Event::Failed { name: &bursts[index].name, error }),
     };
-    detect_all(&mut store, bursts, &job.camera, &mut tell, monitor)?;
+    detect_all(store, bursts, &job.camera, &mut tell, monitor)?;
     Ok(all)
 }
 

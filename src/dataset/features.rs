@@ -5,7 +5,7 @@ use super::manifest::{Checksum, DETECTOR_KEY, FileStamp, Manifest, Record};
 use super::picture::{ImageKind, write_picture};
 use super::{CameraChoice, DatasetError};
 use crate::baseline::{Searched, search};
-use crate::burst::{Burst, BurstSource, OpenOptions};
+use crate::burst::{Burst, BurstSource, OpenOptions, RawColour};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
     ColmapKeypoint, ExportError, parse_colmap, remove_temporary_files, safe_file_name, write_colmap_keypoints,
@@ -112,18 +112,41 @@ impl FeatureStore {
     /// [`DatasetError::Occupied`] when the folder holds something else, [`DatasetError::Open`] when the bias frame
     /// cannot be looked at.
     pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self, DatasetError> {
-        let bias = match &job.open.bias {
-            Some(path) => FileStamp::of(&BurstSource { name: String::new(), paths: vec![path.clone()] }.files()?)?,
-            None => Vec::new(),
+        let stamps = |path: &Option<PathBuf>| match path {
+            Some(path) => FileStamp::of(&BurstSource { name: String::new(), paths: vec![path.clone()] }.files()?),
+            None => Ok(Vec::new()),
         };
         // By way of text, because that is how the file has it: a number may look different as a value.
         let mut settings = Map::new();
         settings.insert(DETECTOR_KEY.to_owned(), Value::String(job.detector.to_toml()));
-        settings.insert("bias".to_owned(), json!(bias));
+        settings.insert("bias".to_owned(), json!(stamps(&job.open.bias)?));
         settings.insert("full_scale".to_owned(), json!(job.open.full_scale));
+        // Named only where they are asked for, so that folders of before go on.
+        if job.open.flat.is_some() {
+            settings.insert("flat".to_owned(), json!(stamps(&job.open.flat)?));
+        }
+        if job.open.black_level.is_some() {
+            settings.insert("black_level".to_owned(), json!(job.open.black_level));
+        }
+        if job.open.raw_colour != RawColour::default() {
+            settings.insert("raw_colour".to_owned(), json!(job.open.raw_colour));
+        }
+        if job.open.linearise {
+            settings.insert("linearise".to_owned(), json!(true));
+        }
         Manifest::check_folder(folder)?;
         let made_with = Manifest::new(Value::Object(settings));
         Ok(Self { folder: folder.into(), job: job.clone(), made_with, lock: None })
+    }
+
+    /// The files of another folder, for the same job.
+    pub(super) fn like(&self, folder: &Path) -> Self {
+        Self { folder: folder.into(), job: self.job.clone(), made_with: self.made_with.clone(), lock: None }
+    }
+
+    /// The dataset's folder.
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// The parameters with which the features in `folder` were found; `None` where there are none, or where another
@@ -217,7 +240,10 @@ impl FeatureStore {
 
     /// Before anything is written: takes the folder for this process, clears what a killed run left, and says with what
     /// the dataset is made.
-    fn begin_writing(&mut self) -> Result<(), DatasetError> {
+    ///
+    /// # Errors
+    /// [`DatasetError::Locked`] when another process has the folder, or what cannot be written.
+    pub(super) fn begin_writing(&mut self) -> Result<(), DatasetError> {
         if self.lock.is_none() {
             let lock = FolderLock::take(&self.folder)?;
             let folders = [IMAGES_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));

@@ -9,11 +9,11 @@ use std::io::{Read, Seek, Write};
 use std::path::Path;
 
 /// The name of the file.
-pub(super) const LOCK_FILE: &str = ".burstscope-lock";
+pub(crate) const LOCK_FILE: &str = ".burstscope-lock";
 
 /// The right to write into a folder, as long as it lives.
 #[derive(Debug)]
-pub(super) struct FolderLock {
+pub(crate) struct FolderLock {
     _file: File,
 }
 
@@ -21,8 +21,9 @@ impl FolderLock {
     /// Takes the lock of `folder`, which is made.
     ///
     /// # Errors
-    /// [`DatasetError::Locked`] when another process has it; [`DatasetError::Export`] when the folder cannot be written.
-    pub(super) fn take(folder: &Path) -> Result<Self, DatasetError> {
+    /// [`DatasetError::Locked`] when another process has it; [`DatasetError::Export`] when the folder cannot be
+    /// written.
+    pub(crate) fn take(folder: &Path) -> Result<Self, DatasetError> {
         let path = folder.join(LOCK_FILE);
         let failed = |error: std::io::Error| DatasetError::Export(crate::export::ExportError::write(&path, &error));
         std::fs::create_dir_all(folder).map_err(failed)?;

@@ -1,16 +1,17 @@
 //! What has been begun and finished already, so that a dataset that was interrupted goes on where it was.
 //!
 //! `manifest.json` says with which program and settings the folder was begun; it is written before anything else. Each
-//! finished burst has a record of its own, `records/NAME.png.json`, which names all that its features were made from, and
-//! the checksum of their file. It is removed before the features are written and written after them, so at whatever
+//! finished burst has a record of its own, `records/NAME.png.json`, which names all that its features were made from,
+//! and the checksum of their file. It is removed before the features are written and written after them, so at whatever
 //! moment a run ends, a record speaks of the file that is there or there is no record. A burst without one, or with one
-//! that says anything else than what is asked for now, is done again: features of two detectors do not match one another
-//! as well as those of one.
+//! that says anything else than what is asked for now, is done again: features of two detectors do not match one
+//! another as well as those of one.
 
 use super::DatasetError;
 use crate::burst::OpenError;
 use crate::detector::REVISION;
 use crate::export::{ExportError, is_temporary_name, write_whole};
+use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, path_text, read_text};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -27,7 +28,8 @@ pub(super) const DETECTOR_KEY: &str = "detector";
 /// A file as it was when it was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct FileStamp {
-    path: PathBuf,
+    /// See [`path_text`]: a name need not be text.
+    path: String,
     bytes: u64,
     /// Nanoseconds since 1970; 0 where the system does not say.
     modified_ns: u64,
@@ -44,7 +46,7 @@ impl FileStamp {
         let metadata = std::fs::metadata(path).map_err(unread)?;
         let modified = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
         Ok(Self {
-            path: std::path::absolute(path).unwrap_or_else(|_| path.into()),
+            path: path_text(&std::path::absolute(path).unwrap_or_else(|_| path.into())),
             bytes: metadata.len(),
             modified_ns: modified.map_or(0, |since| since.as_nanos() as u64),
         })
@@ -85,7 +87,7 @@ impl Manifest {
 
     /// The one in `folder`, if it can be read.
     fn read(folder: &Path) -> Option<Self> {
-        serde_json::from_str(&std::fs::read_to_string(folder.join(MANIFEST_FILE)).ok()?).ok()
+        serde_json::from_str(&read_text(&folder.join(MANIFEST_FILE), MAX_SETTINGS_BYTES).ok()?).ok()
     }
 
     /// Whether this program would find the same bits.
@@ -128,14 +130,14 @@ pub(super) struct Record {
 
 /// What tells a file from another one or an altered one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Checksum {
+pub(crate) struct Checksum {
     bytes: u64,
     crc32: u32,
 }
 
 impl Checksum {
     /// Of these bytes.
-    pub(super) fn of(bytes: &[u8]) -> Self {
+    pub(crate) fn of(bytes: &[u8]) -> Self {
         Self { bytes: bytes.len() as u64, crc32: crc32fast::hash(bytes) }
     }
 
@@ -152,7 +154,7 @@ impl Record {
 
     /// The record of the burst with this image, if there is one that can be read.
     pub(super) fn read(folder: &Path, image_name: &str) -> Option<Self> {
-        serde_json::from_str(&std::fs::read_to_string(Self::path(folder, image_name)).ok()?).ok()
+        serde_json::from_str(&read_text(&Self::path(folder, image_name), MAX_SESSION_BYTES).ok()?).ok()
     }
 
     /// Writes it.
@@ -185,6 +187,7 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ExportError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
     use serde_json::{Value, json};
 
     /// A folder with a manifest, changed by `change`.
@@ -224,18 +227,22 @@ mod tests {
         assert_eq!(Manifest::check_folder(&home.path().join("new")), Ok(()));
     }
 
-    #[test]
-    fn records_come_back_and_go() {
-        let home = tempfile::tempdir().expect("a folder");
-        let record = Record {
+    fn record() -> Record {
+        Record {
             made_with: Manifest::new(json!({ DETECTOR_KEY: "levels = 4" })),
-            files: Vec::new(),
+            files: vec![FileStamp { path: "/night/1.png".into(), bytes: 9, modified_ns: 7 }],
             size: (8, 6),
             features: 3,
             content: Checksum::of(b"3 128\n"),
             picture: super::super::ImageKind::Middle,
             seconds: Some(0.25),
-        };
+        }
+    }
+
+    #[test]
+    fn records_come_back_and_go() {
+        let home = tempfile::tempdir().expect("a folder");
+        let record = record();
         assert_eq!(Record::read(home.path(), "night.png"), None);
         record.write(home.path(), "night.png").expect("written");
         assert_eq!(Record::read(home.path(), "night.png").as_ref(), Some(&record));
@@ -243,5 +250,23 @@ mod tests {
         Record::remove(home.path(), "night.png").expect("removed");
         Record::remove(home.path(), "night.png").expect("it is not there");
         assert_eq!(Record::read(home.path(), "night.png"), None);
+    }
+
+    proptest! {
+        /// What cannot be read is as if it were not there; a damage that leaves it readable does not make it another.
+        #[test]
+        fn damaged_records_are_not_believed(at: prop::sample::Index, noise in prop::collection::vec(any::<u8>(), 1..6), cut: bool) {
+            let sound = serde_json::to_vec_pretty(&record()).expect("plain values");
+            let mut bytes = sound.clone();
+            let place = at.index(bytes.len());
+            let end = (place + noise.len()).min(bytes.len());
+            if cut { bytes.truncate(place) } else { bytes[place..end].copy_from_slice(&noise[..end - place]) }
+            for text in [String::from_utf8_lossy(&bytes).into_owned(), String::from_utf8_lossy(&bytes[place..]).into_owned()] {
+                if let Ok(read) = serde_json::from_str::<Record>(&text) {
+                    let again = serde_json::to_string(&read).expect("plain values");
+                    prop_assert_eq!(serde_json::from_str::<Record>(&again).ok(), Some(read));
+                }
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! What a dataset is made of: which paths, and how long sequences among them are cut.
 
-use crate::burst::{BurstSource, OpenError, SequenceCut, cut_sequence, find_bursts, name_among_several};
-use crate::export::make_file_names_unique;
+use crate::burst::{BurstSource, Entries, OpenError, SequenceCut, cut_sequence, find_entries, name_among_several};
+use crate::export::{make_file_names_unique, safe_file_name};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -31,9 +31,17 @@ impl DatasetSource {
     /// See [`OpenError`]: a path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
     /// too short for it.
     pub fn bursts(&self) -> Result<Vec<BurstSource>, OpenError> {
-        let sequences = find_bursts(&self.paths)?;
+        self.entries().map(|found| found.bursts)
+    }
+
+    /// The same, with the pictures that lie beside the bursts and belong to none.
+    ///
+    /// # Errors
+    /// As [`Self::bursts`].
+    pub fn entries(&self) -> Result<Entries, OpenError> {
+        let Entries { bursts: sequences, strays } = find_entries(&self.paths)?;
         let Some(length) = self.burst_length else {
-            return Ok(with_unique_names(sequences));
+            return Ok(Entries { bursts: with_unique_names(sequences), strays });
         };
         let cut = SequenceCut::new(length, self.burst_step)?;
         let several = sequences.len() > 1;
@@ -44,7 +52,7 @@ impl DatasetSource {
                 false => burst,
             }));
         }
-        Ok(with_unique_names(bursts))
+        Ok(Entries { bursts: with_unique_names(bursts), strays })
     }
 
     /// What a person calls it: the last part of its (first) path.
@@ -60,7 +68,7 @@ impl DatasetSource {
     /// way to cut it.
     pub fn default_folder(&self) -> Option<PathBuf> {
         let first = std::path::absolute(self.paths.first()?).ok()?;
-        let mut name = format!("{}-burstscope", self.label());
+        let mut name = format!("{}-burstscope", safe_file_name(&self.label()));
         for number in self.burst_length.into_iter().chain(self.burst_length.and(self.burst_step)) {
             name = format!("{name}-{number}");
         }

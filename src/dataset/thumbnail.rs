@@ -17,15 +17,20 @@ pub struct Thumbnail {
     pub rgb: Vec<u8>,
 }
 
-/// The middle frame of `source`, stretched so that a dark one can be seen, and reduced by a whole factor so that no
+/// The middle frame of `source`, opened with `options`, stretched so that a dark one can be seen, and reduced by a whole factor so that no
 /// side is longer than `max_side_px` (1 or more). Where each frame is a file, no other is read.
 ///
 /// # Errors
 /// See [`OpenError`].
-pub fn thumbnail(source: &BurstSource, max_side_px: usize, monitor: &Monitor) -> Result<Thumbnail, OpenError> {
+pub fn thumbnail(
+    source: &BurstSource,
+    max_side_px: usize,
+    options: &OpenOptions,
+    monitor: &Monitor,
+) -> Result<Thumbnail, OpenError> {
     let files = source.files()?;
     let middle = files.get(files.len() / 2).ok_or(OpenError::NothingGiven)?;
-    let burst = Burst::open_with(std::slice::from_ref(middle), &OpenOptions::default(), monitor)?;
+    let burst = Burst::open_with(std::slice::from_ref(middle), options, monitor)?;
     let plane = reduced(&burst.frames[burst.len() / 2], max_side_px.max(1));
     let shown = to_rgba8(&plane, &stretched(&plane));
     let rgb = shown.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
@@ -67,11 +72,16 @@ mod tests {
             frame.save(home.path().join(format!("{t}.png"))).expect("written");
         }
         let source = BurstSource { name: "b".into(), paths: vec![home.path().into()] };
-        let shown = thumbnail(&source, 4, &Monitor::default()).expect("a picture");
+        // With itself as the bias frame nothing is left of it.
+        let options = OpenOptions { bias: Some(home.path().join("1.png")), ..OpenOptions::default() };
+        let dark = thumbnail(&source, 4, &options, &Monitor::default()).expect("a picture");
+        assert!(dark.rgb.iter().all(|value| *value == dark.rgb[0]));
+        let shown = thumbnail(&source, 4, &OpenOptions::default(), &Monitor::default()).expect("a picture");
         assert_eq!((shown.width, shown.height, shown.rgb.len()), (4, 2, 24));
         assert_eq!((shown.rgb[0], shown.rgb[9]), (0, 255), "a dark frame is stretched");
         std::fs::write(home.path().join("1.png"), "no picture").expect("written");
-        let error = thumbnail(&source, 4, &Monitor::default()).expect_err("broken").to_string();
+        let error =
+            thumbnail(&source, 4, &OpenOptions::default(), &Monitor::default()).expect_err("broken").to_string();
         assert!(error.contains("1.png"), "{error}");
     }
 }

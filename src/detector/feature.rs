@@ -109,8 +109,8 @@ impl Test {
 /// How many samples each test rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tally {
-    /// Samples of D that were examined: over all octaves the pixels (but for the outermost of each border, which have no
-    /// neighbours) × the levels that have one above and one below × the slopes.
+    /// Samples of D that were examined: over all octaves the pixels (but for the outermost of each border, which have
+    /// no neighbours) × the levels that have one above and one below × the slopes.
     pub samples: u64,
     /// Samples that each test rejected, in the order of [`Test::ALL`].
     pub rejected: [u64; 11],

@@ -18,6 +18,7 @@ mod error;
 pub mod feature;
 pub mod keypoint;
 pub mod localise;
+pub mod memory;
 pub mod noise;
 pub mod noise_model;
 pub mod orient;

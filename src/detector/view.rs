@@ -10,13 +10,12 @@ use super::search::tile::place_factor;
 use crate::burst::Burst;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::levels::{ScaleSpace, octave_size, searched_octaves};
-use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::scale_space::octave::Base;
+use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::stack::offsets::{coverage, frame_offsets, motion_stack};
-use crate::kernel::gaussian_bank::FilterScratch;
 use crate::kernel::offset::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -48,29 +47,35 @@ pub fn dog_view(
     level: i32,
     monitor: &Monitor,
 ) -> Result<Plane, DetectError> {
-    let octaves = octaves_with(burst, params, octave, level)?;
+    let octaves = check_level(params, burst.size(), octave, level)?;
     let used = params.used_frames(burst.len());
     let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
     let offsets = frame_offsets(frames.len(), slope, params.interpolation);
     let space = ScaleSpace::of(params);
-    let mut first_level: Option<Plane> = None;
-    for current in octaves {
-        let size = octave_size(burst.size(), current);
-        let base = match &first_level {
-            None => Base::Frames { frames: &frames, offsets: &offsets, octave: current },
-            Some(plane) => Base::Level(plane),
-        };
-        if current == octave {
-            return Ok(dog_plane(&base, &space, size, (level + 1) as usize, monitor)?);
-        }
-        first_level = Some(next_first_level(&base, &space, size, monitor)?);
-    }
-    unreachable!("the octave was checked to be among those searched")
+    let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: burst.size() };
+    let size = octave_size(burst.size(), octave);
+    let first_level;
+    let base = if octave == octaves.start {
+        stack.base()
+    } else {
+        first_level = stack.first_level(octave, &whole(size), monitor)?;
+        Base::Level(&first_level)
+    };
+    Ok(dog_plane(&base, &space, size, (level + 1) as usize, monitor)?)
 }
 
-/// The octaves of the search, among which `octave` is, as `level` is among the levels.
-fn octaves_with(burst: &Burst, params: &DetectorParams, octave: i32, level: i32) -> Result<Range<i32>, ParamError> {
-    let octaves = searched_octaves(params, burst.size());
+/// The octaves of the search in images of `size` (columns, rows), among which `octave` is, as `level` is among the
+/// levels.
+///
+/// # Errors
+/// An octave or level that the parameters do not have.
+pub fn check_level(
+    params: &DetectorParams,
+    size: (usize, usize),
+    octave: i32,
+    level: i32,
+) -> Result<Range<i32>, ParamError> {
+    let octaves = searched_octaves(params, size);
     if !octaves.contains(&octave) {
         return Err(ParamError {
             parameter: doc::OCTAVES.name,
@@ -119,7 +124,7 @@ pub fn gate_noise_map(
     level: i32,
     monitor: &Monitor,
 ) -> Result<Plane, DetectError> {
-    octaves_with(burst, params, octave, level)?;
+    check_level(params, burst.size(), octave, level)?;
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let offsets = offsets_of(&inputs, slope);
     let min = inputs.noise.sigma_d(&inputs.space, (octave, level), (slope, &offsets), gate_factor(params));
@@ -169,86 +174,6 @@ fn plane_of(
 /// Side of the squares between whose middles a map of the noise is interpolated, pixels: the finest squares whose
 /// brightness the gate looks up.
 const NOISE_CELL_PX: f32 = 8.0;
-
-/// Columns and rows that one thread makes at once.
-const TILE: (usize, usize) = (320, 128);
-
-/// The Gaussian level indices `levels` of an octave of `size`, in parallel: `write` is given the differences of each
-/// tile (and the last level where the next octave starts from it), with its place and the part of `out` that is its
-/// own. `out` is `size` divided by `step`.
-fn each_tile(
-    base: &Base<'_>,
-    (space, levels): (&ScaleSpace, Range<usize>),
-    size: (usize, usize),
-    (out, step): (&mut Plane, usize),
-    monitor: &Monitor,
-    write: impl Fn(&DogTile, &Tile, &Region, Vec<&mut [f32]>) + Sync,
-) -> Result<(), Cancelled> {
-    let first = matches!(base, Base::Frames { .. });
-    let filters = OctaveFilters::new(space, &space.bank(first, levels.clone()), &levels, size);
-    let keeps = levels.contains(&space.levels);
-    let (columns, rows) = (cuts(size.0, TILE.0), cuts(size.1, TILE.1));
-    let divided = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
-        parts.iter().map(|part| part.start / step..part.end / step).collect()
-    };
-    let parts = split_mut(out, &divided(&columns), &divided(&rows));
-    let places = rows.iter().flat_map(|rows| columns.iter().map(move |columns| (rows.clone(), columns.clone())));
-    let jobs: Vec<_> = places.zip(parts).collect();
-    jobs.into_par_iter().try_for_each_init(
-        || (FilterScratch::default(), DogTile::default(), Tile::default(), Vec::new()),
-        |(scratch, dog, next, stacked), ((rows, columns), part)| {
-            monitor.check()?;
-            let region = Region { columns, rows };
-            let pixels = match base {
-                Base::Frames { frames, offsets, octave } => {
-                    let inputs = filters.inputs(&region);
-                    stack_tiles(frames, std::slice::from_ref(offsets), *octave, &inputs, stacked);
-                    Pixels::Stacked(&stacked[0])
-                }
-                Base::Level(plane) => Pixels::Level(plane),
-            };
-            dog_tile(&filters, pixels, &region, scratch, dog, keeps.then_some(&mut *next), &mut |_, _| ());
-            write(dog, next, &region, part);
-            Ok(())
-        },
-    )
-}
-
-/// One DoG level of a whole octave.
-fn dog_plane(
-    base: &Base<'_>,
-    space: &ScaleSpace,
-    size: (usize, usize),
-    level_index: usize,
-    monitor: &Monitor,
-) -> Result<Plane, Cancelled> {
-    let mut out = Plane::zeros(size.0, size.1);
-    let levels = level_index..level_index + 2;
-    each_tile(base, (space, levels), size, (&mut out, 1), monitor, |dog, _, region, part| {
-        for (v, row) in region.rows.clone().zip(part) {
-            row.copy_from_slice(dog.levels[0].row(v));
-        }
-    })?;
-    Ok(out)
-}
-
-/// The first level of the next octave.
-fn next_first_level(
-    base: &Base<'_>,
-    space: &ScaleSpace,
-    size: (usize, usize),
-    monitor: &Monitor,
-) -> Result<Plane, Cancelled> {
-    let mut out = Plane::zeros(size.0 / 2, size.1 / 2);
-    let levels = space.levels..space.levels + 1;
-    each_tile(base, (space, levels), size, (&mut out, 2), monitor, |_, level, region, part| {
-        for (v, row) in part.into_iter().enumerate() {
-            let from = level.row(region.rows.start + 2 * v);
-            row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
-        }
-    })?;
-    Ok(out)
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,6 @@
 //! Pictures that were made already, up to a number of bytes; the one not looked at for longest goes first.
 
-use super::picture::{Picture, PictureKey, PictureRequest};
+use crate::requests::{Picture, PictureKey, PictureRequest};
 use std::collections::HashMap;
 
 /// A least-recently-used store of pictures with a byte budget.

@@ -1,51 +1,14 @@
-//! Why a piece of work has no result, and how a panic becomes a message with its place.
+//! How a panic becomes a message with its place.
 //!
 //! The panic's payload does not know where it happened; only the panic hook does. So a hook, installed once and in
 //! front of the one that was there, writes the place down under the thread's name. The threads of the queue and
 //! their pools are named so that they can be told apart.
 
+use crate::plane::memory;
+use crate::requests::JobError;
 use std::any::Any;
 use std::collections::HashMap;
 use std::sync::{Mutex, Once, PoisonError};
-
-/// Why there is no result.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum JobError {
-    /// It was cancelled by whoever asked.
-    #[error("cancelled")]
-    Cancelled,
-    /// A newer request of the same kind, for the same, took its place.
-    #[error("a newer request took its place")]
-    Superseded,
-    /// The input, a parameter or a limit is at fault; the message says which and what would be right.
-    #[error("{0}")]
-    Failed(String),
-    /// There is more than one burst at the place that was to be opened.
-    #[error("there are {} bursts here; open one of them", .0.len())]
-    Several(Vec<super::BurstSource>),
-    /// Our own mistake.
-    #[error("this is a mistake in Burstscope, please report it: {message} (at {place})")]
-    Panicked {
-        /// What the panic said.
-        message: String,
-        /// File, line and column.
-        place: String,
-    },
-}
-
-/// The engine's error for one of the detector's.
-pub(super) fn job_error(error: crate::detector::DetectError) -> JobError {
-    match error {
-        crate::detector::DetectError::Cancelled(_) => JobError::Cancelled,
-        crate::detector::DetectError::Param(error) => JobError::Failed(error.to_string()),
-    }
-}
-
-impl From<crate::monitor::Cancelled> for JobError {
-    fn from(_: crate::monitor::Cancelled) -> Self {
-        Self::Cancelled
-    }
-}
 
 /// Threads whose name begins so have the places of their panics written down.
 pub(super) const THREAD_PREFIX: &str = "burstscope-";
@@ -75,9 +38,11 @@ fn shared_key(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
-/// Runs `work`; a panic becomes [`JobError::Panicked`]. `key` is the name of the thread without its prefix.
+/// Runs `work`; a panic becomes [`JobError::Panicked`], and memory that the system refuses [`JobError::Failed`]. `key`
+/// is the name of the thread without its prefix.
 pub(super) fn guard<T>(key: &str, work: impl FnOnce() -> Result<T, JobError>) -> Result<T, JobError> {
     // The work owns what it changes and is dropped with it, so nothing half-changed can be seen afterwards.
+    let work = || memory::refusable(work).unwrap_or_else(|refused| Err(JobError::Failed(refused.to_string())));
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|payload| {
         let mut places = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
         let place = places.get_or_insert_default().remove(key).unwrap_or_else(|| "an unknown place".to_owned());

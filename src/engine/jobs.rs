@@ -3,10 +3,11 @@
 //! A new kind is one value of [`Jobs`]: a name for its priority, a function from requests to answers, and a place where
 //! the answers are polled. Beside the one answer at the end, work may tell of what is finished on the way.
 
-use super::fault::{self, JobError};
-use super::queue::{JobId, JobKey, JobQueue, Priority, Publish, QueuedJob, Standing};
-use super::{OnUpdate, Running};
+use super::OnUpdate;
+use super::fault;
+use super::queue::{JobKey, JobQueue, Priority, Publish, QueuedJob, Standing};
 use crate::monitor::Monitor;
+use crate::requests::{JobError, JobId, Running};
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -35,7 +36,7 @@ struct News<A, P> {
     partial: Vec<(u32, JobId, P)>,
 }
 
-type Work<Q, A, P> = dyn Fn(Q, &dyn Fn(P), &Monitor) -> Result<A, JobError> + Send + Sync;
+type Work<Q, A, P> = dyn Fn(Q, &(dyn Fn(P) + Sync), &Monitor) -> Result<A, JobError> + Send + Sync;
 
 struct Shared<Q, A, P> {
     work: Box<Work<Q, A, P>>,
@@ -78,7 +79,9 @@ impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
         grace: Duration,
         work: impl Fn(Q, &Monitor) -> Result<A, JobError> + Send + Sync + 'static,
     ) -> Self {
-        Self::telling(queue, priority, grace, move |request, _: &dyn Fn(Infallible), monitor| work(request, monitor))
+        Self::telling(queue, priority, grace, move |request, _: &(dyn Fn(Infallible) + Sync), monitor| {
+            work(request, monitor)
+        })
     }
 }
 
@@ -88,7 +91,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         queue: &Arc<JobQueue>,
         priority: Priority,
         grace: Duration,
-        work: impl Fn(Q, &dyn Fn(P), &Monitor) -> Result<A, JobError> + Send + Sync + 'static,
+        work: impl Fn(Q, &(dyn Fn(P) + Sync), &Monitor) -> Result<A, JobError> + Send + Sync + 'static,
     ) -> Self {
         let news = Mutex::new(News { answers: Vec::new(), partial: Vec::new() });
         let shared = Arc::new(Shared { work: Box::new(work), news, on_update: queue.on_update().clone() });

@@ -1,4 +1,5 @@
-//! Background work: requests in, answers out, so that whoever asks never waits.
+//! Background work: requests in, answers out, so that whoever asks never waits. What can be asked for and how it is
+//! answered is in [`crate::requests`]; here is when, and on which thread.
 //!
 //! The [`Engine`] has one [queue](JobQueue) for everything. A kind of work is a value of [`Jobs`]: opening a burst, the
 //! pictures of panes, a detection, and beside them those of a second burst, of the matches between the two, of
@@ -10,49 +11,47 @@
 
 mod against;
 mod cache;
-#[cfg(feature = "colmap")]
-mod colmap;
+mod coherence;
 mod compare;
 mod dataset;
+mod detect;
 mod explain;
 mod fault;
+mod figures;
+mod held;
 mod jobs;
+mod lab;
 mod losses;
-mod map;
 mod pair;
-mod picture;
 mod picture_jobs;
 mod poses;
 mod probe;
 mod queue;
-mod source;
 mod task;
+mod trails;
 
-pub use against::{Against, AgainstRequest, AgainstWorker, ComparedWith, Reference};
+pub use against::AgainstWorker;
 pub use cache::PictureCache;
-#[cfg(feature = "colmap")]
-pub use colmap::{ColmapDone, ColmapRequest};
-pub use compare::{CompareRequest, Compared, Comparer};
-pub use dataset::{
-    Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DatasetUpdate, DatasetWorkers, Keeping, OpenDataset,
-};
-pub use explain::{ExplainQuestion, ExplainRequest, ExplainSubject, Explained, Explainer, Explanation};
-pub use fault::JobError;
+pub use coherence::CoherenceWorker;
+pub use compare::Comparer;
+pub use dataset::{DatasetUpdate, DatasetWorkers};
+pub use explain::Explainer;
+pub use figures::FigureWorker;
+pub use held::Held;
 pub use jobs::{JobAnswer, Jobs};
-pub use losses::{FoundLosses, LossWorkers, LossesRequest};
-pub use map::{MapKind, MotionMap};
-pub use pair::{MatchRequest, Matched, PairJobs, PairUpdate, PairWorkers, Patches, PatchesRequest};
-pub use picture::{Picture, PictureKind, PictureRequest};
-pub use picture_jobs::PictureSlot;
-pub use poses::{ComparedPoses, PoseWorker, PosesRequest, TrajectorySource};
-pub use probe::{ProbeQuestion, ProbeRequest, ProbeWorker, Probed, Traced};
-pub use queue::{JobId, JobKey, JobQueue, Priority};
-pub use source::{BurstId, BurstSource, OpenBurst};
+pub use lab::LabWorkers;
+pub use losses::LossWorkers;
+pub use pair::{PairJobs, PairUpdate, PairWorkers};
+pub use poses::PoseWorker;
+pub use probe::ProbeWorker;
+pub use queue::{JobKey, JobQueue, Priority};
 pub use task::{TaskDone, TaskId};
 
-use crate::baseline::{Searched, search};
-use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
-use crate::monitor::{Monitor, Progress};
+use crate::burst::OpenOptions;
+use crate::requests::{
+    BurstId, BurstSource, ComparedPoses, DetectRequest, Detected, JobId, OpenBurst, OpenRequest, Picture,
+    PictureRequest, PictureSlot, Running,
+};
 use picture_jobs::{PictureJobs, SharedCache};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -62,30 +61,6 @@ pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
 
 /// Pictures are kept up to this many bytes unless told otherwise.
 pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
-
-/// What to detect: a burst and the parameters, both as they were when it was asked.
-#[derive(Debug, Clone)]
-pub struct DetectRequest {
-    /// The burst.
-    pub burst: OpenBurst,
-    /// The parameters, and how the slopes are chosen.
-    pub params: SearchParams,
-}
-
-/// A finished detection with what it was made from.
-#[derive(Debug, Clone)]
-pub struct Detected {
-    /// The burst it belongs to.
-    pub burst: BurstId,
-    /// What was asked for.
-    pub asked: SearchParams,
-    /// The parameters it was made with: where slopes were to be found, with those that were.
-    pub params: DetectorParams,
-    /// What was found of the slopes, if they were to be found.
-    pub finding: Option<SlopeFinding>,
-    /// The features.
-    pub detection: Arc<Detection>,
-}
 
 /// The kinds of work for one burst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,34 +92,13 @@ pub enum Update {
     ComparedPoses(JobAnswer<ComparedPoses>),
 }
 
-/// How far a running request is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Running {
-    /// Which request.
-    pub id: JobId,
-    /// Since when.
-    pub started: Instant,
-    /// The stage and fraction it last reported.
-    pub progress: Option<Progress>,
-}
-
-impl Running {
-    /// How long it still takes if it goes on as it went so far; `None` while that cannot be told.
-    pub fn time_left(&self) -> Option<Duration> {
-        let fraction = self.progress?.fraction;
-        let gone = self.started.elapsed();
-        let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
-        can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))
-    }
-}
-
 /// The workers of one window. Dropping it cancels what runs, finishes the files that are being written, and returns
 /// when all threads have ended.
 pub struct Engine {
-    open: Jobs<BurstSource, OpenBurst>,
+    open: Jobs<OpenRequest, OpenBurst>,
     pictures: PictureJobs,
     patch: PictureJobs,
-    detect: Jobs<(DetectRequest, probe::KeepTrail), Detected>,
+    detect: Jobs<DetectRequest, Detected>,
     probe: ProbeWorker,
     pair: PairWorkers,
     comparer: Comparer,
@@ -153,8 +107,14 @@ pub struct Engine {
     pub losses: LossWorkers,
     /// Comparisons of features with others.
     pub against: AgainstWorker,
+    /// How evenly the frames answer for each feature.
+    pub coherence: CoherenceWorker,
+    /// The figures of the paper.
+    pub figures: FigureWorker,
     /// Work on many bursts.
     pub datasets: DatasetWorkers,
+    /// Studies of charts.
+    pub lab: LabWorkers,
     /// Work on trajectories.
     pub poses: PoseWorker,
     tasks: task::Tasks,
@@ -177,19 +137,21 @@ impl Engine {
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let cache = SharedCache::new(cache_bytes);
         let queue = Arc::new(JobQueue::new(on_update));
-        let probe = ProbeWorker::new(&queue);
         Self {
             explainer: Explainer::new(&queue, cache.trails()),
             open: open_jobs(&queue),
             pictures: PictureJobs::new(&queue, &cache),
             patch: PictureJobs::new(&queue, &cache),
-            detect: probe.detect_jobs(&queue),
-            probe,
+            detect: detect::detect_jobs(&queue, cache.trails()),
+            probe: ProbeWorker::new(&queue, cache.trails()),
             pair: PairWorkers::new(&queue, &cache),
             comparer: Comparer::new(&queue),
             losses: LossWorkers::new(&queue, &cache),
-            against: AgainstWorker::new(&queue),
+            against: AgainstWorker::new(&queue, cache.trails()),
+            coherence: CoherenceWorker::new(&queue, cache.trails()),
+            figures: FigureWorker::new(&queue),
             datasets: DatasetWorkers::new(&queue),
+            lab: LabWorkers::new(&queue),
             poses: PoseWorker::new(&queue),
             tasks: task::Tasks::new(&queue),
             cache,
@@ -219,7 +181,12 @@ impl Engine {
 
     /// Opens a burst in the background.
     pub fn open(&self, source: BurstSource) -> JobId {
-        self.open.submit(source)
+        self.open_with(source, OpenOptions::default())
+    }
+
+    /// The same with a calibration.
+    pub fn open_with(&self, source: BurstSource, options: OpenOptions) -> JobId {
+        self.open.submit(OpenRequest { source, options })
     }
 
     /// Asks for the picture of a pane. One that is still in the cache is there at the next [`Self::poll`].
@@ -242,14 +209,14 @@ impl Engine {
         self.patch.request(PATCH, request)
     }
 
-    /// Starts a detection; the one that runs is cancelled.
+    /// Starts a detection; the one that runs is cancelled. What it leaves behind is kept for whoever asks why.
     pub fn detect(&self, request: DetectRequest) -> JobId {
-        self.detect.submit((request, false))
+        self.detect.submit(request)
     }
 
-    /// The same with the trail kept, which [`ProbeWorker::poll_trail`] gives once the detection has ended.
-    pub fn detect_with_trail(&self, request: DetectRequest) -> JobId {
-        self.detect.submit((request, true))
+    /// Forgets what detections left behind, but in these bursts: others are not open any more.
+    pub fn keep_trails_of(&self, open: &[BurstId]) {
+        self.cache.trails().keep_only(open);
     }
 
     /// The workers of the probe. What they publish is polled there.
@@ -291,7 +258,7 @@ impl Engine {
         }
     }
 
-    /// Cancels the work of a kind: its answer is [`JobError::Cancelled`].
+    /// Cancels the work of a kind: its answer is [`JobError::Cancelled`](crate::requests::JobError::Cancelled).
     pub fn cancel(&self, kind: BurstJobs) {
         match kind {
             BurstJobs::Open => self.open.cancel(),
@@ -316,27 +283,11 @@ impl Engine {
         }
         true
     }
-
-    /// Bytes of pictures that the cache holds now.
-    pub fn cache_bytes(&self) -> usize {
-        self.cache.lock().bytes()
-    }
 }
 
 /// Opening bursts.
-fn open_jobs(queue: &Arc<JobQueue>) -> Jobs<BurstSource, OpenBurst> {
-    Jobs::new(queue, Priority::Search, Duration::ZERO, |source: BurstSource, monitor| source.open(monitor))
-}
-
-/// Finding features.
-fn detect_jobs(queue: &Arc<JobQueue>) -> Jobs<DetectRequest, Detected> {
-    Jobs::new(queue, Priority::Search, Duration::ZERO, detect_now)
-}
-
-fn detect_now(request: DetectRequest, monitor: &Monitor) -> Result<Detected, JobError> {
-    let found = search(&request.burst.burst, &request.params, monitor).map_err(picture::job_error)?;
-    let Searched { detection, params, finding, .. } = found;
-    Ok(Detected { burst: request.burst.id, asked: request.params, params, finding, detection: Arc::new(detection) })
+fn open_jobs(queue: &Arc<JobQueue>) -> Jobs<OpenRequest, OpenBurst> {
+    Jobs::new(queue, Priority::Search, Duration::ZERO, OpenRequest::compute)
 }
 
 #[cfg(test)]

@@ -3,71 +3,18 @@
 //! They work beside those of the first burst: B is opened and searched while A's pictures
 //! follow the sliders.
 
-use super::fault::JobError;
+use super::detect::detect_jobs;
 use super::jobs::{JobAnswer, Jobs};
-use super::picture::{Picture, PictureRequest};
+use super::open_jobs;
 use super::picture_jobs::{PICTURE_GRACE, SharedCache};
-use super::queue::{JobId, JobQueue, Priority};
-use super::source::{BurstSource, OpenBurst};
-use super::{DetectRequest, Detected, Running, detect_jobs, open_jobs};
-use crate::detector::Detection;
-use crate::matching::{MatchError, MatchParams, MatchResult, match_detections};
-use crate::monitor::Monitor;
+use super::queue::{JobQueue, Priority};
+use crate::burst::OpenOptions;
+use crate::requests::{
+    BurstSource, DetectRequest, Detected, JobId, MatchRequest, Matched, OpenBurst, OpenRequest, Patches,
+    PatchesRequest, Running,
+};
 use std::sync::Arc;
 use std::time::Duration;
-
-/// What to match: the features of two bursts and the parameters, as they were when it was asked.
-#[derive(Debug, Clone)]
-pub struct MatchRequest {
-    /// The features of A.
-    pub a: Arc<Detection>,
-    /// The features of B.
-    pub b: Arc<Detection>,
-    /// The parameters.
-    pub params: MatchParams,
-}
-
-impl MatchRequest {
-    /// Whether both ask for the same matches: of the same two detections, with the same parameters.
-    pub fn same_matches(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
-    }
-}
-
-/// Matches with what they were made from.
-#[derive(Debug, Clone)]
-pub struct Matched {
-    /// What was asked for.
-    pub request: MatchRequest,
-    /// The matches, and what they agree on.
-    pub result: Arc<MatchResult>,
-}
-
-/// The two motion-stack images from which a match's patches are cut, or any other two pictures that are wanted
-/// together.
-#[derive(Debug, Clone)]
-pub struct PatchesRequest {
-    /// The picture of A.
-    pub a: PictureRequest,
-    /// The picture of B.
-    pub b: PictureRequest,
-}
-
-impl PatchesRequest {
-    /// Whether both ask for the same pixels.
-    pub fn same_pictures(&self, other: &Self) -> bool {
-        self.a.same_picture(&other.a) && self.b.same_picture(&other.b)
-    }
-}
-
-/// The pictures that a [`PatchesRequest`] asked for.
-#[derive(Debug, Clone)]
-pub struct Patches {
-    /// The picture of A.
-    pub a: Picture,
-    /// The picture of B.
-    pub b: Picture,
-}
 
 /// The kinds of work for a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,7 +49,7 @@ pub enum PairUpdate {
 
 /// The workers of a second burst and of the matches.
 pub struct PairWorkers {
-    open: Jobs<BurstSource, OpenBurst>,
+    open: Jobs<OpenRequest, OpenBurst>,
     patches: Jobs<PatchesRequest, Patches>,
     detect: Jobs<DetectRequest, Detected>,
     matching: Jobs<MatchRequest, Matched>,
@@ -117,14 +64,19 @@ impl PairWorkers {
                 let (a, b) = (its.get_or_make(&request.a, monitor)?, its.get_or_make(&request.b, monitor)?);
                 Ok(Patches { a, b })
             }),
-            detect: detect_jobs(queue),
-            matching: Jobs::new(queue, Priority::Search, Duration::ZERO, match_now),
+            detect: detect_jobs(queue, cache.trails()),
+            matching: Jobs::new(queue, Priority::Search, Duration::ZERO, MatchRequest::compute),
         }
     }
 
     /// Opens B in the background.
     pub fn open(&self, source: BurstSource) -> JobId {
-        self.open.submit(source)
+        self.open_with(source, OpenOptions::default())
+    }
+
+    /// The same with a calibration.
+    pub fn open_with(&self, source: BurstSource, options: OpenOptions) -> JobId {
+        self.open.submit(OpenRequest { source, options })
     }
 
     /// Asks for the pictures from which a match's patches are cut.
@@ -162,7 +114,7 @@ impl PairWorkers {
         }
     }
 
-    /// Cancels the work of a kind: its answer is [`JobError::Cancelled`].
+    /// Cancels the work of a kind: its answer is [`JobError::Cancelled`](crate::requests::JobError::Cancelled).
     pub fn cancel(&self, kind: PairJobs) {
         match kind {
             PairJobs::Open => self.open.cancel(),
@@ -175,18 +127,5 @@ impl PairWorkers {
     /// Whether nothing runs and nothing waits.
     pub fn is_idle(&self) -> bool {
         PairJobs::ALL.into_iter().all(|kind| self.running(kind).is_none())
-    }
-}
-
-/// Matches on the calling thread and its pool.
-pub(super) fn match_now(request: MatchRequest, monitor: &Monitor) -> Result<Matched, JobError> {
-    let result = match_detections(&request.a, &request.b, &request.params, monitor).map_err(job_error)?;
-    Ok(Matched { request, result: Arc::new(result) })
-}
-
-fn job_error(error: MatchError) -> JobError {
-    match error {
-        MatchError::Cancelled(_) => JobError::Cancelled,
-        MatchError::Param(error) => JobError::Failed(error.to_string()),
     }
 }

@@ -1,13 +1,11 @@
 //! Making pictures and keeping them: what is still in the cache is answered at once.
 
 use super::cache::PictureCache;
-use super::explain::Trails;
-use super::fault::JobError;
 use super::jobs::Jobs;
-use super::picture::{Picture, PictureRequest};
-use super::queue::{JobId, JobQueue, Priority};
-
+use super::queue::{JobQueue, Priority};
+use super::trails::Trails;
 use crate::monitor::Monitor;
+use crate::requests::{JobError, JobId, Picture, PictureRequest, PictureSlot};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -51,10 +49,6 @@ impl SharedCache {
         Ok(picture)
     }
 }
-
-/// Who wants a picture: each pane has a number of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct PictureSlot(pub u32);
 
 /// The pictures of all who want one, of each the latest that was asked for.
 pub(super) struct PictureJobs {

@@ -2,24 +2,25 @@
 //!
 //! Every piece of work is asked for under a [`JobKey`]: what kind of work it is, and for whom (a pane, say). Of one key
 //! the latest request wins: a newer one takes the place of the one that waits, and supersedes the one that runs, which
-//! is cancelled once it has had its grace. Keys do not disturb one another; of one kind one runs at a time, in the order
-//! in which their keys asked. Urgent work goes first, and threads are set
-//! apart for it, so that a picture never waits for a dataset.
+//! is cancelled once it has had its grace. Keys do not disturb one another; of one kind one runs at a time, in the
+//! order in which their keys asked. Urgent work goes first, and threads are set apart for it, so that a picture never
+//! waits for a dataset.
 //!
 //! Every request ends in exactly one answer, also one that was superseded or cancelled before it began. An answer is
 //! published before its work counts as done, and only then is `on_update` called, so whoever wakes up finds it.
 
-use super::fault::{self, JobError};
-use super::{OnUpdate, Running};
-use crate::monitor::{Monitor, Progress};
-use std::sync::atomic::{AtomicU64, Ordering};
+mod state;
+mod threads;
+
+use super::OnUpdate;
+use super::fault;
+use crate::monitor::Monitor;
+use crate::requests::{JobError, JobId, Running};
+use state::{RunningJob, State, WaitingJob};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-
-/// Identifies one request; later requests have larger ids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct JobId(u64);
+use threads::{unique_key, work};
 
 /// How urgent a kind of work is. What comes first goes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,7 +37,7 @@ pub enum Priority {
 
 /// One thread each; it takes no work that is less urgent than this. So pictures and files have threads of their own,
 /// and searches go on beside datasets.
-const THREADS: [Priority; 7] = [
+pub(super) const THREADS: [Priority; 7] = [
     Priority::Picture,
     Priority::Write,
     Priority::Search,
@@ -45,9 +46,6 @@ const THREADS: [Priority; 7] = [
     Priority::Dataset,
     Priority::Dataset,
 ];
-
-/// Progress wakes the listener at most this often.
-const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 
 /// What a request is for. Of one key the latest request wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -80,76 +78,6 @@ pub(super) enum Standing {
     Superseded,
     /// A newer one is answered already.
     Overtaken,
-}
-
-struct WaitingJob {
-    key: JobKey,
-    id: JobId,
-    priority: Priority,
-    grace: Duration,
-    job: Box<dyn QueuedJob>,
-}
-
-struct RunningJob {
-    key: JobKey,
-    id: JobId,
-    priority: Priority,
-    grace: Duration,
-    monitor: Monitor,
-    started: Instant,
-    standing: Standing,
-    progress: Arc<Mutex<Option<Progress>>>,
-}
-
-impl RunningJob {
-    /// Cancels it if it is not the latest and has had its grace.
-    fn enforce_grace(&self) {
-        if self.standing != Standing::Latest && self.started.elapsed() >= self.grace {
-            self.monitor.cancel();
-        }
-    }
-}
-
-#[derive(Default)]
-struct State {
-    /// In the order in which their keys asked.
-    waiting: Vec<WaitingJob>,
-    running: Vec<RunningJob>,
-    newest: u64,
-    kinds: u32,
-    stop: bool,
-}
-
-impl State {
-    fn next_id(&mut self) -> JobId {
-        self.newest += 1;
-        JobId(self.newest)
-    }
-
-    /// What runs under `key` is not the latest any more.
-    fn supersede(&mut self, key: JobKey, standing: Standing) {
-        for job in self.running.iter_mut().filter(|job| job.key == key) {
-            job.standing = job.standing.max(standing);
-            if standing == Standing::Overtaken {
-                job.monitor.cancel();
-            }
-            job.enforce_grace();
-        }
-    }
-
-    /// Takes out what a thread that takes nothing less urgent than `limit` does next: the most urgent, of those the one
-    /// that has waited longest, of a kind of which nothing runs. One piece of work of a kind at a time has all cores, and
-    /// its answers come in the order in which their keys asked.
-    fn take(&mut self, limit: Priority) -> Option<WaitingJob> {
-        let is_free = |job: &WaitingJob| {
-            job.priority <= limit
-                && (!self.stop || job.priority == Priority::Write)
-                && !self.running.iter().any(|running| running.key.kind == job.key.kind)
-        };
-        let free = self.waiting.iter().enumerate().filter(|(_, job)| is_free(job));
-        let index = free.min_by_key(|(index, job)| (job.priority, *index))?.0;
-        Some(self.waiting.remove(index))
-    }
 }
 
 struct Shared {
@@ -221,7 +149,7 @@ impl JobQueue {
     pub(super) fn publish(&self, key: JobKey, publish: impl FnOnce(JobId)) -> JobId {
         let mut state = self.shared.lock();
         let id = state.next_id();
-        end_waiting(&mut state, key, &JobError::Superseded);
+        state.end_waiting(key, &JobError::Superseded);
         state.supersede(key, Standing::Overtaken);
         publish(id);
         drop(state);
@@ -233,7 +161,7 @@ impl JobQueue {
     pub(super) fn cancel(&self, key: JobKey) {
         let mut state = self.shared.lock();
         state.running.iter().filter(|job| job.key == key).for_each(|job| job.monitor.cancel());
-        end_waiting(&mut state, key, &JobError::Cancelled);
+        state.end_waiting(key, &JobError::Cancelled);
         drop(state);
         (self.shared.on_update)();
     }
@@ -261,10 +189,15 @@ impl JobQueue {
         state.waiting.iter().all(|job| job.key.kind != kind) && state.running.iter().all(|job| job.key.kind != kind)
     }
 
+    /// How many requests wait or run.
+    pub(super) fn len(&self) -> usize {
+        let state = self.shared.lock();
+        state.waiting.len() + state.running.len()
+    }
+
     /// Whether nothing runs and nothing waits.
     pub fn is_all_idle(&self) -> bool {
-        let state = self.shared.lock();
-        state.waiting.is_empty() && state.running.is_empty()
+        self.len() == 0
     }
 }
 
@@ -284,85 +217,4 @@ impl Drop for JobQueue {
             let _ = thread.join();
         }
     }
-}
-
-/// What waits under `key` ends without having begun.
-fn end_waiting(state: &mut State, key: JobKey, why: &JobError) {
-    while let Some(index) = state.waiting.iter().position(|job| job.key == key) {
-        let old = state.waiting.remove(index);
-        old.job.end(old.id, why.clone());
-    }
-}
-
-/// One thread of the queue.
-fn work(shared: &Shared, thread: &str, limit: Priority) {
-    // Made when there is work for it: many a thread never gets any.
-    let threads = std::cell::LazyCell::new(|| pool(thread));
-    loop {
-        let (WaitingJob { key, id, job, .. }, monitor) = {
-            let mut state = shared.lock();
-            loop {
-                if let Some(next) = state.take(limit) {
-                    let progress = Arc::new(Mutex::new(None));
-                    let monitor = listening_monitor(progress.clone(), shared.on_update.clone());
-                    state.running.push(RunningJob {
-                        key: next.key,
-                        id: next.id,
-                        priority: next.priority,
-                        grace: next.grace,
-                        monitor: monitor.clone(),
-                        started: Instant::now(),
-                        standing: Standing::Latest,
-                        progress,
-                    });
-                    break (next, monitor);
-                }
-                if state.stop {
-                    return;
-                }
-                state = shared.wake.wait(state).unwrap_or_else(PoisonError::into_inner);
-            }
-        };
-        let publish = match &*threads {
-            Some(pool) => pool.install(|| job.run(id, thread, &monitor)),
-            None => job.run(id, thread, &monitor),
-        };
-        let mut state = shared.lock();
-        let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
-        publish(standing);
-        state.running.retain(|job| job.id != id);
-        let waits = state.waiting.iter().any(|job| job.key.kind == key.kind);
-        drop(state);
-        if waits {
-            // It waited for this one to end; another thread may take it.
-            shared.wake.notify_all();
-        }
-        (shared.on_update)();
-    }
-}
-
-fn listening_monitor(progress: Arc<Mutex<Option<Progress>>>, on_update: OnUpdate) -> Monitor {
-    let told = Mutex::new(None::<Instant>);
-    Monitor::with_listener(move |now| {
-        *progress.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
-        let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.is_none_or(|at| at.elapsed() >= PROGRESS_EVERY) {
-            *told = Some(Instant::now());
-            on_update();
-        }
-    })
-}
-
-/// A name that no other thread of the program has, so that the place of a panic is found.
-fn unique_key(limit: Priority) -> String {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    format!("{}-{limit:?}", COUNTER.fetch_add(1, Ordering::Relaxed))
-}
-
-/// Threads for the parallel loops of one thread's work, named so that their panics are found; or `None` where the
-/// system has none to give: then the shared pool serves. Work given to the shared pool would wait behind all that a
-/// detection has queued there.
-fn pool(thread: &str) -> Option<rayon::ThreadPool> {
-    let thread = thread.to_owned();
-    rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{thread}.{i}", fault::THREAD_PREFIX)).build().ok()
 }

@@ -1,10 +1,10 @@
 //! Small pieces of work that must not hold up the window, such as writing a file. What was begun or waits is finished
 //! even when the window closes.
 
-use super::fault::JobError;
 use super::jobs::{JobAnswer, Jobs};
 use super::queue::{JobQueue, Priority};
 use crate::monitor::Monitor;
+use crate::requests::JobError;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;

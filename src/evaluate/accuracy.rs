@@ -18,7 +18,8 @@
 //! r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that is 0.633·r, 10.5 % below r/√2. Scale errors are
 //! relative to that σ; no other correction is applied.
 
-use super::chart::ChartSummary;
+pub use super::accuracy_report::{AccuracyReport, AccuracyRow, RangeCount};
+use super::chart::LookedChart;
 use super::jobs::run_jobs;
 use super::score::{Ranking, judge};
 use super::statistics::{Errors, quantile};
@@ -27,7 +28,7 @@ use crate::baseline::detect;
 use crate::detector::{DetectorParams, Feature, SlopeGrid};
 use crate::monitor::Monitor;
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
-use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
 
 /// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's
 /// text.
@@ -87,63 +88,17 @@ pub fn discs_apart(chart: &ChartParams) -> usize {
     (chart.width * chart.height / 24_000).max(1)
 }
 
-/// What a study found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AccuracyReport {
-    /// The charts.
-    pub chart: ChartSummary,
-    /// The first seed.
-    pub first_seed: u64,
-    /// Number of seeds.
-    pub seeds: u64,
-    /// The detector's parameters.
-    pub detector: DetectorParams,
-    /// One row a ratio.
-    pub rows: Vec<AccuracyRow>,
-}
-
-/// The errors at one ratio, over all seeds together.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AccuracyRow {
-    /// Per-pixel signal-to-noise ratio; null in JSON for charts without noise.
-    pub snr: f64,
-    /// Discs that move within the grid's range, between its outermost slopes.
-    pub within: RangeCount,
-    /// Discs that move faster than that.
-    pub beyond: RangeCount,
-    /// Columns, pixels.
-    pub u: Errors,
-    /// Rows, pixels.
-    pub v: Errors,
-    /// Distances from the true places, pixels: median and 95 %.
-    pub distance: [f64; 2],
-    /// How many of the discs compared stand apart, see [`stands_apart`].
-    pub apart: usize,
-    /// Distances of those from their true places, pixels: median and 95 %.
-    pub distance_apart: [f64; 2],
-    /// σ over the expected one, minus 1.
-    pub scale: Errors,
-    /// Slopes to the right, pixels per frame.
-    pub slope_u: Errors,
-    /// Slopes down, pixels per frame.
-    pub slope_v: Errors,
-    /// Lengths of the slopes' errors, pixels per frame: median and 95 %.
-    pub slope_distance: [f64; 2],
-}
-
-/// How many discs there are, how many are found, and how many of those are marked as lying at the limit of the slopes
-/// searched.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub struct RangeCount {
-    /// Discs.
-    pub discs: usize,
-    /// Discs that were found.
-    pub found: usize,
-    /// Found discs whose feature is marked `at_slope_limit`.
-    pub marked: usize,
+/// A chart and what was found of its discs.
+#[derive(Debug, Clone)]
+struct SearchedChart {
+    /// Index of the ratio.
+    row: usize,
+    seed: u64,
+    found: Vec<FoundDisc>,
 }
 
 /// A disc and what found it.
+#[derive(Debug, Clone)]
 struct FoundDisc {
     disc: FeatureTruth,
     apart: bool,
@@ -156,34 +111,75 @@ impl AccuracyStudy {
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
     pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport, EvaluateError> {
+        self.run_telling(monitor, &|_| {})
+    }
+
+    /// The same, and `tell` hears of the report so far whenever a chart is finished, as
+    /// [`ChartStudy::run_telling`](super::ChartStudy::run_telling) has it.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_telling(
+        &self,
+        monitor: &Monitor,
+        tell: &(dyn Fn(AccuracyReport) + Sync),
+    ) -> Result<AccuracyReport, EvaluateError> {
         check_lists(&self.snrs, self.seeds)?;
         let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
-        let jobs: Vec<(f64, u64)> =
-            self.snrs.iter().flat_map(|&snr| seeds.clone().map(move |seed| (snr, seed))).collect();
-        let found = run_jobs(&jobs, 1, monitor, |&(snr, seed), monitor, steps| {
-            let (burst, truth) = synth_chart(&ChartParams { snr, seed, ..self.chart.clone() }, monitor)?;
-            let detection = detect(&burst, &self.detector, monitor)?;
+        let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..self.snrs.len()).map(move |row| (row, seed))).collect();
+        let so_far = Mutex::new(Vec::with_capacity(jobs.len()));
+        let charts = run_jobs(&jobs, 1, monitor, |&(row, seed), monitor, steps| {
+            let LookedChart { truth, detection, judged, .. } = self.look(self.snrs[row], seed, monitor)?;
             let mut found: Vec<FoundDisc> = truth
                 .features
                 .iter()
                 .map(|&disc| FoundDisc { disc, apart: stands_apart(&disc, &truth), feature: None })
                 .collect();
-            for judged in judge(&detection.features, &truth, Ranking::Strength) {
+            for judged in judged {
                 if let Some(disc) = judged.disc {
                     found[disc].feature = Some(detection.features[judged.feature]);
                 }
             }
             steps.done();
-            Ok(found)
+            let chart = SearchedChart { row, seed, found };
+            let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
+            so_far.push(chart.clone());
+            tell(self.report(&so_far));
+            Ok(chart)
         })?;
-        let rows = self.snrs.iter().zip(found.chunks(self.seeds as usize));
-        Ok(AccuracyReport {
+        Ok(self.report(&charts))
+    }
+
+    /// One chart of the study, and what is found on it: what a point of a curve stands for, to be looked at.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart, EvaluateError> {
+        let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
+        let detection = detect(&burst, &self.detector, monitor)?;
+        let judged = judge(&detection.features, &truth, Ranking::Strength);
+        Ok(LookedChart { burst, truth, detection, judged })
+    }
+
+    /// The parameters of the chart of a ratio and a seed.
+    pub fn chart_of(&self, snr: f64, seed: u64) -> ChartParams {
+        ChartParams { snr, seed, ..self.chart.clone() }
+    }
+
+    /// What is known once `charts` were searched, in any order: ratios of which no chart was are left out.
+    fn report(&self, charts: &[SearchedChart]) -> AccuracyReport {
+        let row = |(row, &snr): (usize, &f64)| {
+            let mut of_ratio: Vec<&SearchedChart> = charts.iter().filter(|chart| chart.row == row).collect();
+            of_ratio.sort_by_key(|chart| chart.seed);
+            (!of_ratio.is_empty()).then(|| self.row(snr, of_ratio.iter().flat_map(|chart| &chart.found)))
+        };
+        AccuracyReport {
             chart: (&self.chart).into(),
             first_seed: self.first_seed,
             seeds: self.seeds,
             detector: self.detector.clone(),
-            rows: rows.map(|(&snr, charts)| self.row(snr, charts.iter().flatten())).collect(),
-        })
+            rows: self.snrs.iter().enumerate().filter_map(row).collect(),
+        }
     }
 
     fn row<'a>(&self, snr: f64, found: impl Iterator<Item = &'a FoundDisc>) -> AccuracyRow {

@@ -5,15 +5,18 @@
 //! the seeds. It is the best that a threshold can do, and so compares methods whatever their defaults; what they
 //! do *at* their defaults stands beside it.
 
+pub use super::chart_report::{ChartReport, ChartRow, ChartScore, ChartSummary, ComparisonSetup, MethodReport};
 use super::jobs::run_jobs;
-use super::methods::{BurstMethod, Searches};
-use super::score::{Curve, Ranking, judge, mean_curve};
+use super::methods::{BurstMethod, Searches, slopes_of};
+use super::score::{Curve, Judged, Ranking, judge, mean_curve};
 use super::statistics::Mean;
-use super::{EvaluateError, check_lists, motion_name};
+use super::{EvaluateError, check_lists};
+use crate::baseline::Searched;
+use crate::burst::Burst;
 use crate::detector::{Detection, DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
-use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
-use serde::Serialize;
+use crate::synth::{ChartParams, Truth, synth_chart};
+use std::sync::{Mutex, PoisonError};
 
 /// What is to be compared, and on which charts.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,123 +65,42 @@ impl Default for ChartStudy {
     }
 }
 
-/// What a study found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChartReport {
-    /// The charts.
-    pub chart: ChartSummary,
-    /// The first seed.
-    pub first_seed: u64,
-    /// Number of seeds.
-    pub seeds: u64,
-    /// By what features were ranked.
-    pub ranking: Ranking,
-    /// The share of false detections at which methods were compared.
-    pub false_fraction: f64,
-    /// The detector's parameters; method and slopes were set by each method.
-    pub detector: DetectorParams,
-    /// The slopes of BuFF 1D.
-    pub slopes_1d: SlopeGrid,
-    /// The slopes of BuFF 2D.
-    pub slopes_2d: SlopeGrid,
-    /// One row a ratio.
-    pub rows: Vec<ChartRow>,
+/// One chart by all methods of a study.
+#[derive(Debug, Clone)]
+struct FinishedChart {
+    /// Index of the ratio.
+    row: usize,
+    seed: u64,
+    /// In the study's order of methods.
+    scores: Vec<ChartScore>,
 }
 
-/// The charts of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ChartSummary {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Number of discs.
-    pub discs: usize,
-    /// Smallest and largest radius, pixels.
-    pub radius: [f64; 2],
-    /// How radii are spread between these.
-    pub radius_law: RadiusLaw,
-    /// Intensity of a disc over that of the background.
-    pub contrast: f64,
-    /// Number of frames.
-    pub frames: usize,
-    /// Directions of motion, `1d` or `2d`.
-    pub motion: &'static str,
-    /// Largest slope on each axis that moves, pixels per frame.
-    pub max_slope: f64,
-    /// Standard deviation of the read noise, electrons.
-    pub read_noise: f64,
-    /// Bits of the converter.
-    pub bits: u32,
-}
-
-impl From<&ChartParams> for ChartSummary {
-    fn from(chart: &ChartParams) -> Self {
-        Self {
-            width: chart.width,
-            height: chart.height,
-            discs: chart.discs,
-            radius: [*chart.radius.start(), *chart.radius.end()],
-            radius_law: chart.radius_law,
-            contrast: chart.contrast,
-            frames: chart.frames,
-            motion: motion_name(chart.motion),
-            max_slope: chart.max_slope,
-            read_noise: chart.read_noise,
-            bits: chart.bits,
-        }
-    }
-}
-
-/// All methods at one ratio.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChartRow {
-    /// Per-pixel signal-to-noise ratio.
-    pub snr: f64,
-    /// The methods, in the study's order.
-    pub methods: Vec<MethodReport>,
-}
-
-/// One method at one ratio; means are over the seeds.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MethodReport {
-    /// The method.
-    pub method: BurstMethod,
-    /// Discs found at the threshold where the asked-for share of the detections is false.
-    pub true_positives: Mean,
-    /// Discs found among all that the detector returned.
-    pub default_true_positives: Mean,
-    /// False features among all that the detector returned.
-    pub default_false_features: Mean,
-    /// The detector's estimate of a frame's noise over the true one at the background; absent for mean and merged
-    /// images and for charts without noise.
-    pub noise_estimate_ratio: Option<Mean>,
-    /// Mean count of discs found with at most 0, 1, 2 … false features.
-    pub roc: Vec<f64>,
-    /// Each chart on its own, in the order of the seeds.
-    pub charts: Vec<ChartScore>,
-}
-
-/// One method on one chart.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChartScore {
-    /// The chart's seed.
-    pub seed: u64,
-    /// Discs found at the threshold where the asked-for share of the detections is false.
-    pub true_positives: usize,
-    /// Discs found among all that the detector returned.
-    pub default_true_positives: usize,
-    /// False features among all that the detector returned.
-    pub default_false_features: usize,
-    /// The estimate of a frame's noise over the true one, where that can be said.
-    pub noise_estimate_ratio: Option<f64>,
-    /// True against false features over all thresholds. Not part of the JSON, which has the mean over the seeds.
-    #[serde(skip)]
-    pub curve: Curve,
+/// One chart, to be looked at.
+#[derive(Debug, Clone)]
+pub struct LookedChart {
+    /// Its frames.
+    pub burst: Burst,
+    /// What is on it.
+    pub truth: Truth,
+    /// What the method found.
+    pub detection: Detection,
+    /// The features, judged, strongest first.
+    pub judged: Vec<Judged>,
 }
 
 impl ChartStudy {
-    fn check(&self) -> Result<(), EvaluateError> {
+    /// The slopes of BuFF 1D and BuFF 2D where `given` ones are to be searched: a line of slopes is BuFF 1D's; a plane
+    /// is BuFF 2D's, and its u axis BuFF 1D's. What is not given is as in the published study.
+    pub fn slopes_for(given: Option<SlopeGrid>) -> (SlopeGrid, SlopeGrid) {
+        let default = Self::default();
+        match given {
+            Some(plane) if plane.is_plane() => slopes_of(plane),
+            Some(line) => (line, default.slopes_2d),
+            None => (default.slopes_1d, default.slopes_2d),
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), EvaluateError> {
         check_lists(&self.snrs, self.seeds)?;
         if self.methods.is_empty() {
             return Err(EvaluateError::param(
@@ -197,6 +119,19 @@ impl ChartStudy {
         Ok(())
     }
 
+    /// What reports say of how methods are compared.
+    pub(super) fn setup(&self) -> ComparisonSetup {
+        ComparisonSetup {
+            first_seed: self.first_seed,
+            seeds: self.seeds,
+            ranking: self.ranking,
+            false_fraction: self.false_fraction,
+            detector: self.detector.clone(),
+            slopes_1d: self.slopes_1d,
+            slopes_2d: self.slopes_2d,
+        }
+    }
+
     fn searches(&self) -> Searches<'_> {
         Searches {
             detector: &self.detector,
@@ -211,36 +146,80 @@ impl ChartStudy {
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
     pub fn run(&self, monitor: &Monitor) -> Result<ChartReport, EvaluateError> {
+        self.run_telling(monitor, &|_| {})
+    }
+
+    /// The same, and `tell` hears of the report so far whenever a chart is finished, from any thread, one call at a
+    /// time. Charts of one seed at all ratios come before those of the next, so that every point of a curve is there
+    /// early and becomes better.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_telling(
+        &self,
+        monitor: &Monitor,
+        tell: &(dyn Fn(ChartReport) + Sync),
+    ) -> Result<ChartReport, EvaluateError> {
         self.check()?;
         let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
-        let jobs: Vec<(f64, u64)> =
-            self.snrs.iter().flat_map(|&snr| seeds.clone().map(move |seed| (snr, seed))).collect();
-        let scores = run_jobs(&jobs, self.methods.len(), monitor, |&(snr, seed), monitor, steps| {
-            let (burst, truth) = synth_chart(&ChartParams { snr, seed, ..self.chart.clone() }, monitor)?;
+        let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..self.snrs.len()).map(move |row| (row, seed))).collect();
+        let so_far = Mutex::new(Vec::with_capacity(jobs.len()));
+        let finished = run_jobs(&jobs, self.methods.len(), monitor, |&(row, seed), monitor, steps| {
+            let (burst, truth) = synth_chart(&self.chart_of(self.snrs[row], seed), monitor)?;
             let score = |&method: &BurstMethod| {
                 let detection = self.searches().search(method, &burst, monitor)?.detection;
                 steps.done();
                 Ok(self.score(method, seed, &detection, &truth))
             };
-            self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, EvaluateError>>()
+            let scores = self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, EvaluateError>>()?;
+            let chart = FinishedChart { row, seed, scores };
+            let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
+            so_far.push(chart.clone());
+            tell(self.report(&so_far));
+            Ok(chart)
         })?;
-        let row = |(&snr, scores): (&f64, &[Vec<ChartScore>])| {
+        Ok(self.report(&finished))
+    }
+
+    /// One chart of the study, and what `method` finds on it: what a point of a curve stands for, to be looked at.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn look(
+        &self,
+        snr: f64,
+        seed: u64,
+        method: BurstMethod,
+        monitor: &Monitor,
+    ) -> Result<LookedChart, EvaluateError> {
+        let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
+        let Searched { detection, .. } = self.searches().search(method, &burst, monitor)?;
+        let judged = judge(&detection.features, &truth, self.ranking);
+        Ok(LookedChart { burst, truth, detection, judged })
+    }
+
+    /// The parameters of the chart of a ratio and a seed.
+    pub fn chart_of(&self, snr: f64, seed: u64) -> ChartParams {
+        ChartParams { snr, seed, ..self.chart.clone() }
+    }
+
+    /// What is known once the charts of `finished` are, in any order: ratios of which no chart is finished are left
+    /// out.
+    fn report(&self, finished: &[FinishedChart]) -> ChartReport {
+        let row = |(row, &snr): (usize, &f64)| {
+            let mut charts: Vec<&FinishedChart> = finished.iter().filter(|chart| chart.row == row).collect();
+            charts.sort_by_key(|chart| chart.seed);
             let method = |(index, &method): (usize, &BurstMethod)| {
-                self.method_report(method, scores.iter().map(|chart| chart[index].clone()).collect())
+                self.method_report(method, charts.iter().map(|chart| chart.scores[index].clone()).collect())
             };
-            ChartRow { snr, methods: self.methods.iter().enumerate().map(method).collect() }
+            let methods = || self.methods.iter().enumerate().map(method).collect();
+            (!charts.is_empty()).then(|| ChartRow { snr, methods: methods() })
         };
-        Ok(ChartReport {
+        ChartReport {
             chart: (&self.chart).into(),
-            first_seed: self.first_seed,
-            seeds: self.seeds,
-            ranking: self.ranking,
-            false_fraction: self.false_fraction,
-            detector: self.detector.clone(),
-            slopes_1d: self.slopes_1d,
-            slopes_2d: self.slopes_2d,
-            rows: self.snrs.iter().zip(scores.chunks(self.seeds as usize)).map(row).collect(),
-        })
+            setup: self.setup(),
+            rows: self.snrs.iter().enumerate().filter_map(row).collect(),
+        }
     }
 
     fn score(&self, method: BurstMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {

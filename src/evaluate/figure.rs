@@ -7,10 +7,12 @@
 
 use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::methods::BurstMethod;
+use crate::export::Series;
+use crate::export::sheet::{FAINT, GRID, INK};
 use std::fmt::Write;
 
 /// How a method's line looks: colour, dashes (empty for solid) and width in pixels.
-fn style(method: BurstMethod) -> (&'static str, &'static str, f64) {
+pub fn method_line(method: BurstMethod) -> (&'static str, &'static str, f64) {
     match method {
         BurstMethod::SiftFrame => ("#666666", "1.5 4", 2.0),
         BurstMethod::SiftMean => ("#d55e00", "9 3 2 3", 2.0),
@@ -21,9 +23,12 @@ fn style(method: BurstMethod) -> (&'static str, &'static str, f64) {
     }
 }
 
-const INK: &str = "#24292f";
-const FAINT: &str = "#8c959f";
-const GRID: &str = "#e4e8ec";
+/// A method's line with its points.
+pub(super) fn method_series(method: BurstMethod, points: Vec<(f64, f64, Option<f64>)>) -> Series {
+    let (colour, dashes, width) = method_line(method);
+    Series { label: method.label().to_owned(), colour, dashes, width, points }
+}
+
 /// Width and height of a panel's plot, pixels.
 const PLOT: (f64, f64) = (270.0, 270.0);
 /// Left of a panel's plot (its labels), and right of it.
@@ -60,7 +65,8 @@ fn write_figure(out: &mut String, report: &ChartReport) -> std::fmt::Result {
 
 fn write_header(out: &mut String, report: &ChartReport) -> std::fmt::Result {
     let chart = &report.chart;
-    let charts = if report.seeds == 1 { "one chart".to_owned() } else { format!("mean of {} charts", report.seeds) };
+    let charts =
+        if report.setup.seeds == 1 { "one chart".to_owned() } else { format!("mean of {} charts", report.setup.seeds) };
     let caption = format!(
         "{} discs in {} frames of {}×{}, moving in {}; {charts}",
         chart.discs,
@@ -72,7 +78,7 @@ fn write_header(out: &mut String, report: &ChartReport) -> std::fmt::Result {
     writeln!(out, r#"<text x="{:.0}" y="24" font-size="14" font-weight="bold">{caption}</text>"#, SIDES.0)?;
     let mut x = SIDES.0;
     for method in report.rows.first().map_or(&[][..], |row| &row.methods) {
-        let (colour, dashes, stroke) = style(method.method);
+        let (colour, dashes, stroke) = method_line(method.method);
         let label = method.method.label();
         writeln!(
             out,
@@ -135,7 +141,7 @@ fn write_share_line(
     x_of: impl Fn(f64) -> f64,
     y_of: impl Fn(f64) -> f64,
 ) -> std::fmt::Result {
-    let share = report.false_fraction;
+    let share = report.setup.false_fraction;
     if !(share > 0.0 && share < 1.0) {
         return Ok(());
     }
@@ -163,7 +169,7 @@ fn write_curve(
     x_of: impl Fn(f64) -> f64,
     y_of: impl Fn(f64) -> f64,
 ) -> std::fmt::Result {
-    let (colour, dashes, stroke) = style(method.method);
+    let (colour, dashes, stroke) = method_line(method.method);
     // No chart has more than this many; further right nothing was measured.
     let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
     let mut points = String::new();
@@ -216,8 +222,8 @@ mod tests {
         for a in BurstMethod::ALL {
             for b in BurstMethod::ALL {
                 if a != b {
-                    assert_ne!(style(a).0, style(b).0);
-                    assert_ne!(style(a).1, style(b).1);
+                    assert_ne!(method_line(a).0, method_line(b).0);
+                    assert_ne!(method_line(a).1, method_line(b).1);
                 }
             }
         }

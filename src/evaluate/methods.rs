@@ -4,7 +4,7 @@
 use super::EvaluateError;
 use crate::baseline::{Searched, detect, plain_mean, search};
 use crate::burst::Burst;
-use crate::detector::{DetectorParams, Method, SearchParams, SlopeChoice, SlopeGrid};
+use crate::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
 use crate::monitor::Monitor;
 use serde::Serialize;
 
@@ -71,9 +71,19 @@ impl std::str::FromStr for BurstMethod {
     }
 }
 
+/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
+/// 2D has it on both axes.
+pub fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
+    if slopes.is_plane() {
+        return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
+    }
+    let axis = if slopes.u.count > 1 { slopes.u } else { slopes.v };
+    (slopes, SlopeGrid { u: axis, v: axis, ..slopes })
+}
+
 /// What the methods search with.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Searches<'a> {
+pub struct Searches<'a> {
     /// The detector's parameters, for all methods; method and slopes are set by each of them.
     pub detector: &'a DetectorParams,
     /// The slopes of BuFF 1D.

@@ -1,10 +1,11 @@
 //! How good the detector is, measured on input whose truth is known exactly, and how good the camera poses are that
 //! were found with its features.
 //!
-//! Three studies of the detector, each one command (`burstscope evaluate chart|accuracy|noise`):
+//! Four studies of the detector, each one command (`burstscope evaluate chart|frames|accuracy|noise`):
 //!
 //! - [`chart`]: in the dark. How many of a chart's discs does each method find before its findings are a tenth false,
 //!   and how do true and false findings trade against each other over the threshold (the ROC curve)?
+//! - [`frames`]: the same over the number of frames of a burst; [`frames_of_burst`] does it with a burst that is given.
 //! - [`accuracy`]: in enough light. How far are places, scales and motions from the truth?
 //! - [`pure_noise`]: on noise alone. How many features are found where there is nothing to find?
 //!
@@ -16,12 +17,19 @@
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
 //! over them and answers with a report that can be written as JSON. [`score`] decides what counts as found, [`figure`]
-//! draws the curves. The same study gives the same report for any number of threads, and memory holds at most one burst
-//! a thread.
+//! and [`frames_figure`] draw the curves. The same study gives the same report for any number of threads, and memory
+//! holds at most one burst a thread.
 
 pub mod accuracy;
+mod accuracy_report;
 pub mod chart;
+mod chart_report;
+pub mod curves;
+pub mod curves_figure;
 pub mod figure;
+pub mod frames;
+pub mod frames_figure;
+pub mod frames_of_burst;
 mod jobs;
 pub mod matches;
 mod methods;
@@ -29,13 +37,17 @@ pub mod poses;
 pub mod pure_noise;
 pub mod score;
 pub mod statistics;
+mod study;
 
 pub use accuracy::{AccuracyReport, AccuracyStudy};
-pub use chart::{ChartReport, ChartStudy};
+pub use chart::{ChartReport, ChartStudy, LookedChart};
+pub use frames::{FramesReport, FramesStudy};
+pub use frames_of_burst::{BurstFramesReport, BurstFramesStudy};
 pub use matches::{MatchMethod, MatchReport, MatchStudy, Shot};
-pub use methods::BurstMethod;
+pub use methods::{BurstMethod, Searches, slopes_of};
 pub use pure_noise::{NoiseReport, NoiseStudy};
 pub use score::{Curve, Ranking};
+pub use study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, StudyReport};
 
 use crate::detector::{DetectError, ParamError};
 use crate::monitor::Cancelled;

@@ -1,9 +1,16 @@
 //! Files that are written whole or not at all.
+//!
+//! The bytes go to a temporary file beside the target, which then takes the target's place. A run that is killed leaves
+//! its temporary file behind; the next run that writes into the folder removes it. What another process is just writing
+//! is told by a lock of the system, which ends with its process.
 
 use super::error::ExportError;
-use std::fs::File;
+use std::collections::HashSet;
+use std::ffi::OsStr;
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
 /// What a format writes to: buffered, and able to seek.
@@ -18,15 +25,26 @@ pub type FileWriter<'a> = BufWriter<&'a mut File>;
 /// [`ExportError::Write`] when the system or `write` fails, [`ExportError::NotAFile`] when `path` is a folder or a
 /// device.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>) -> Result<(), ExportError> {
-    replace_whole(path, |temporary| {
+    replace(path, locked_temporary_in, |temporary| {
         let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
         write(&mut writer).and_then(|()| writer.flush())
     })
 }
 
-/// The same for a format that opens its file by its path: `fill` completes the empty temporary file.
+/// The same for a format that opens its file by its path: `fill` completes the empty temporary file. It has no lock of
+/// ours, which might keep the format from opening it; so what a killed run leaves of it is removed by
+/// [`remove_temporary_files`] alone.
+#[cfg(feature = "colmap")]
 pub(super) fn replace_whole(
     path: &Path,
+    fill: impl FnOnce(&mut NamedTempFile) -> io::Result<()>,
+) -> Result<(), ExportError> {
+    replace(path, |folder| temporary_in(folder, UNLOCKED_PREFIX), fill)
+}
+
+fn replace(
+    path: &Path,
+    temporary_in: impl FnOnce(&Path) -> io::Result<NamedTempFile>,
     fill: impl FnOnce(&mut NamedTempFile) -> io::Result<()>,
 ) -> Result<(), ExportError> {
     let fail = |e: io::Error| ExportError::write(path, &e);
@@ -51,9 +69,9 @@ pub(super) fn replace_whole(
 }
 
 /// A temporary file that has the permissions of any other new file (left to itself, the library would make it private).
-fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
+fn temporary_in(folder: &Path, prefix: &str) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY_PREFIX).suffix(TEMPORARY_SUFFIX);
+    builder.prefix(prefix).suffix(TEMPORARY_SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -62,12 +80,59 @@ fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
+/// How often a temporary file is made anew when another process has removed it before it had its lock.
+const TRIES: usize = 8;
+
+/// A temporary file with a lock, which tells other processes that it is in use.
+fn locked_temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
+    remove_abandoned_once(folder);
+    for _ in 0..TRIES {
+        let temporary = temporary_in(folder, TEMPORARY_PREFIX)?;
+        // A file system without locks: then nothing is removed either.
+        let _ = temporary.as_file().try_lock();
+        // Between making and locking another process may have taken it for abandoned.
+        if temporary.path().exists() {
+            return Ok(temporary);
+        }
+    }
+    Err(io::Error::other("temporary files in this folder vanish"))
+}
+
 const TEMPORARY_PREFIX: &str = ".burstscope-";
+const UNLOCKED_PREFIX: &str = ".burstscope_";
 const TEMPORARY_SUFFIX: &str = ".tmp";
 
+fn is_named(name: &OsStr, prefixes: &[&str]) -> bool {
+    name.to_str()
+        .is_some_and(|name| prefixes.iter().any(|prefix| name.starts_with(prefix)) && name.ends_with(TEMPORARY_SUFFIX))
+}
+
+/// Removes what killed runs have left in `folder`, the first time that this process writes there. A file that another
+/// process has locked is in use and stays, and so does everything where there are no locks.
+fn remove_abandoned_once(folder: &Path) {
+    static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
+    let known = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+    if SEEN.lock().unwrap_or_else(PoisonError::into_inner).insert(known) {
+        remove_abandoned(folder);
+    }
+}
+
+fn remove_abandoned(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if is_named(&entry.file_name(), &[TEMPORARY_PREFIX])
+            && entry.file_type().is_ok_and(|kind| kind.is_file())
+            && let Ok(file) = OpenOptions::new().write(true).open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            // One that cannot be removed does no harm.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Whether a file of this name is one that [`write_whole`] has not finished.
-pub fn is_temporary_name(name: &std::ffi::OsStr) -> bool {
-    name.to_str().is_some_and(|name| name.starts_with(TEMPORARY_PREFIX) && name.ends_with(TEMPORARY_SUFFIX))
+pub fn is_temporary_name(name: &OsStr) -> bool {
+    is_named(name, &[TEMPORARY_PREFIX, UNLOCKED_PREFIX])
 }
 
 /// Removes what killed runs have left unfinished in `folder`, if there is such a folder. Only for a folder in which
@@ -111,12 +176,28 @@ mod tests {
     #[test]
     fn what_a_killed_run_left_is_removed_and_nothing_else() {
         let folder = tempfile::tempdir().expect("folder");
-        let (_, left) = temporary_in(folder.path()).expect("made").keep().expect("kept");
+        for prefix in [TEMPORARY_PREFIX, UNLOCKED_PREFIX] {
+            temporary_in(folder.path(), prefix).expect("made").keep().expect("kept");
+        }
         std::fs::write(folder.path().join("a.tmp"), "somebody's").expect("written");
-        assert!(left.exists());
+        assert_eq!(names(folder.path()).len(), 3);
         remove_temporary_files(folder.path());
         assert_eq!(names(folder.path()), ["a.tmp"]);
         remove_temporary_files(&folder.path().join("none"));
+    }
+
+    #[test]
+    fn what_another_process_is_writing_stays() {
+        let folder = tempfile::tempdir().expect("folder");
+        let (_, left) = temporary_in(folder.path(), TEMPORARY_PREFIX).expect("made").keep().expect("kept");
+        let in_use = locked_temporary_in(folder.path()).expect("made");
+        remove_abandoned(folder.path());
+        assert!(in_use.path().exists() && !left.exists());
+        // The first write of a process into a folder clears it.
+        let other = tempfile::tempdir().expect("folder");
+        temporary_in(other.path(), TEMPORARY_PREFIX).expect("made").keep().expect("kept");
+        write_whole(&other.path().join("a.txt"), |w| w.write_all(b"new")).expect("written");
+        assert_eq!(names(other.path()), ["a.txt"]);
     }
 
     #[test]

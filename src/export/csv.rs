@@ -7,6 +7,7 @@ use super::atomic::write_whole;
 use super::columns::{COLUMNS, FeatureRow};
 use super::error::ExportError;
 use crate::detector::Feature;
+use crate::files::{MAX_TABLE_BYTES, read_bytes};
 use std::io::Write;
 use std::path::Path;
 
@@ -44,7 +45,8 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
 /// # Errors
 /// [`ExportError::Read`], or [`ExportError::Text`] with the line and what is wrong with it.
 pub fn read_features_csv(path: &Path) -> Result<Vec<FeatureRow>, ExportError> {
-    let bytes = std::fs::read(path).map_err(|e| ExportError::Read { path: path.into(), reason: e.to_string() })?;
+    let bytes = read_bytes(path, MAX_TABLE_BYTES)
+        .map_err(|e| ExportError::Read { path: path.into(), reason: e.to_string() })?;
     let text = std::str::from_utf8(&bytes).map_err(|e| {
         let line = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
         ExportError::Text { path: path.into(), line, problem: "this is not text; save it as UTF-8".into() }

@@ -102,14 +102,22 @@ pub fn write_detection(
     written.collect()
 }
 
+/// The longest name that [`safe_file_name`] answers, bytes: a file's name ends at 255, and ours append endings such as
+/// `.matches.csv` and `-burstscope-100-100`.
+const LONGEST_NAME: usize = 200;
+
 /// The name with everything replaced by `_` that some system does not allow in a file's name. Never empty, never a
-/// path.
+/// path. One of more than 200 bytes is cut; a checksum of what it was tells it from others that begin alike.
 pub fn safe_file_name(name: &str) -> String {
     let forbidden = |c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c);
     let name: String = name.chars().map(|c| if forbidden(c) { '_' } else { c }).collect();
     // Windows drops dots and spaces at the end; a dot at the start would hide the file.
     let name = name.trim_end_matches(['.', ' ']).trim_start_matches(['.', ' ']);
-    if name.is_empty() { "burst".into() } else { name.into() }
+    if name.len() <= LONGEST_NAME {
+        return if name.is_empty() { "burst".into() } else { name.into() };
+    }
+    let checksum = format!("~{:08x}", crc32fast::hash(name.as_bytes()));
+    format!("{}{checksum}", &name[..name.floor_char_boundary(LONGEST_NAME - checksum.len())])
 }
 
 /// Numbers names that would make the same file name ([`safe_file_name`]), also where upper and lower case are the same.
@@ -152,6 +160,16 @@ mod tests {
         for (name, safe) in cases {
             assert_eq!(safe_file_name(name), safe);
         }
+    }
+
+    #[test]
+    fn long_names_leave_room_for_an_ending_and_stay_apart() {
+        let mut names =
+            [format!("{}a", "ü".repeat(120)), format!("{}b", "ü".repeat(120)), "n".repeat(255), "n".repeat(255)];
+        make_file_names_unique(names.iter_mut());
+        let safe: HashSet<String> = names.iter().map(|name| safe_file_name(name)).collect();
+        assert!(safe.len() == 4 && safe.iter().all(|name| (190..=LONGEST_NAME).contains(&name.len())), "{safe:?}");
+        assert_eq!(safe_file_name(&"n".repeat(200)), "n".repeat(200));
     }
 
     #[test]

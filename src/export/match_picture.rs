@@ -6,6 +6,7 @@
 
 use super::error::ExportError;
 use super::png::{Picture, write_png};
+use crate::plane::memory;
 use std::path::Path;
 
 /// A match to be drawn.
@@ -73,7 +74,9 @@ struct Canvas {
 
 impl Canvas {
     fn new(width: usize, height: usize) -> Self {
-        Self { width, height, pixels: vec![BACKGROUND; width * height] }
+        let mut pixels = memory::with_capacity(width * height);
+        pixels.resize(width * height, BACKGROUND);
+        Self { width, height, pixels }
     }
 
     fn paste(&mut self, picture: Picture<'_>, left: usize) {

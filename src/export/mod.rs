@@ -1,8 +1,9 @@
 //! What leaves the program: one file of code for each file format.
 //!
 //! Features go out as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as `.npz`;
-//! pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay; matches as CSV
-//! and as a picture of both images. Every file is written whole or not at all, see [`write_whole`].
+//! pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay or on a
+//! [`sheet`] with axes; matches as CSV and as a picture of both images. Every file is written whole or not at all, see
+//! [`write_whole`].
 
 mod atomic;
 mod base64;
@@ -15,8 +16,10 @@ mod format;
 mod match_picture;
 mod matches;
 mod npz;
+mod plot;
 mod png;
 mod profile;
+pub mod sheet;
 mod tiff;
 
 pub use atomic::{FileWriter, is_temporary_name, remove_temporary_files, write_whole};
@@ -30,13 +33,14 @@ pub use columns::{COLUMNS, FeatureRow};
 pub use csv::{read_features_csv, write_csv};
 pub use error::ExportError;
 pub use figure::{
-    Colour, ColourBar, Drawing, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke,
-    LegendEntry, lay_out, write_drawing_svg,
+    Colour, ColourBar, Drawing, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape,
+    FigureStroke, LegendEntry, draw_links, lay_out, write_drawing_svg,
 };
 pub use format::{ExportFormat, UnknownFormat, make_file_names_unique, safe_file_name, write_detection};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use matches::{MATCH_COLUMNS, MatchRow, write_matches_csv};
 pub use npz::write_npz;
+pub use plot::{Plot, Series, range_from_zero};
 pub use png::{Picture, write_png};
 pub use profile::{PROFILE_COLUMNS, PictureProfile, write_profiles_csv};
 pub use tiff::write_tiff;

@@ -88,8 +88,17 @@ impl Default for SurveyOptions {
     }
 }
 
-/// Side of the parts in which a picture is surveyed, octave pixels.
+/// Side of the parts in which a picture is surveyed, octave pixels, unless there are very many slopes.
 const PART_PX: usize = 160;
+/// D of all slopes and levels of one part takes about this many bytes at most.
+const PART_BYTES: usize = 256 << 20;
+
+/// Side of the parts in which the picture of a detection is surveyed, octave pixels.
+fn part_px(trail: &Trail) -> usize {
+    let of_pixel = trail.params().used_slopes().len() * (trail.space().levels + 2) * size_of::<f32>();
+    // What is held around a part is not counted against it, however small it is.
+    (PART_BYTES / of_pixel.max(1)).isqrt().clamp(PART_PX / 8, PART_PX)
+}
 
 /// Counts all candidates of the picture by the first test that they fail, and lists those that `options` ask for. It
 /// searches the picture again.
@@ -98,12 +107,12 @@ const PART_PX: usize = 160;
 /// [`Cancelled`] once `monitor` was cancelled.
 pub fn survey(trail: &Trail, options: &SurveyOptions, monitor: &Monitor) -> Result<Survey, Cancelled> {
     let tally = &trail.detection().tally;
-    let mut by_test = [0u64; Test::ALL.len()];
+    let (part_px, mut by_test) = (part_px(trail), [0u64; Test::ALL.len()]);
     let mut survey = Survey { marks: Vec::new(), counts: Vec::new(), candidates: 0, kept: 0 };
     let all_pixels: f32 = trail.octaves().map(|octave| pixels(trail, octave)).sum();
     let mut done = 0.0;
     for octave in trail.octaves() {
-        let (columns, rows) = (cuts(trail.octave_size(octave).0, PART_PX), cuts(trail.octave_size(octave).1, PART_PX));
+        let (columns, rows) = (cuts(trail.octave_size(octave).0, part_px), cuts(trail.octave_size(octave).1, part_px));
         let share = pixels(trail, octave) / all_pixels / (columns.len() * rows.len()) as f32;
         for (columns, rows) in rows.iter().flat_map(|r| columns.iter().map(move |c| (c.clone(), r.clone()))) {
             let around = trail.neighbourhood(octave, &Region { columns, rows }, monitor)?;
@@ -216,7 +225,7 @@ pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor)
     let gate = trail.detection().noise_gate_factor;
     let zeros = || Plane::zeros(width, height);
     let mut out = WinningSlopes { octave, level, slope_index: zeros(), snr: zeros(), confidence: zeros() };
-    let (columns, rows) = (cuts(width, PART_PX), cuts(height, PART_PX));
+    let (columns, rows) = (cuts(width, part_px(trail)), cuts(height, part_px(trail)));
     let parts = columns.len() * rows.len();
     let index = (level + 1) as usize;
     let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_min((octave, level), slope)).collect();

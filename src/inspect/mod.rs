@@ -22,6 +22,7 @@ pub mod response;
 pub mod shares;
 pub mod slices;
 pub mod spectrum;
+pub mod spot;
 pub mod suspicion;
 pub mod telling;
 pub mod texture;

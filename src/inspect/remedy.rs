@@ -221,7 +221,7 @@ fn distinct_change(trail: &Trail, index: usize) -> Option<(String, ParamChange)>
 }
 
 /// Index of the grid's slope that is nearest to a slope.
-pub(super) fn nearest_slope(grid: &SlopeGrid, slope: Slope) -> usize {
+pub fn nearest_slope(grid: &SlopeGrid, slope: Slope) -> usize {
     let (i, j) = grid.position(slope);
     let nearest = |at: f32, axis: &SlopeAxis| at.round().clamp(0.0, (axis.count.max(1) - 1) as f32) as usize;
     nearest(j, &grid.v) * grid.u.count + nearest(i, &grid.u)

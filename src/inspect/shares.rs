@@ -5,11 +5,14 @@
 //! bump. Whether two keypoints at one place are two things is judged by the search itself from the frames in which
 //! their ways are apart (`two_motions`); the number here is for people.
 
-use crate::detector::{Slope, Trail};
-use crate::monitor::{Cancelled, Monitor};
+use crate::detector::{Feature, Slope, Trail};
+use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::sample::sample_patch;
+use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// One frame along a feature's way.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -97,35 +100,18 @@ pub fn shares(
     slope: Slope,
     monitor: &Monitor,
 ) -> Result<Shares, Cancelled> {
-    let (planes, kept, frame_count) = trail.frames();
-    let t0 = 0.5 * (frame_count as f32 - 1.0);
-    let first_frame = trail.detection().frames_used.start;
-    let size = trail.size_image();
-    let offsets = trail.offsets(slope);
-    let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
-    let at = (pixel(place[0], size.0), pixel(place[1], size.1));
+    let (planes, ..) = trail.frames();
     let sigma = trail.space().sigma_image(octave, f64::from(level)) as f32;
     let half_px = PATCH_SIGMAS * sigma;
-    let mut frames = Vec::with_capacity(planes.len());
-    for (index, (plane, &t)) in planes.iter().zip(kept).enumerate() {
-        monitor.check()?;
-        let dt = t as f32 - t0;
-        let pos_frame = [place[0] + dt * slope.u, place[1] + dt * slope.v];
-        let covers = offsets[index].covers(at.0, at.1, size);
-        let place = ((place[0], place[1]), slope);
-        let value =
-            if covers { trail.point_response((octave, level..level + 1), place, &[index])[0] } else { f32::NAN };
-        frames.push(FrameShare {
-            frame: first_frame + t,
-            pos_frame,
-            covers,
-            value,
-            sigma_d: trail.sigma_d_at((octave, level), place, &[index]),
-            patch: sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, PATCH_SIDE),
-        });
-    }
-    let answers: Vec<(f32, f32)> = frames.iter().filter(|f| f.covers).map(|f| (f.value, f.sigma_d)).collect();
-    let Evenness { mean, coherence, unevenness, shape } = evenness(&answers);
+    let answers = answers(trail, (octave, level), place, slope, monitor)?;
+    let share = |(plane, &answer): (&Arc<Plane>, &FrameAnswer)| {
+        let FrameAnswer { frame, pos_frame, covers, value, sigma_d } = answer;
+        let patch = sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, PATCH_SIDE);
+        FrameShare { frame, pos_frame, covers, value, sigma_d, patch }
+    };
+    let frames: Vec<FrameShare> = planes.iter().zip(&answers).map(share).collect();
+    monitor.check()?;
+    let Evenness { mean, coherence, unevenness, shape } = evenness_of(&answers);
     let meaning = meaning(&frames, shape, coherence);
     Ok(Shares {
         octave,
@@ -141,6 +127,73 @@ pub fn shares(
         meaning,
         patch_px: 2.0 * half_px,
     })
+}
+
+/// The coherence (see [`Shares::coherence`]) of each feature of the detection that `trail` is of: for each what
+/// [`shares`] says at its octave and level, along its way.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn coherences(trail: &Trail, monitor: &Monitor) -> Result<Vec<Option<f32>>, Cancelled> {
+    let features = &trail.detection().features;
+    let done = AtomicUsize::new(0);
+    monitor.report(Stage::Frames, 0.0);
+    let coherence = |feature: &Feature| {
+        let (scale, place) = ((feature.octave, feature.level), [feature.u, feature.v]);
+        let answers = answers(trail, scale, place, feature.slope, monitor)?;
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        monitor.report(Stage::Frames, done as f32 / features.len() as f32);
+        Ok(evenness_of(&answers).coherence)
+    };
+    features.par_iter().map(coherence).collect()
+}
+
+/// What one frame answers along a way.
+#[derive(Debug, Clone, Copy)]
+struct FrameAnswer {
+    frame: usize,
+    pos_frame: [f32; 2],
+    covers: bool,
+    value: f32,
+    sigma_d: f32,
+}
+
+/// What each frame answers at a scale, along the way through `place` at `slope`, in time order.
+fn answers(
+    trail: &Trail,
+    scale: (i32, i32),
+    place: [f32; 2],
+    slope: Slope,
+    monitor: &Monitor,
+) -> Result<Vec<FrameAnswer>, Cancelled> {
+    let (_, kept, frame_count) = trail.frames();
+    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let first_frame = trail.detection().frames_used.start;
+    let size = trail.size_image();
+    let offsets = trail.offsets(slope);
+    let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
+    let at = (pixel(place[0], size.0), pixel(place[1], size.1));
+    let (octave, level) = scale;
+    let way = ((place[0], place[1]), slope);
+    let answer = |(index, &t): (usize, &usize)| {
+        monitor.check()?;
+        let dt = t as f32 - t0;
+        let covers = offsets[index].covers(at.0, at.1, size);
+        let value = if covers { trail.point_response((octave, level..level + 1), way, &[index])[0] } else { f32::NAN };
+        Ok(FrameAnswer {
+            frame: first_frame + t,
+            pos_frame: [place[0] + dt * slope.u, place[1] + dt * slope.v],
+            covers,
+            value,
+            sigma_d: trail.sigma_d_at(scale, way, &[index]),
+        })
+    };
+    kept.iter().enumerate().map(answer).collect()
+}
+
+/// How even the answers of the frames are that show the place.
+fn evenness_of(answers: &[FrameAnswer]) -> Evenness {
+    evenness(&answers.iter().filter(|answer| answer.covers).map(|a| (a.value, a.sigma_d)).collect::<Vec<_>>())
 }
 
 /// How even answers are.

@@ -1,5 +1,5 @@
-//! Found, missed, repeated and false: the features of a burst against what is really there, and why each miss was
-//! missed.
+//! Found, missed, repeated, and false or elsewhere: the features of a burst against what is really there, and why each
+//! miss was missed.
 //!
 //! What counts as found is the rule of [`crate::evaluate::score`].
 
@@ -7,10 +7,14 @@ use super::probe::fates_near;
 use super::{Fate, ProbeCache};
 use crate::burst::Burst;
 use crate::evaluate::score::{Ranking, finds, judge};
+use crate::files::{MAX_TABLE_BYTES, read_text};
 use crate::monitor::{Cancelled, Monitor};
-use crate::synth::{FeatureTruth, Truth, demo_burst, demo_truth};
+use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+
+/// The name of the demo burst.
+const DEMO: &str = "demo";
 
 /// Why there is no truth to compare with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -49,19 +53,21 @@ pub enum TruthError {
 /// See [`TruthError`].
 pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     let text =
-        std::fs::read_to_string(path).map_err(|e| TruthError::Read { path: path.into(), reason: e.to_string() })?;
+        read_text(path, MAX_TABLE_BYTES).map_err(|e| TruthError::Read { path: path.into(), reason: e.to_string() })?;
     serde_json::from_str(&text).map_err(|e| TruthError::Json { path: path.into(), reason: e.to_string() })
 }
 
-/// The truth of a burst: the `truth.json` in its folder, or what is known of the built-in demo. `None` where there is
-/// none.
+/// The truth of a burst: the `truth.json` in its folder, or what is known of a burst that is built in. `None` where
+/// there is none.
 ///
 /// # Errors
 /// A `truth.json` that cannot be read, is none, or is of pictures of another size.
 pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     let [source] = &burst.sources[..] else {
-        let is_demo = burst.sources.is_empty() && burst.name == demo_burst().name;
-        return Ok(is_demo.then(demo_truth));
+        let built_in = burst.sources.is_empty();
+        let is_demo = built_in && burst.name == DEMO;
+        let example = Example::named(&burst.name).filter(|_| built_in);
+        return Ok(is_demo.then(demo_truth).or_else(|| example.map(Example::truth)));
     };
     let path = source.join("truth.json");
     if !path.is_file() {
@@ -79,7 +85,7 @@ pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
 pub fn is_known(burst: &Burst) -> bool {
     match &burst.sources[..] {
         [source] => source.join("truth.json").is_file(),
-        _ => burst.sources.is_empty() && burst.name == "demo",
+        _ => burst.sources.is_empty() && (burst.name == DEMO || Example::named(&burst.name).is_some()),
     }
 }
 
@@ -103,20 +109,28 @@ pub struct AgainstTruth {
     pub missed: Vec<Miss>,
     /// Features on a disc that a stronger one found already.
     pub repeated: Vec<usize>,
-    /// Features where there is no disc.
-    pub false_features: Vec<usize>,
+    /// Features where the truth knows of no disc.
+    pub elsewhere: Vec<usize>,
+    /// Whether the truth tells of all that is there, as that of a chart does; a scene's tells of some of it.
+    pub is_whole_truth: bool,
 }
 
 impl AgainstTruth {
+    /// What the features [elsewhere](Self::elsewhere) are called: they are false only where the truth is whole.
+    pub fn name_of_elsewhere(&self) -> &'static str {
+        if self.is_whole_truth { "False" } else { "Elsewhere" }
+    }
+
     /// The counts in a sentence.
     pub fn summary(&self) -> String {
         format!(
-            "{} of {} found; {} missed, {} repeated, {} false",
+            "{} of {} found; {} missed, {} repeated, {} {}",
             self.found.len(),
             self.found.len() + self.missed.len(),
             self.missed.len(),
             self.repeated.len(),
-            self.false_features.len()
+            self.elsewhere.len(),
+            self.name_of_elsewhere().to_lowercase()
         )
     }
 }
@@ -128,15 +142,20 @@ impl AgainstTruth {
 pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Result<AgainstTruth, Cancelled> {
     let features = &cache.detection().features;
     let judged = judge(features, truth, Ranking::Strength);
-    let mut out =
-        AgainstTruth { found: Vec::new(), missed: Vec::new(), repeated: Vec::new(), false_features: Vec::new() };
+    let mut out = AgainstTruth {
+        found: Vec::new(),
+        missed: Vec::new(),
+        repeated: Vec::new(),
+        elsewhere: Vec::new(),
+        is_whole_truth: truth.kind == TruthKind::Chart,
+    };
     for one in &judged {
         match one.disc {
             Some(disc) => out.found.push((one.feature, disc)),
             None if truth.features.iter().any(|disc| finds(&features[one.feature], disc)) => {
                 out.repeated.push(one.feature);
             }
-            None => out.false_features.push(one.feature),
+            None => out.elsewhere.push(one.feature),
         }
     }
     let is_found: std::collections::HashSet<usize> = out.found.iter().map(|(_, disc)| *disc).collect();

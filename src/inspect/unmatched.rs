@@ -125,8 +125,8 @@ impl ComparedPair<'_> {
     }
 }
 
-/// For each feature of both sides its nearest ones on the other: what takes the time, to be kept while the pair is asked
-/// about.
+/// For each feature of both sides its nearest ones on the other: what takes the time, to be kept while the pair is
+/// asked about.
 #[derive(Debug, Clone)]
 pub struct NearestOfBoth {
     of_a: Vec<Nearest>,

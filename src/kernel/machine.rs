@@ -15,15 +15,15 @@
 //! | `STRIP_COLUMNS`, `KEYPOINTS_TOGETHER` | second cache | patches that share pixels of the frames | `cpu_time` |
 //! | `PATCH_ROWS_TOGETHER` | vector registers | rows of a patch that are read once | `stages` |
 
-/// Vectors whose sums are held at once: enough to hide each other's latency, and two sums of each still fit into sixteen
-/// registers.
+/// Vectors whose sums are held at once: enough to hide each other's latency, and two sums of each still fit into
+/// sixteen registers.
 pub(crate) const MAX_VECTORS: usize = 6;
 /// Values of the widest kind of vector.
 pub(crate) const WIDEST_VECTOR: usize = 16;
 /// Columns that the filter bank makes together: two vectors of the widest kind, a whole number of any kind.
 pub(crate) const BLOCK_COLUMNS: usize = 32;
-/// Rows that the filter bank finishes before it begins the next ones: few enough that what lies between the passes stays
-/// in the second cache.
+/// Rows that the filter bank finishes before it begins the next ones: few enough that what lies between the passes
+/// stays in the second cache.
 pub(crate) const BATCH_ROWS: usize = 112;
 /// Rows of one level that are made at once, at most; half of them where vectors are shorter and registers fewer.
 pub(crate) const MAX_LEVEL_ROWS: usize = 8;

@@ -16,7 +16,7 @@ pub const GAMMA_RANGE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 
 /// How values become colours.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct Display {
     /// The value shown with the map's first colour, in the picture's unit (fraction of full scale). Smaller values look
     /// the same.
@@ -120,7 +120,7 @@ impl Colours {
 pub fn to_rgba8(plane: &Plane, display: &Display) -> image::RgbaImage {
     let colours = display.colours();
     let width = plane.width();
-    let mut bytes = vec![0u8; width * plane.height() * 4];
+    let mut bytes: Vec<u8> = super::memory::zeroed(width * plane.height() * 4);
     if width > 0 {
         bytes.par_chunks_mut(width * 4).zip(plane.data().par_chunks(width)).for_each(|(out, row)| {
             for (pixel, &value) in out.chunks_exact_mut(4).zip(row) {

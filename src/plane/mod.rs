@@ -8,6 +8,7 @@ pub mod blocks;
 pub mod blur;
 pub mod colour_map;
 pub mod display;
+pub mod memory;
 pub mod profile;
 pub mod sample;
 pub mod statistics;
@@ -22,9 +23,10 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane of zeros of `width × height` pixels. Either may be 0.
+    /// A plane of zeros of `width × height` pixels. Either may be 0. Unwinds as [`memory::NoMemory`] where the system
+    /// refuses the memory, as all that make planes do.
     pub fn zeros(width: usize, height: usize) -> Self {
-        Self { width, height, data: vec![0.0; width * height] }
+        Self { width, height, data: memory::zeroed(width.saturating_mul(height)) }
     }
 
     /// Takes `data` as the pixels, row by row.
@@ -38,7 +40,7 @@ impl Plane {
 
     /// The plane whose value at column `u`, row `v` is `f(u, v)`.
     pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Self {
-        let mut data = Vec::with_capacity(width * height);
+        let mut data = memory::with_capacity(width.saturating_mul(height));
         for v in 0..height {
             for u in 0..width {
                 data.push(f(u, v));

@@ -1,7 +1,12 @@
 //! A folder that is written whole or not at all: everything goes into a hidden folder beside the target, which then
 //! takes the target's place.
+//!
+//! A run that is killed leaves its hidden folder; the next one that writes there removes it. A lock of the system on a
+//! file in it, which ends with its process, tells what is still in use.
 
 use crate::monitor::Cancelled;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Why a burst was not written.
@@ -48,7 +53,9 @@ pub(super) fn write_folder(
         _ => PathBuf::from("."),
     };
     std::fs::create_dir_all(&parent).map_err(io(&parent))?;
-    let stage = tempfile::Builder::new().prefix(".synth-").tempdir_in(&parent).map_err(io(&parent))?;
+    remove_abandoned(&parent);
+    let stage = tempfile::Builder::new().prefix(STAGE_PREFIX).tempdir_in(&parent).map_err(io(&parent))?;
+    let _lock = locked(&stage.path().join(LOCK_FILE), dir).map_err(io(stage.path()))?;
     let fresh = stage.path().join("new");
     std::fs::create_dir(&fresh).map_err(io(&fresh))?;
     fill(&fresh)?;
@@ -63,4 +70,75 @@ pub(super) fn write_folder(
         return Err(WriteBurstError::Io { path: dir.to_owned(), source });
     }
     Ok(())
+}
+
+const STAGE_PREFIX: &str = ".synth-";
+/// The file in a hidden folder whose lock says that it is in use; its text is the name of the folder that is made.
+const LOCK_FILE: &str = "in-use";
+
+fn locked(path: &Path, target: &Path) -> std::io::Result<File> {
+    let file = File::create_new(path)?;
+    // A file system without locks: then nothing is removed either.
+    let _ = file.try_lock();
+    let name = target.file_name().unwrap_or_default();
+    (&file).write_all(name.as_encoded_bytes())?;
+    Ok(file)
+}
+
+/// Removes the hidden folders in `parent` that killed runs have left. Where one was killed between taking the old
+/// folder away and putting the new one there, the new one, which was complete by then, takes its place.
+fn remove_abandoned(parent: &Path) {
+    for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
+        let stage = entry.path();
+        let is_stage = entry.file_name().to_str().is_some_and(|name| name.starts_with(STAGE_PREFIX));
+        if !is_stage {
+            continue;
+        }
+        let Ok(lock) = OpenOptions::new().write(true).open(stage.join(LOCK_FILE)) else { continue };
+        if lock.try_lock().is_err() {
+            continue;
+        }
+        if stage.join("old").exists()
+            && let Ok(name) = std::fs::read_to_string(stage.join(LOCK_FILE))
+            && !name.is_empty()
+            && !parent.join(&name).exists()
+            && std::fs::rename(stage.join("new"), parent.join(&name)).is_err()
+        {
+            continue;
+        }
+        // One that cannot be removed does no harm.
+        let _ = std::fs::remove_dir_all(&stage);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hidden folder as a killed run leaves it.
+    fn left(parent: &Path, name: &str, target: &str, parts: &[&str]) -> PathBuf {
+        let stage = parent.join(name);
+        std::fs::create_dir(&stage).expect("made");
+        drop(locked(&stage.join(LOCK_FILE), Path::new(target)).expect("locked"));
+        for part in parts {
+            std::fs::create_dir(stage.join(part)).expect("made");
+            std::fs::write(stage.join(part).join("truth.json"), part).expect("written");
+        }
+        stage
+    }
+
+    #[test]
+    fn what_killed_runs_left_is_removed_and_what_is_in_use_stays() {
+        let home = tempfile::tempdir().expect("a folder");
+        let begun = left(home.path(), ".synth-a", "a", &["new"]);
+        let replaced = left(home.path(), ".synth-b", "b", &["new", "old"]);
+        let used = left(home.path(), ".synth-c", "c", &["new"]);
+        let lock = OpenOptions::new().write(true).open(used.join(LOCK_FILE)).expect("there");
+        lock.try_lock().expect("free");
+        std::fs::create_dir(home.path().join(".synth-own")).expect("made");
+        write_folder(&home.path().join("d"), |_| Ok(false), |_| Ok(())).expect("written");
+        assert!(!begun.exists() && !replaced.exists() && used.exists() && home.path().join(".synth-own").exists());
+        assert!(!home.path().join("a").exists() && home.path().join("d").is_dir());
+        assert_eq!(std::fs::read_to_string(home.path().join("b/truth.json")).expect("put there"), "new");
+    }
 }

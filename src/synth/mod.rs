@@ -54,9 +54,11 @@ pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
 pub use write::write_burst;
 
 use crate::monitor::Cancelled;
+use serde::{Deserialize, Serialize};
 
 /// Directions in which things may move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Motion {
     /// Horizontally only, as BuFF 1D searches.
     #[default]

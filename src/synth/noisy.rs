@@ -18,6 +18,7 @@ use super::truth::NoiseTruth;
 use super::write::write_frame;
 use super::{SynthError, check_camera};
 use crate::burst::Burst;
+use crate::files::{MAX_TABLE_BYTES, read_text};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -27,7 +28,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// How noisy the copies shall be.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct NoisyParams {
     /// Per-pixel signal-to-noise ratio; infinite for no noise.
     pub snr: f64,
@@ -245,7 +247,7 @@ fn frame_files(originals: &[String]) -> Vec<String> {
 
 /// Whether `dir` holds nothing but what its own `noise.json` lists.
 fn replaceable(dir: &Path) -> std::io::Result<bool> {
-    let Ok(text) = std::fs::read_to_string(dir.join(TRUTH_FILE)) else {
+    let Ok(text) = read_text(&dir.join(TRUTH_FILE), MAX_TABLE_BYTES) else {
         return Ok(false);
     };
     let Ok(truth) = serde_json::from_str::<NoisyTruth>(&text) else {

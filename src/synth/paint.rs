@@ -6,6 +6,7 @@
 //! can be moved by fractions of a pixel and averaged down without stair-steps.
 
 use super::random::lattice;
+use crate::plane::memory;
 
 /// Samples per pixel on each axis.
 pub const OVERSAMPLING: usize = 2;
@@ -60,7 +61,8 @@ impl Sheet {
     /// An empty sheet for an image of `width × height` pixels, with margins of whole pixels around it.
     pub fn new(width: usize, height: usize, margin_u: usize, margin_v: usize) -> Self {
         let (w, h) = ((width + 2 * margin_u) * OVERSAMPLING, (height + 2 * margin_v) * OVERSAMPLING);
-        Self { width: w, height: h, margin_u, margin_v, value: vec![0.0; w * h], alpha: vec![0.0; w * h], used: None }
+        let (value, alpha) = (memory::zeroed(w * h), memory::zeroed(w * h));
+        Self { width: w, height: h, margin_u, margin_v, value, alpha, used: None }
     }
 
     /// (columns, rows) of samples.

@@ -1,12 +1,12 @@
 //! How the radii of a chart's discs are spread over their range.
 
 use super::random::Stream;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// The law by which radii are drawn from their range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RadiusLaw {
     /// Every radius is as likely as any other: most discs are large.

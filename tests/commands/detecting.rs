@@ -125,7 +125,7 @@ fn wrong_use_is_2_and_says_what_would_be_right() {
         (&["detect", "demo", "--out", "x", "--frames", "4"], "A..B"),
         (&["detect", "demo", "--out", "x", "--format", "xlsx"], "csv, colmap and npz"),
         (&["detect", "demo", "--out", "x", "--threads", "0"], "1..=1024"),
-        (&["detect", "demo", "--out", "x", "--bias", "b.png"], "no bias frame"),
+        (&["detect", "demo", "--out", "x", "--bias", "b.png"], "no calibration"),
         (&["stack", "demo", "--slope", "1", "--out", "x.tiff"], "U,V"),
         (&["stack", "demo", "--slope", "1,0", "--octave", "0", "--out", "x.tiff"], "--level"),
         (&["stack", "demo", "--slope", "1,0", "--out", "x.png"], ".tiff"),
@@ -262,9 +262,11 @@ fn help_and_version_are_answers_not_errors() {
     }
     // Only commands that exist are offered.
     let commands = run_well(home.path(), &["--help"]);
-    for command in ["detect", "match", "merge", "stack", "slopes", "probe", "synth", "evaluate", "colmap", "render"] {
+    for command in
+        ["detect", "match", "merge", "stack", "slopes", "probe", "synth", "evaluate", "figures", "colmap", "render"]
+    {
         assert!(commands.contains(&format!("\n  {command} ")), "{command}");
         run_well(home.path(), &[command, "--help"]);
     }
-    assert!(!commands.contains("\n  figures "));
+    assert!(!commands.contains("\n  compare "));
 }

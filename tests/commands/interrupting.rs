@@ -64,3 +64,14 @@ fn a_study_stops_and_leaves_no_figure() {
     assert!(duration < Duration::from_secs(5), "{duration:?}");
     assert_eq!(names(home.path()), Vec::<String>::new());
 }
+
+#[test]
+fn figures_stop_and_leave_none_half_made() {
+    let home = tempfile::tempdir().expect("a folder");
+    let arguments = ["figures", "--out", "paper", "--only", "fig5", "--no-colmap", "--threads", "1"];
+    let (code, duration) = interrupt(home.path(), &arguments, Duration::from_millis(1500));
+    assert_eq!(code, Some(130));
+    assert!(duration < Duration::from_secs(5), "{duration:?}");
+    let left = names(&home.path().join("paper"));
+    assert!(left.iter().all(|name| name == "records" || name.starts_with('.')), "{left:?}");
+}

@@ -141,3 +141,30 @@ fn two_processes_do_not_write_into_one_folder() {
     std::thread::sleep(Duration::from_millis(1));
     run_well(home.path(), &arguments("rec", "12"));
 }
+
+#[test]
+fn what_several_runs_have_found_is_gathered() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b", "c", "d"] {
+        let size =
+            ["--width", "96", "--height", "72", "--frames", "4", "--discs", "4", "--radius", "3:6", "--seed", name];
+        let size = size.map(|word| if word == name { if name == "a" { "1" } else { "2" } } else { word });
+        run_well(home.path(), &[&["synth", "chart", "--out", &format!("nights/{name}")][..], &size].concat());
+    }
+    let search = ["--slopes-u", "-1:1:3", "--octaves", "2"];
+    let colmap = |inputs: &[&str], more: &[&str]| run_well(home.path(), &[&["colmap"], inputs, &search, more].concat());
+    colmap(&["nights"], &["--out", "whole"]);
+    // Two machines, two bursts each; the second one lost a file.
+    colmap(&["nights/a", "nights/b"], &["--out", "one"]);
+    colmap(&["nights/c", "nights/d"], &["--out", "two"]);
+    fs::write(home.path().join("two/features/d.png.txt"), "0 128\n").expect("altered");
+    let text = colmap(&["nights"], &["--out", "all", "--gather", "one", "--gather", "two"]);
+    assert!(text.contains("gathered the features of 3 of 4 bursts"), "{text}");
+    assert_eq!(text.matches("from an earlier run").count(), 3, "{text}");
+    same(&home.path().join("all"), &made(&home.path().join("whole")), "gathered");
+    // Features of other parameters are not taken.
+    let text = colmap(&["nights"], &["--out", "other", "--gather", "one", "--edge-threshold", "5"]);
+    assert!(text.contains("gathered the features of 0 of 4 bursts"), "{text}");
+    let words = run_badly(home.path(), &["colmap", "nights", "--out", "none", "--gather", "gone"], 1);
+    assert!(words.contains("gone"), "{words}");
+}

@@ -74,6 +74,38 @@ fn accuracy_and_noise_give_tables_and_json() {
 }
 
 #[test]
+fn frames_are_counted_on_charts_and_in_a_burst() {
+    let home = tempfile::tempdir().expect("a folder");
+    let few = ["--snr", "2", "--methods", "sift-frame,buff-1d", "--frame-counts", "4,2", "--plot", "charts.svg"];
+    let charts = [&["evaluate", "frames"], &SMALL[..], &few].concat();
+    let table = run_well(home.path(), &charts);
+    for words in ["in 2 to 4 frames of 260×200", "one chart for each number of frames", "BuFF 1D", "wrote charts.svg"]
+    {
+        assert!(table.contains(words), "{words}: {table}");
+    }
+    let report = json(&run_well(home.path(), &[&charts[..], &["--json"]].concat()));
+    let counts: Vec<_> = report["rows"].as_array().expect("rows").iter().map(|row| row["frames"].as_u64()).collect();
+    assert_eq!((report["command"].as_str(), counts), (Some("evaluate frames"), vec![Some(2), Some(4)]));
+    let svg = std::fs::read_to_string(home.path().join("charts.svg")).expect("a figure");
+    assert!(svg.contains("number of frames") && svg.contains("SIFT, one frame"), "{svg}");
+
+    let made =
+        ["synth", "chart", "--width", "200", "--height", "150", "--discs", "6", "--max-slope", "1", "--frames", "5"];
+    run_well(home.path(), &[&made[..], &["--snr", "2", "--out", "night"]].concat());
+    let slopes = ["--slopes-u", "-1:1:5", "--plot", "burst.svg"];
+    let burst = [&["evaluate", "frames", "night", "night"], &slopes[..]].concat();
+    let table = run_well(home.path(), &burst);
+    assert!(table.contains("confirmed") && table.contains("discs known: 6") && table.contains("inliers"), "{table}");
+    let report = json(&run_well(home.path(), &[&burst[..], &["--json"]].concat()));
+    let rows = report["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 4, "2, 3, 4 and 5 frames");
+    assert_eq!(rows[3]["confirmed"], report["features"]);
+    assert!(rows[3]["discs_found"].as_u64() >= Some(5), "{report}");
+    let svg = std::fs::read_to_string(home.path().join("burst.svg")).expect("a figure");
+    assert!(svg.contains("confirmed by all frames") && svg.contains("Matches with as many frames"), "{svg}");
+}
+
+#[test]
 fn wrong_use_says_what_would_be_right() {
     let home = tempfile::tempdir().expect("a folder");
     for (arguments, words) in [
@@ -90,6 +122,13 @@ fn wrong_use_says_what_would_be_right() {
         (vec!["evaluate", "chart", "--seeds", "0"], "--seeds"),
         (vec!["evaluate", "chart", "--radius", "9:4", "--snr", "1"], "--radius: 9:4; give MIN:MAX in pixels"),
         (vec!["evaluate", "chart", "--radius-law", "even"], "uniform, log"),
+        (vec!["evaluate", "frames", "--frame-counts", "1"], "--frames: a single frame shows no motion"),
+        (vec!["evaluate", "frames", "--frames", "0..3"], "--frame-counts"),
+        (vec!["evaluate", "frames", "demo", "--seeds", "3"], "cannot be used with"),
+        (vec!["evaluate", "frames", "demo", "--motion", "2d"], "cannot be used with"),
+        (vec!["evaluate", "frames", "demo", "--discs", "9"], "cannot be used with"),
+        (vec!["evaluate", "frames", "demo", "--frame-counts", "99"], "--frame-counts: 99 of"),
+        (vec!["evaluate", "frames", "--plot", "frames.png"], "name a file that ends in .svg"),
         (vec!["evaluate", "accuracy", "--levels", "0"], "--levels: "),
         (vec!["evaluate", "noise", "--sigma", "0.5"], "--sigma: 0.5; give standard deviations"),
         (vec!["evaluate", "noise", "--bits", "many"], "neither 'none' nor a number of bits"),

@@ -48,14 +48,7 @@ pub fn names(folder: &Path) -> Vec<String> {
 
 /// The folder of real data, if it is there; a printed line if not.
 pub fn shared_data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
-    let folder = Some(beside)
-        .filter(|p| p.is_dir())
-        .or_else(|| std::env::var_os("BURSTSCOPE_SHARED").map(PathBuf::from).filter(|p| p.is_dir()));
-    if folder.is_none() {
-        println!("skipped: the folder of real data, ../shared, is not here");
-    }
-    folder.map(|p| p.join("data"))
+    crate::shared::shared("data")
 }
 
 /// The lines of a CSV file of features as numbers, without the header.

@@ -46,15 +46,16 @@ fn found_missed_repeated_and_false_add_up_and_each_miss_has_a_reason() {
     let params = DetectorParams { noise_gate: NoiseGate::Factor(7.0), distinct: Distinct::Off, ..params() };
     let cache = cache(&burst, &params);
     let against = against_truth(&cache, &truth, &Monitor::default()).expect("not cancelled");
-    let AgainstTruth { found, missed, repeated, false_features } = &against;
+    let AgainstTruth { found, missed, repeated, elsewhere, is_whole_truth } = &against;
     assert_eq!(found.len() + missed.len(), truth.features.len());
     assert!(!found.is_empty() && !missed.is_empty() && !repeated.is_empty(), "{}", against.summary());
     let mut all: Vec<usize> =
-        found.iter().map(|f| f.0).chain(repeated.iter().copied()).chain(false_features.iter().copied()).collect();
+        found.iter().map(|f| f.0).chain(repeated.iter().copied()).chain(elsewhere.iter().copied()).collect();
     let count = all.len();
     all.sort_unstable();
     all.dedup();
     assert_eq!(all.len(), count, "each feature is one of the three");
+    assert!(*is_whole_truth && against.summary().ends_with(&format!("{} false", elsewhere.len())));
     let gated = missed.iter().filter(|m| m.fate.as_ref().is_some_and(|f| f.first_failed == Some(Test::NoiseGate)));
     assert!(2 * gated.count() > missed.len(), "most were taken by the gate: {missed:#?}");
     assert!(missed.iter().all(|m| !m.why.is_empty()));

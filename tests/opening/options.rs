@@ -54,7 +54,10 @@ fn a_bias_must_fit_and_its_errors_name_it() {
     save(&at("bias.png"), &grey8(2, 3, 0));
     let options = |name: &str| OpenOptions { bias: Some(at(name)), ..OpenOptions::default() };
     let error = open(&at("a.png"), &options("bias.png")).expect_err("another size");
-    assert!(matches!(error, OpenError::BiasSize { bias_size: (2, 3), frame_size: (3, 2), .. }), "{error}");
+    assert!(
+        matches!(error, OpenError::CalibrationSize { kind: "bias", size: (2, 3), frame_size: (3, 2), .. }),
+        "{error}"
+    );
     assert!(error.to_string().contains("bias.png"), "{error}");
     let error = open(&at("a.png"), &options("missing.png")).expect_err("missing");
     assert!(matches!(error, OpenError::NotFound { ref path } if path.ends_with("missing.png")), "{error}");

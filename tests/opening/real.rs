@@ -1,17 +1,12 @@
 //! Bursts of real cameras, where they are at hand.
 
+use crate::shared::shared;
 use burstscope::burst::{Burst, OpenError, find_bursts};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The folder of real bursts, or `None` with a line that says so.
 fn data() -> Option<PathBuf> {
-    let beside = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")).to_path_buf();
-    let shared = if beside.is_dir() { Some(beside) } else { std::env::var_os("BURSTSCOPE_SHARED").map(PathBuf::from) };
-    let data = shared.map(|s| s.join("data")).filter(|d| d.is_dir());
-    if data.is_none() {
-        println!("skipped: no folder ../shared/data, and BURSTSCOPE_SHARED does not name one");
-    }
-    data
+    shared("data")
 }
 
 #[test]
@@ -45,14 +40,31 @@ fn real_bursts_open() {
 fn the_data_folder_is_a_dataset() {
     let Some(data) = data() else { return };
     let names: Vec<String> = find_bursts(&[data]).expect("bursts").into_iter().map(|s| s.name).collect();
-    assert_eq!(names, ["buff-demo-1d", "buff-demo-2d", "light-field-shop", "slider-far", "visp-cube"]);
+    let raw = cfg!(feature = "raw").then_some("raw");
+    let expected: Vec<&str> = ["buff-demo-1d", "buff-demo-2d", "light-field-shop"]
+        .into_iter()
+        .chain(raw)
+        .chain(["slider-far", "visp-cube"])
+        .collect();
+    assert_eq!(names, expected);
 }
 
 #[test]
-fn sensor_raw_files_are_refused_with_a_reason() {
+fn sensor_raw_files_open_or_are_refused_with_a_reason() {
     let Some(data) = data() else { return };
-    let error = Burst::open(data.join("raw/colorchart.dng")).expect_err("a Bayer mosaic");
-    assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
+    let opened = Burst::open(data.join("raw/colorchart.dng"));
+    if cfg!(feature = "raw") {
+        let chart = opened.expect("a camera's own DNG");
+        let (width, height) = chart.size();
+        assert!(chart.binning == 2 && width > 500 && height > 500, "{width}×{height}");
+        let values = chart.frames[0].data();
+        let mean = values.iter().sum::<f32>() / values.len() as f32;
+        println!("{width}×{height}, white {}, mean {mean}", chart.full_scale);
+        assert!((0.01..0.9).contains(&mean) && values.iter().all(|v| (-0.1..1.3).contains(v)), "mean {mean}");
+    } else {
+        let error = opened.expect_err("nothing reads it");
+        assert!(matches!(error, OpenError::Unsupported { .. }) && error.to_string().contains("raw"), "{error}");
+    }
     let error = Burst::open(data.join("raw/openisp_test_1920x1080.raw")).expect_err("no header");
     assert!(matches!(error, OpenError::UnknownKind { .. }), "{error}");
 }

@@ -142,7 +142,7 @@ fn every_supported_ending_can_be_opened() {
     let folder = folder();
     for extension in supported_extensions() {
         let path = folder.path().join(format!("a.{extension}"));
-        match *extension {
+        match extension {
             "npy" => ndarray_npy::write_npy(&path, &ndarray::Array2::<u8>::zeros((2, 3))).expect("written"),
             "ppm" => save(&path, &image::RgbImage::new(3, 2)),
             "webp" => save(&path, &image::RgbImage::new(3, 2)),
@@ -152,7 +152,13 @@ fn every_supported_ending_can_be_opened() {
                 let header = "P7\nWIDTH 3\nHEIGHT 2\nDEPTH 1\nMAXVAL 255\nTUPLTYPE GRAYSCALE\nENDHDR\n";
                 fs::write(&path, format!("{header}abcdef")).expect("written");
             }
-            _ => save(&path, &image::GrayImage::new(3, 2)),
+            "png" | "tif" | "tiff" | "jpg" | "jpeg" | "pgm" | "bmp" => save(&path, &image::GrayImage::new(3, 2)),
+            // Endings of raw files, which have tests of their own; what the file holds is told by its content.
+            _ => {
+                let png = folder.path().join("really.png");
+                save(&png, &image::GrayImage::new(3, 2));
+                fs::rename(&png, &path).expect("renamed");
+            }
         }
         let burst = Burst::open(&path).expect(extension);
         assert_eq!(burst.size(), (3, 2), "{extension}");

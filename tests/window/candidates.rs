@@ -17,6 +17,7 @@ fn open(folder: &Path) -> Window {
         DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
     let mut window = start.open();
     window.run_action("detect");
+    window.settle();
     window.click("Tally");
     window.settle();
     window

@@ -91,13 +91,58 @@ fn a_file_that_holds_no_features_is_refused_with_a_reason() {
 }
 
 #[test]
+fn a_session_comes_back_with_what_the_features_are_compared_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let (session, theirs) = (folder.path().join("compared.burstscope.toml"), folder.path().join("theirs.csv"));
+    let mut window = Start::default().open();
+    write_csv(&theirs, &window.app().model.features()[5..]).unwrap();
+    window.run_action("pin this result");
+    window.app_mut().model.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0);
+    window.settle();
+    let pinned = window.app().model.shown_comparison().expect("a comparison").clone();
+    assert!(pinned.count(Kind::Theirs) > 0);
+    window.dialogs.will_choose(&theirs);
+    window.run_action("open features");
+    window.settle();
+    let laid_over = window.app().model.shown_comparison().expect("a comparison").summary.clone();
+    window.dialogs.will_choose(&session);
+    window.run_action("save session");
+    window.settle();
+
+    let reopen = || {
+        let mut window = Start::default().open();
+        window.dialogs.will_choose(&session);
+        window.run_action("open session");
+        window.settle();
+        window
+    };
+    let shows_pinned = |window: &mut crate::support::Window| {
+        window.click("Pinned result");
+        window.settle();
+        let shown = window.app().model.shown_comparison().expect("a comparison");
+        // It was found again, with the same bits.
+        assert_eq!((&shown.rows, &shown.summary), (&pinned.rows, &pinned.summary));
+    };
+    let mut window = reopen();
+    let shown = window.app().model.shown_comparison().expect("a comparison");
+    assert_eq!((shown.with, &shown.summary), (With::File, &laid_over));
+    shows_pinned(&mut window);
+    // A file that is gone is missed in its place, and nothing else is.
+    std::fs::remove_file(&theirs).unwrap();
+    let mut window = reopen();
+    assert!(window.app().model.shown_comparison().is_none() && window.shows("theirs.csv"));
+    assert_eq!(window.app().model.params.noise_gate, burstscope::detector::NoiseGate::Factor(6.0));
+    shows_pinned(&mut window);
+}
+
+#[test]
 fn what_is_seen_is_copied_as_a_command() {
     let mut window = Start::default().open();
     window.app_mut().model.params.max_features = 25;
     window.settle();
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);
-    let line = burstscope::cli::detect_line(&["demo".to_owned()], &window.app().model.asked());
+    let line = burstscope::cli::detect_line(&["demo".to_owned()], &window.app().model.asked(), &Default::default());
     assert!(line.starts_with("burstscope detect demo --out ") && line.contains("--max-features 25"), "{line}");
     window.harness.run_steps(1);
     assert!(window.shows(&format!("Copied {line}")));

@@ -142,7 +142,7 @@ fn trajectory_matrix() {
         }
     }
     for state in &mut open.states {
-        if let burstscope::app::dataset::BurstState::Done(finished) = state {
+        if let burstscope::app::project::datasets::BurstState::Done(finished) = state {
             finished.seconds = Some(0.3);
             finished.features *= 9;
         }

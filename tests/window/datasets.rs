@@ -2,7 +2,7 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::Startup;
-use burstscope::app::dataset::{BurstState, Dataset};
+use burstscope::app::project::datasets::{BurstState, Dataset};
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::SlopeGrid;
 use burstscope::synth::{SceneParams, synth_scene, write_burst};
@@ -251,24 +251,19 @@ fn a_session_brings_the_dataset_back() {
 }
 
 #[test]
-fn filmstrip() {
+fn a_picture_beside_the_bursts_of_a_dataset_is_named() {
     let home = tempfile::tempdir().unwrap();
-    let source = walk(home.path());
-    std::fs::write(home.path().join("film/frame_012.png"), "broken").unwrap();
-    let mut window = start(source).open();
-    window.click("Detect all");
-    window.settle();
-    click_burst(&mut window, "Use frame_002 as A");
-    click_burst(&mut window, "Use frame_007 as B");
-    let model = &mut window.app_mut().model;
-    let dataset = model.datasets.open.as_mut().unwrap();
-    // How long it took, and where this test's files lie, differ from run to run.
-    for state in &mut dataset.states {
-        if let BurstState::Done(finished) = state {
-            finished.seconds = Some(0.3);
+    let nights = home.path().join("nights");
+    for (folder, shade) in [("nights/a", 9u8), ("nights/b", 12)] {
+        std::fs::create_dir_all(home.path().join(folder)).unwrap();
+        for t in 0..2 {
+            let frame = image::GrayImage::from_fn(40, 30, |u, v| image::Luma([shade + ((u * 7 + v * 3) % 50) as u8]));
+            frame.save(home.path().join(format!("{folder}/{t}.png"))).unwrap();
         }
     }
-    dataset.folder = Some("/data/film-burstscope-5".into());
-    model.messages.note("2 bursts done");
-    window.snapshot("filmstrip");
+    image::GrayImage::new(40, 30).save(nights.join("preview.png")).unwrap();
+    let mut window = start(DatasetSource::of_bursts(vec![nights])).open_without_waiting();
+    window.wait("the dataset is open", |app| app.model.datasets.open.is_some());
+    assert_eq!(dataset(&window).bursts.len(), 2);
+    assert!(window.shows("belongs to none") && window.shows("preview.png"));
 }

@@ -1,10 +1,11 @@
 //! Saving and loading parameters and sessions, exporting, remembering.
 
-use crate::support::{Start, noisy_stack};
+use crate::support::{Memory, Start, noisy_stack};
 use burstscope::app::Startup;
 use burstscope::app::canvas::View;
 use burstscope::app::pane::SavedPanes;
 use burstscope::app::project::pair::Side;
+use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
 use burstscope::detector::{DetectorParams, Slope};
 use egui::accesskit::Role;
@@ -97,7 +98,7 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     let mut other = Start { startup, ..Start::default() }.open();
     other.settle();
     let saved = |window: &crate::support::Window| {
-        let mut saved = SavedPanes::of(&window.app().model.panes);
+        let mut saved = SavedPanes::of(&window.app().model.panes, Workspace::Inspect);
         // What a fitted view calls its middle is found anew.
         saved.panes.iter_mut().for_each(|pane| pane.view = View::default());
         saved
@@ -222,20 +223,6 @@ fn a_file_that_cannot_be_written_is_named() {
 
 #[test]
 fn theme_panels_and_recent_bursts_are_remembered() {
-    #[derive(Default)]
-    struct Memory(std::collections::HashMap<String, String>);
-    impl eframe::Storage for Memory {
-        fn get_string(&self, key: &str) -> Option<String> {
-            self.0.get(key).cloned()
-        }
-        fn set_string(&mut self, key: &str, value: String) {
-            self.0.insert(key.to_owned(), value);
-        }
-        fn remove_string(&mut self, key: &str) {
-            self.0.remove(key);
-        }
-        fn flush(&mut self) {}
-    }
     let folder = tempfile::tempdir().unwrap();
     let stack = noisy_stack(folder.path(), 3, 48, 48);
     let mut window = Start::of(&stack).open();

@@ -113,7 +113,7 @@ fn error_message() {
 /// Two bursts of the demo street in a window of `size`.
 fn open_pair(size: [f32; 2]) -> Window {
     let mut start = Start { size, ..Start::default() };
-    start.startup.second = Some(burstscope::engine::BurstSource::DemoLater);
+    start.startup.second = Some(burstscope::requests::BurstSource::DemoLater);
     let mut window = start.open();
     // The range of values is that of the picture that came first, which may be one before or after A's slope was found.
     let model = &mut window.app_mut().model;
@@ -155,6 +155,7 @@ fn methods_matches() {
 fn wipe() {
     let mut window = open();
     window.click("Methods");
-    window.key(Key::W);
+    window.settle();
+    window.click("Wipe");
     window.snapshot("wipe");
 }

@@ -3,9 +3,10 @@
 use crate::support::{Start, Window, given};
 use burstscope::Monitor;
 use burstscope::app::Startup;
+use burstscope::app::project::pair::Side;
 use burstscope::app::project::workspace::Workspace;
-use burstscope::engine::BurstSource;
 use burstscope::inspect::unmatched::{Losses, Lost};
+use burstscope::requests::BurstSource;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -65,6 +66,37 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let asked = window.app().model.asked_feature().expect("a feature is asked about");
     assert_eq!((a.features[asked].u, a.features[asked].v), (f.u, f.v));
     assert!(window.app().model.pair.selected.is_none());
+}
+
+#[test]
+fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
+    let mut window = two_bursts();
+    let found = window.app().model.losses().expect("the losses are known").clone();
+    let losses = Losses::new(found.request.pair(), &Monitor::default()).unwrap();
+    let missing = (0..found.lost.len())
+        .find(|&index| found.lost[index] == Lost::NoKeypoint && !losses.of(index, 5).expected.is_empty())
+        .expect("the geometry puts one where no keypoint is");
+    let names = |window: &Window| Side::BOTH.map(|side| window.app().model.burst_of(side).unwrap().burst.name.clone());
+    assert_eq!(names(&window), ["demo", "demo-later"]);
+    window.app_mut().model.ask_feature(Some(missing));
+    window.settle();
+    let place = window.app().model.expected_place().expect("a place in B");
+    window.click("Probe its place in B");
+    window.settle();
+    assert_eq!(
+        (window.app().model.workspace, names(&window)),
+        (Workspace::Inspect, ["demo-later", "demo"].map(String::from))
+    );
+    let probe = &window.app().model.probe;
+    assert!(probe.is_current() && probe.is_open, "{:?}", probe.problem);
+    let answer = probe.answer.as_ref().unwrap();
+    assert_eq!(answer.probe.pos_image, place);
+    assert_eq!(answer.request.traced.cache.burst.name, "demo-later");
+    // Back again the place is not taken for one of the other burst.
+    window.run_action("swap a and b");
+    window.settle();
+    assert_eq!(names(&window), ["demo", "demo-later"]);
+    assert!(window.app().model.probe.answer.is_none() && window.app().model.probe.place().is_none());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use burstscope::app::pane::Content;
 use burstscope::app::session::Session;
 use burstscope::detector::view::{coverage_view, gate_noise_map};
 use burstscope::detector::{DetectorParams, SlopeGrid};
-use burstscope::engine::MapKind;
+use burstscope::requests::MapKind;
 use burstscope::synth::random::Stream;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};

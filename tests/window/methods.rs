@@ -2,11 +2,13 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
-use burstscope::app::project::compare::{Contender, Layout};
+use burstscope::app::pane::Over;
+use burstscope::app::project::compare::Contender;
 use burstscope::app::project::pair::Side;
 use burstscope::baseline;
-use burstscope::engine::BurstSource;
+use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::inspect::words::counted;
+use burstscope::requests::BurstSource;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -45,16 +47,16 @@ fn with_a_second_burst_matches_are_compared_too() {
     assert!(window.shows(&inliers(Contender::Buff1d).to_string()));
     window.click("Match lines");
     window.settle();
-    assert_eq!(window.app().model.compare.look.layout, Layout::Matches);
+    assert_eq!(window.app().model.panes.arrangement().in_rows().len(), 4, "a row for each");
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "B: BuFF 1D").is_some());
 }
 
 #[test]
 fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     let mut window = methods(false);
-    window.key(Key::W);
+    window.click("Wipe");
     window.settle();
-    assert_eq!(window.app().model.compare.look.layout, Layout::Wipe);
+    let [left, right] = window.app().model.panes.shown()[..] else { panic!("two in one place") };
     let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
     window.harness.drag_at(handle);
     window.harness.run_steps(1);
@@ -62,13 +64,77 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     window.harness.run_steps(1);
     window.harness.drop_at(handle + egui::vec2(120.0, 0.0));
     window.harness.run_steps(2);
-    assert!(window.app().model.compare.look.wipe > 0.55, "{}", window.app().model.compare.look.wipe);
+    let over = window.app().model.panes.over(left);
+    assert!(matches!(over, Some(Over::Wipe { other, at }) if other == right && at > 0.55), "{over:?}");
+    // Which two they are is chosen beside the picture.
+    let methods = |window: &Window| [left, right].map(|id| window.app().model.panes.get(id).unwrap().method.unwrap());
+    assert_eq!(methods(&window), [Contender::Sift, Contender::Buff1d]);
+    window.harness.get_by_role_and_label(Role::ComboBox, "Right").click();
+    window.harness.run_steps(2);
+    window.click("SIFT, merged");
+    window.settle();
+    assert_eq!(methods(&window), [Contender::Sift, Contender::Merge]);
+    assert!(window.shows("SIFT, merged  ·  Merged frames"));
     window.key(Key::W);
     window.settle();
-    assert!(window.harness.query_by_role_and_label(Role::Canvas, "A: SIFT, one frame").is_some());
+    assert!(window.shows("1  ·  SIFT, one frame  ·  Frame 5"));
     window.key(Key::Y);
     window.settle();
-    assert!(window.harness.query_by_role_and_label(Role::Canvas, "A: BuFF 1D").is_some());
+    assert!(window.shows("2  ·  SIFT, merged  ·  Merged frames"), "the other one is on show");
+}
+
+#[test]
+fn a_pane_of_a_method_is_split_into_stack_and_dog() {
+    let mut window = methods(false);
+    let pane = |window: &Window, method: Contender| window.app().model.panes.shown_of(Side::A, Some(method));
+    let [own] = pane(&window, Contender::Buff1d)[..] else { panic!("one pane") };
+    let number = window.app().model.panes.number(own).unwrap();
+    window.click(&format!("Split down {number}"));
+    window.key(Key::Num3);
+    window.settle();
+    let [stack, dog] = pane(&window, Contender::Buff1d)[..] else { panic!("two panes") };
+    let model = &window.app().model;
+    let burst = &model.burst.as_ref().unwrap().burst;
+    let params = Contender::Buff1d.params(&model.params);
+    let plane = |id| model.panes.get(id).unwrap().picture.clone().unwrap().plane;
+    let cursor = model.panes.get(dog).unwrap().cursor;
+    let monitor = Monitor::default();
+    assert_eq!(*plane(stack), stack_view(burst, &params, cursor.slope, &monitor).unwrap());
+    assert_eq!(*plane(dog), dog_view(burst, &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap());
+    let name = format!("A: BuFF 1D, pane {}", model.panes.number(dog).unwrap());
+    assert!(window.harness.query_by_role_and_label(Role::Canvas, &name).is_some(), "{name}");
+    // The others went along to the DoG of what they look at.
+    let [sift] = pane(&window, Contender::Sift)[..] else { panic!("one pane") };
+    let model = &window.app().model;
+    let params = Contender::Sift.params(&model.params);
+    let plane = model.panes.get(sift).unwrap().picture.clone().unwrap().plane;
+    let expected = dog_view(burst_of(&window), &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
+    assert_eq!(*plane, expected);
+    window.snapshot("methods_split");
+}
+
+fn burst_of(window: &Window) -> &burstscope::burst::Burst {
+    &window.app().model.burst.as_ref().unwrap().burst
+}
+
+#[test]
+fn a_method_that_is_switched_off_loses_its_pane_and_the_others_stay() {
+    let mut window = methods(true);
+    window.click("Match lines");
+    window.settle();
+    let methods = |window: &Window| -> Vec<Contender> {
+        let panes = &window.app().model.panes;
+        panes.shown().iter().filter_map(|id| panes.get(*id)?.method).collect()
+    };
+    let merge = "SIFT, merged";
+    window.harness.get_by_role_and_label(Role::CheckBox, merge).click();
+    window.settle();
+    let left = [Contender::Sift, Contender::Buff1d, Contender::Buff2d];
+    assert_eq!(methods(&window), left.into_iter().flat_map(|method| [method; 2]).collect::<Vec<_>>());
+    window.harness.get_by_role_and_label(Role::CheckBox, merge).click();
+    window.settle();
+    assert_eq!(methods(&window)[6..], [Contender::Merge; 2], "in a row of its own");
+    assert!(window.shows("matches are inliers"));
 }
 
 #[test]
@@ -93,8 +159,7 @@ fn the_comparison_is_kept_in_a_session() {
     let file = folder.path().join("methods.burstscope.toml");
     let mut window = methods(false);
     window.key(Key::W);
-    window.app_mut().model.compare.look.wipe = 0.25;
-    window.harness.get_by_role_and_label(Role::CheckBox, "SIFT, merged").click();
+    window.harness.get_by_role_and_label(Role::CheckBox, "BuFF 2D").click();
     window.settle();
     window.dialogs.will_choose(&file);
     window.run_action("save session");
@@ -104,5 +169,19 @@ fn the_comparison_is_kept_in_a_session() {
     other.run_action("open session");
     other.settle();
     assert_eq!(other.app().model.compare.look, window.app().model.compare.look);
-    assert!(other.harness.query_by_role_and_label(Role::Canvas, "Wipe").is_some());
+    let [before, after] = [&window, &other].map(|window| window.app().model.panes.arrangement().clone());
+    assert_eq!((after.panes().len(), &after), (3, &before));
+    assert!(other.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
+    // Before methods had panes a session said which two were in one place.
+    let old = "version = 2\nburst = \"demo\"\ndetected = true\nworkspace = \"methods\"\n[methods]\n\
+               methods = [\"sift\", \"merge\", \"buff1d\"]\nlayout = \"wipe\"\ntwo = [\"merge\", \"buff1d\"]\nwipe = 0.25\n";
+    std::fs::write(&file, old).unwrap();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    let panes = &other.app().model.panes;
+    let [left, right] = panes.shown()[..] else { panic!("two in one place") };
+    let of = |id| panes.get(id).unwrap().method;
+    assert_eq!([left, right].map(of), [Some(Contender::Merge), Some(Contender::Buff1d)]);
+    assert_eq!(panes.over(left), Some(Over::Wipe { other: right, at: 0.25 }));
 }

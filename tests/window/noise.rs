@@ -5,7 +5,7 @@ use crate::support::{Start, Window};
 use burstscope::Monitor;
 use burstscope::app::pane::Content;
 use burstscope::detector::{DetectorParams, SlopeGrid};
-use burstscope::engine::MapKind;
+use burstscope::requests::MapKind;
 use burstscope::synth::NoiseCase;
 use ndarray::Array3;
 use std::path::Path;
@@ -16,6 +16,7 @@ fn open(path: &Path) -> Window {
         DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
     let mut window = start.open();
     window.run_action("detect");
+    window.settle();
     window.click("Noise");
     window.settle();
     window

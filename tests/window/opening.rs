@@ -1,7 +1,7 @@
 //! Opening bursts, and what happens when that fails.
 
 use crate::support::{Start, noisy_stack};
-use burstscope::engine::BurstSource;
+use burstscope::requests::BurstSource;
 use egui_kittest::kittest::Queryable;
 use std::io::Write;
 

@@ -2,12 +2,13 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
+use burstscope::app::pane::{Content, Over, PaneId};
 use burstscope::app::project::cursor::ViewKind;
 use burstscope::app::project::pair::{MatchColumn, Side};
 use burstscope::app::project::workspace::Workspace;
 use burstscope::detector::Slope;
-use burstscope::engine::{BurstSource, PictureKind};
 use burstscope::matching::{Geometry, match_detections};
+use burstscope::requests::{BurstSource, PictureKind};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -166,7 +167,7 @@ fn hands_move_together_or_each_its_own() {
     assert_eq!(slopes(&window), [1.25, -0.5]);
     assert_eq!(Side::BOTH.map(|side| window.app().model.cursor_of(side).kind), [ViewKind::Stack, ViewKind::Dog]);
     assert!(window.app().model.pictures_are_current());
-    assert!(window.shows("slope (1.25, 0.00) px/frame") && window.shows("slope (-0.50, 0.00) px/frame"));
+    assert!(window.shows("A  Stack (1.25, 0)") && window.shows("B  DoG 0/0 (−0.5, 0)"));
     window.key(Key::T);
     window.key(Key::K);
     window.settle();
@@ -218,7 +219,7 @@ fn files_dropped_on_the_right_pane_are_opened_there() {
     let mut window = Start::without_auto_detect().open();
     window.click("Two bursts");
     window.settle();
-    let pane = window.app().pair_panels.rect_b.unwrap();
+    let pane = window.app().widgets.rect_ui(PaneId::of(Side::B)).unwrap();
     window.harness.hover_at(pane.center());
     window.harness.run_steps(1);
     window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
@@ -260,7 +261,7 @@ fn a_session_brings_the_pair_back() {
     assert_eq!(model.burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
     assert_eq!(model.pair.params.ratio, 0.7);
     assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.75, 0.0));
-    assert_eq!((model.pair.active, model.pair.links.cursor), (Side::B, false));
+    assert_eq!((model.active_side(), model.pair_links().cursor), (Side::B, false));
     assert_eq!(model.pair.saved_match(), Some(saved), "the same match is selected");
 }
 
@@ -291,4 +292,149 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     let gap = burstscope::export::PICTURE_GAP_PX as u32;
     let picture = image::open(folder.path().join("m.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (480 + gap + 480, 360));
+}
+
+/// The panes on the screen.
+fn shown(window: &Window) -> Vec<PaneId> {
+    window.app().model.panes.shown()
+}
+
+/// Where a place of pane `id` is, in points.
+fn pos_in(window: &Window, id: PaneId, feature: &burstscope::detector::Feature) -> egui::Pos2 {
+    window.app().widgets.pos_ui(id, egui::pos2(feature.u, feature.v)).unwrap()
+}
+
+/// Points at the middle of the line of the selected match between two panes; answers which match is found there.
+fn match_between(window: &mut Window, a: PaneId, b: PaneId) -> Option<usize> {
+    let model = &window.app().model;
+    let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
+    let (from, to) = (pos_in(window, a, row.a), pos_in(window, b, row.b));
+    let mut found = None;
+    // A part of the line is in the gap between the two pictures, where nothing is pointed at.
+    for part in [0.2, 0.4, 0.6, 0.8] {
+        window.harness.hover_at(from + part * (to - from));
+        window.harness.run_steps(2);
+        found = window.app().model.pair.hovered.or(found);
+    }
+    window.harness.remove_cursor();
+    window.harness.run_steps(2);
+    found
+}
+
+#[test]
+fn a_pane_that_is_split_has_its_part_of_the_matches() {
+    let mut window = pair();
+    window.key(Key::Home);
+    window.settle();
+    let selected = window.app().model.pair.selected;
+    let [a, b] = shown(&window)[..] else { panic!("A and B") };
+    assert_eq!(match_between(&mut window, a, b), selected);
+    // A twice: the lines begin where B's neighbour is, the other one keeps the ends.
+    window.click("Split right 1");
+    window.key(Key::Num3);
+    window.settle();
+    let [first, second, b] = shown(&window)[..] else { panic!("three panes") };
+    assert!(window.app().model.panes.get(second).unwrap().shows(ViewKind::Dog));
+    for name in ["Picture A, pane 1", "Picture A, pane 2", "Picture B"] {
+        assert!(window.harness.query_by_role_and_label(Role::Canvas, name).is_some(), "{name}");
+    }
+    assert_eq!(match_between(&mut window, second, b), selected);
+    let row = selected.and_then(|index| window.app().model.pair.matches.as_ref()?.row(index).map(|row| *row.a));
+    let end = pos_in(&window, first, &row.unwrap());
+    window.harness.hover_at(end);
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.pair.hovered, selected);
+    window.snapshot("two_bursts_split");
+}
+
+#[test]
+fn matches_go_to_where_a_person_puts_the_panes() {
+    let mut window = pair();
+    window.key(Key::Home);
+    window.settle();
+    let selected = window.app().model.pair.selected;
+    let [a, b] = shown(&window)[..] else { panic!("A and B") };
+    let middle = |window: &Window, id: PaneId| window.app().widgets.rect_ui(id).unwrap().center();
+    assert!(middle(&window, a).x < middle(&window, b).x);
+    // B is taken by its name and dropped below A.
+    let grip = window.app().widgets.rect_ui(b).unwrap().left_top() + egui::vec2(40.0, 12.0);
+    let target = window.app().widgets.rect_ui(a).unwrap().center_bottom() - egui::vec2(0.0, 30.0);
+    window.harness.hover_at(grip);
+    window.harness.run_steps(1);
+    window.harness.drag_at(grip);
+    window.harness.run_steps(1);
+    for part in [0.1, 0.4, 0.7, 1.0] {
+        window.harness.hover_at(grip + part * (target - grip));
+        window.harness.run_steps(2);
+    }
+    window.harness.drop_at(target);
+    window.harness.run_steps(4);
+    window.settle();
+    assert!(middle(&window, a).y < middle(&window, b).y, "B is below A now");
+    assert_eq!(match_between(&mut window, a, b), selected);
+    window.snapshot("two_bursts_stacked");
+}
+
+#[test]
+fn both_bursts_their_difference_a_wipe_and_a_flip() {
+    let mut window = pair();
+    window.click("Menu of pane 1");
+    window.harness.run_steps(3);
+    window.click("Layout");
+    window.harness.run_steps(3);
+    window.click("A, B and their difference");
+    window.settle();
+    let [a, b, difference] = shown(&window)[..] else { panic!("three panes") };
+    let model = &window.app().model;
+    assert_eq!(model.panes.get(difference).unwrap().content, Content::Difference(a, b));
+    let plane = |id: PaneId| model.panes.get(id).unwrap().picture.clone().unwrap().plane;
+    assert_eq!(plane(difference).at(90, 70), plane(a).at(90, 70) - plane(b).at(90, 70));
+    window.snapshot("two_bursts_difference");
+    // The pane of A with that of B over it.
+    window.app_mut().model.panes.set_focus(a);
+    window.key(Key::W);
+    assert_eq!(window.app().model.panes.over(a), Some(Over::Wipe { other: b, at: 0.5 }));
+    window.settle();
+    assert!(window.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
+    window.key(Key::W);
+    window.key(Key::Y);
+    assert_eq!(window.app().model.panes.over(a), Some(Over::Flip { other: b, flipped: true }));
+}
+
+#[test]
+fn a_session_keeps_how_two_bursts_are_arranged() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("arranged.burstscope.toml");
+    let mut window = pair();
+    window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::S);
+    window.harness.run_steps(2);
+    window.key(Key::Num3);
+    window.settle();
+    let arrangement = window.app().model.panes.arrangement().clone();
+    assert_eq!(arrangement.panes().len(), 3);
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    let panes = &other.app().model.panes;
+    assert_eq!((panes.arrangement(), panes.focus()), (&arrangement, window.app().model.panes.focus()));
+    assert!(panes.get(panes.focus()).unwrap().shows(ViewKind::Dog));
+    // A session from before two bursts had panes of their own.
+    let text = std::fs::read_to_string(&file).unwrap();
+    let mut old: toml::Table = text.parse().unwrap();
+    old.remove("pair_panes");
+    old.remove("methods_panes");
+    old.insert("version".into(), 2.into());
+    let pair = old["pair"].as_table_mut().unwrap();
+    pair["active"] = "b".into();
+    pair["links"]["cursor"] = false.into();
+    std::fs::write(&file, old.to_string()).unwrap();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    let model = &other.app().model;
+    assert_eq!((model.workspace, model.active_side(), model.pair_links().cursor), (Workspace::Pair, Side::B, false));
 }

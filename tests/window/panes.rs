@@ -9,7 +9,7 @@ use burstscope::app::project::pair::Side;
 use burstscope::baseline::merge_burst;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
-use burstscope::engine::BurstSource;
+use burstscope::requests::BurstSource;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable;

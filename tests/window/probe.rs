@@ -1,12 +1,12 @@
 //! The probe: asked by click, key and menu; what its panel says and does; slices through the frames.
 
-use crate::support::{Start, Window};
+use crate::support::{Start, Window, given};
+use burstscope::app::Startup;
 use burstscope::app::pane::{Content, SliceAxis};
 use burstscope::app::project::cursor::ViewKind;
-use burstscope::detector::{NoiseGate, Slope, SlopeChoice, Test};
-use burstscope::engine::{BurstSource, Probed};
-use burstscope::inspect::suspicion::Kind;
-use burstscope::synth::Example;
+use burstscope::app::settings::Settings;
+use burstscope::detector::{Slope, Test};
+use burstscope::requests::Probed;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
@@ -15,14 +15,7 @@ fn demo() -> Window {
     Start { size: [1280.0, 800.0], ..Start::default() }.open()
 }
 
-/// As it starts with an example of the Help menu: slopes are found unless the example has its own.
-fn example(example: Example) -> Window {
-    let mut start = Start { size: [1280.0, 800.0], ..Start::automatic() };
-    start.startup.source = Some(BurstSource::Example(example));
-    start.open()
-}
-
-fn answer(window: &Window) -> &Probed {
+pub fn answer(window: &Window) -> &Probed {
     let probe = &window.app().model.probe;
     assert!(probe.is_current(), "{:?} {:?}", probe.question, probe.problem);
     probe.answer.as_ref().unwrap()
@@ -129,68 +122,16 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
 }
 
 #[test]
-fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
-    let mut window = example(Example::LowContrast);
-    let place = Example::LowContrast.place();
-    assert_eq!(answer(&window).probe.pos_image, place);
-    assert_eq!(window.app().model.slopes, SlopeChoice::Given);
-    window.snapshot("probe_low_contrast");
-    let fates = answer(&window).probe.fates.clone();
-    let lost = fates
-        .iter()
-        .position(|fate| {
-            fate.first_failed == Some(Test::NoiseGate) && fate.remedy.as_ref().is_some_and(|r| r.then_fails.is_none())
-        })
-        .expect("a candidate that only the gate takes");
-    assert!(lost < 6, "it is among the first that came far: {lost}");
-    let name = format!("Candidate {}: noise gate", lost + 1);
-    window.harness.query_all_by_label_contains(&name).next().expect("it is listed").click();
-    window.harness.run_steps(2);
+fn the_probe_is_to_be_read_on_a_light_ground_too() {
+    let settings = Settings { theme: egui::ThemePreference::Light, ..Settings::default() };
+    let startup = Startup { settings, ..given() };
+    let mut window = Start { size: [1280.0, 800.0], startup, ..Start::default() }.open();
+    window.key(Key::Home);
+    window.click("Why?");
     window.settle();
-    assert_eq!(answer(&window).probe.subject_fate().map(|f| f.of_sample()), Some(fates[lost].of_sample()));
-    assert!(window.shows("Below the noise gate"));
-    let (before, change) = (window.app().model.params.clone(), fates[lost].remedy.clone().unwrap().change);
-    window.click(&format!("Apply {}", change.label()));
-    window.settle();
-    let gate = window.app().model.params.noise_gate;
-    assert!(matches!(gate, NoiseGate::Factor(_)) && gate != before.noise_gate);
-    let now = answer(&window);
-    assert!(!window.app().model.probe_is_stale());
-    let fate = now.probe.fates.iter().find(|f| f.of_sample() == fates[lost].of_sample()).expect("the same candidate");
-    assert_ne!(fate.first_failed, Some(Test::NoiseGate));
-    window.ctrl(Key::Z);
-    window.settle();
-    assert_eq!(window.app().model.params, before);
-    assert_eq!(window.app().model.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
-    // Another burst is searched at the slopes that are found in it again.
-    window.run_action("open demo burst");
-    window.settle();
-    assert!(window.app().model.slopes.is_auto() && window.app().model.probe.place().is_none());
-}
-
-#[test]
-fn garlands_are_suspected_to_be_aliases() {
-    let mut window = example(Example::Aliasing);
-    assert!(window.app().model.probe.is_open && answer(&window).probe.pos_image == Example::Aliasing.place());
-    let is_lamp = |f: &burstscope::Feature| (100.0..165.0).contains(&f.v) && (f.slope.u + 7.0).abs() < 0.6;
-    let lamps: Vec<usize> = (0..window.app().model.features().len())
-        .filter(|&i| is_lamp(&window.app().model.features()[i]))
-        .take(8)
-        .collect();
-    assert!(!lamps.is_empty(), "the garlands answer at −7 px/frame too");
-    let mut seen = Vec::new();
-    for lamp in lamps {
-        window.app_mut().model.probe_feature(lamp);
-        window.settle();
-        let kinds: Vec<Kind> = answer(&window).probe.suspicions.iter().map(|s| s.kind).collect();
-        let feature = window.app().model.features()[lamp];
-        seen.push((feature.u, feature.v, feature.slope.u, kinds));
-        if window.shows("An alias?") {
-            break;
-        }
-    }
-    assert!(seen.last().is_some_and(|(.., kinds)| kinds.contains(&Kind::Alias)), "{seen:?}");
-    window.snapshot("probe_aliasing");
+    assert!(!window.harness.ctx.global_style().visuals.dark_mode);
+    assert!(answer(&window).probe.subject_fate().expect("it is a candidate").is_kept() && window.shows("Kept as"));
+    window.snapshot("probe_light");
 }
 
 #[test]
@@ -243,17 +184,7 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     };
     let before = slopes(&window);
     let (from, to) = (rect.center() + egui::vec2(0.0, 60.0), rect.center() + egui::vec2(60.0, 60.0));
-    window.harness.hover_at(from);
-    window.harness.run_steps(1);
-    window.harness.drag_at(from);
-    window.harness.run_steps(1);
-    for part in [0.3, 0.6, 1.0] {
-        window.harness.hover_at(from + part * (to - from));
-        window.harness.run_steps(1);
-    }
-    window.harness.drop_at(to);
-    window.harness.run_steps(2);
-    window.settle();
+    window.drag(from, to);
     let after = slopes(&window);
     assert!(after[1].u > before[1].u + 0.5, "{before:?} {after:?}");
     let moved = [0, 1].map(|i| after[i].u - before[i].u);

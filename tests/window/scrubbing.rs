@@ -6,6 +6,8 @@ use burstscope::app::project::cursor::ViewKind;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
 use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
 
 #[test]
 fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
@@ -71,6 +73,28 @@ fn the_range_stays_while_the_hand_moves() {
     window.key(Key::Num1);
     window.settle();
     assert_eq!(window.app().model.look.ranges.intensity, before);
+}
+
+#[test]
+fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
+    let mut window = Start::without_auto_detect().open();
+    let help = "The frame on show";
+    let slider = window.harness.get_by_role_and_label(Role::Slider, "Frame").rect();
+    let (from, before) = (slider.center(), window.app().model.cursor().frame);
+    window.harness.hover_at(from);
+    window.harness.run_steps(60);
+    assert!(window.shows(help), "whoever rests on a slider is told what it does");
+    window.harness.drag_at(from);
+    window.harness.run_steps(2);
+    let to = from + egui::vec2(0.3 * slider.width(), 2.0);
+    for part in [0.2, 0.6, 1.0] {
+        window.harness.hover_at(from + part * (to - from));
+        window.harness.run_steps(60);
+        assert!(!window.shows(help), "at {part} of the way");
+    }
+    window.harness.drop_at(to);
+    window.settle();
+    assert!(window.app().model.cursor().frame > before);
 }
 
 #[test]

@@ -77,6 +77,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     assert_eq!(axis(&window), before, "it is undone as any change of a parameter");
     window.click("Apply");
     window.run_action("detect");
+    window.settle();
     look_at_slopes(&mut window);
     let spectrum = window.app().model.spectrum().unwrap().clone();
     assert_eq!(spectrum.grid.u, wider, "the slopes are those of the new detection");

@@ -6,18 +6,18 @@ use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::detector::DetectorParams;
-use burstscope::engine::BurstSource;
+use burstscope::requests::BurstSource;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use ndarray::Array3;
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// How long anything may take before a test gives up.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Dialogs that answer from a list.
 #[derive(Default, Clone)]
@@ -34,6 +34,23 @@ impl FileDialogs for Scripted {
     fn ask(&self, _: &Question) -> Option<Vec<PathBuf>> {
         self.0.lock().unwrap().pop_front().flatten().map(|p| vec![p])
     }
+}
+
+/// What the program remembers from run to run, in memory instead of a file.
+#[derive(Default)]
+pub struct Memory(HashMap<String, String>);
+
+impl eframe::Storage for Memory {
+    fn get_string(&self, key: &str) -> Option<String> {
+        self.0.get(key).cloned()
+    }
+    fn set_string(&mut self, key: &str, value: String) {
+        self.0.insert(key.to_owned(), value);
+    }
+    fn remove_string(&mut self, key: &str) {
+        self.0.remove(key);
+    }
+    fn flush(&mut self) {}
 }
 
 /// A window and the dialogs' script.
@@ -205,6 +222,21 @@ impl Window {
         self.click_at(pos);
         self.click_at(pos);
         set_delay(self, usual);
+    }
+
+    /// Drags from one place of the window to another, with the stops that a hand makes on the way.
+    pub fn drag(&mut self, from: egui::Pos2, to: egui::Pos2) {
+        self.harness.hover_at(from);
+        self.harness.run_steps(1);
+        self.harness.drag_at(from);
+        self.harness.run_steps(1);
+        for part in [0.3, 0.6, 1.0] {
+            self.harness.hover_at(from + part * (to - from));
+            self.harness.run_steps(1);
+        }
+        self.harness.drop_at(to);
+        self.harness.run_steps(2);
+        self.settle();
     }
 
     /// Whether this text can be read somewhere.

@@ -1,7 +1,7 @@
 //! An estimated trajectory beside the true one.
 
 use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::dataset::Which;
+use burstscope::app::project::trajectories::Which;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
 use egui::accesskit::Role;

@@ -1,4 +1,4 @@
-//! Found, missed, repeated and false, where it is known what is really there.
+//! Found, missed, repeated and elsewhere, where it is known what is really there.
 
 use crate::support::{Start, noisy_stack};
 use burstscope::app::project::against::{Kind, With};
@@ -23,11 +23,11 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     let shown = model.shown_comparison().expect("a comparison");
     assert_eq!(shown.with, With::Truth);
     let counts = [Kind::Same, Kind::Theirs, Kind::Repeated, Kind::Ours].map(|kind| shown.count(kind));
-    let sizes = [expected.found.len(), expected.missed.len(), expected.repeated.len(), expected.false_features.len()];
+    let sizes = [expected.found.len(), expected.missed.len(), expected.repeated.len(), expected.elsewhere.len()];
     assert_eq!(counts, sizes);
     assert!(counts[0] > 0 && counts[1] > 0, "{counts:?}");
     // Of a scene the truth tells only some of what is there.
-    assert!(window.shows(&expected.summary().replace(" false", " elsewhere")));
+    assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
     assert!(!shown.is_whole_truth && !window.app().model.against.shows(Kind::Ours));
     // A miss tells its fate.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);

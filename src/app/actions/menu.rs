@@ -3,8 +3,9 @@
 use super::{ACTIONS, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
+use crate::app::words::explained;
 use crate::dataset::DatasetSource;
-use crate::engine::BurstSource;
+use crate::requests::BurstSource;
 use std::path::PathBuf;
 
 /// Draws the menus. What is chosen of what was open before is put into `open_recent`.
@@ -46,7 +47,7 @@ pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId
     if let Some(shortcut) = &action.shortcut {
         button = button.shortcut_text(keys_text(ui.ctx(), shortcut));
     }
-    let response = ui.add_enabled(enabled(id, model), button).on_hover_text(tooltip(ui.ctx(), action));
+    let response = explained(ui.add_enabled(enabled(id, model), button), tooltip(ui.ctx(), action), id.word());
     if response.clicked() {
         queue.push(id);
         ui.close();

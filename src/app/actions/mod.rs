@@ -4,6 +4,7 @@
 //! tooltips, the command palette and the sheet of shortcuts are drawn from these rows, so none of them can miss an
 //! action or name it differently.
 
+mod change;
 pub mod menu;
 pub mod palette;
 pub mod registry;
@@ -14,7 +15,12 @@ mod state_of;
 pub use registry::{ACTIONS, Action, ActionId, Menu};
 pub use state_of::{checked, enabled};
 
+use crate::app::pane::Content;
 use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
+use crate::app::words::{explained, picture_word};
+use crate::requests::MapKind;
+use crate::teach::glossary::{Word, glossary};
 
 /// Actions that were asked for in this pass, to be run after it.
 pub type Queue = Vec<ActionId>;
@@ -29,6 +35,34 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
             format!("{modifiers}{sign}")
         }
         _ => text,
+    }
+}
+
+/// The action that shows a kind of picture.
+pub fn shown_by(kind: ViewKind) -> ActionId {
+    match kind {
+        ViewKind::Frame => ActionId::ShowFrame,
+        ViewKind::Stack => ActionId::ShowStack,
+        ViewKind::Dog => ActionId::ShowDog,
+    }
+}
+
+impl ActionId {
+    /// The glossary's word for what the action shows.
+    pub fn word(self) -> Option<&'static Word> {
+        let of_kind = |kind| picture_word(Content::Cursor, kind);
+        let of = |content| picture_word(content, ViewKind::Stack);
+        match self {
+            Self::ShowFrame => of_kind(ViewKind::Frame),
+            Self::ShowStack => of_kind(ViewKind::Stack),
+            Self::ShowDog => of_kind(ViewKind::Dog),
+            Self::ShowMerge => of(Content::Merge),
+            Self::ShowNoise => of(Content::Map(MapKind::Noise)),
+            Self::ShowCoverage => of(Content::Map(MapKind::Coverage)),
+            Self::ShowMotion => of(Content::Map(MapKind::Motion)),
+            Self::LayoutSlice => glossary().of_picture("slice"),
+            _ => None,
+        }
     }
 }
 
@@ -54,7 +88,7 @@ pub fn button_ui(
     let button = egui::Button::selectable(on, text).frame_when_inactive(true);
     let response = ui.add_enabled(enabled(id, model), button);
     let tip = tooltip(ui.ctx(), action);
-    let response = response.on_hover_text(tip.clone()).on_disabled_hover_text(tip);
+    let response = explained(response, &tip, id.word()).on_disabled_hover_text(&tip);
     if response.clicked() {
         queue.push(id);
     }
@@ -73,8 +107,9 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
         with_keys.sort_by_key(|(_, s)| {
             std::cmp::Reverse(u8::from(s.modifiers.shift) + u8::from(s.modifiers.command) + u8::from(s.modifiers.alt))
         });
-        let opens =
-            |id: ActionId| id.action().label.ends_with('…') || matches!(id, ActionId::Shortcuts | ActionId::About);
+        let opens = |id: ActionId| {
+            id.action().label.ends_with('…') || matches!(id, ActionId::Shortcuts | ActionId::About | ActionId::Glossary)
+        };
         for (id, shortcut) in with_keys {
             let plain = !shortcut.modifiers.command && !shortcut.modifiers.alt;
             if (plain && typing) || !enabled(id, model) || (popup_open && id == ActionId::ClearSelection) {

@@ -117,6 +117,7 @@ actions! {
     OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack";
     OpenDataset, File 0, "Open dataset…", [CTRL_SHIFT D], "Open a folder of bursts, or a long sequence that is cut into bursts";
     OpenPath, File 0, "Open path…", [CTRL L], "Type or paste the path of a burst";
+    Calibration, File 0, "Calibration…", [], "Bias and flat frame, black level, full scale, linear light, colours of raw frames";
     OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program";
     RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file";
     SaveSession, File 1, "Save session…", [CTRL S], "Keep the burst's place, parameters, view and selection in a file";
@@ -145,10 +146,11 @@ actions! {
     ClearMeasure, Edit 2, "Clear line and region", [], "Forget the line and the rectangle, and let the pointer pan again";
 
     WorkspaceInspect, View 0, "One burst", [CTRL Num1], "Look at one burst: its pictures and its features";
-    WorkspacePair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts side by side, with the matches between them";
-    WorkspaceMethods, View 0, "Methods", [CTRL Num3], "Compare several methods on the same burst: panes, a wipe, a flip, their matches, and their numbers";
+    WorkspacePair, View 0, "Two bursts", [CTRL Num2], "Look at two bursts in panes, side by side to begin with, and the matches between them";
+    WorkspaceMethods, View 0, "Methods", [CTRL Num3], "Compare several methods on the same burst: what each looks at in panes, their matches, and their numbers";
     WorkspaceMatches, View 0, "Matches", [CTRL Num4], "Look at the matches of all pairs of a dataset";
     WorkspaceTrajectories, View 0, "Trajectories", [CTRL Num5], "Look at an estimated trajectory beside the true one";
+    WorkspaceLab, View 0, "Lab", [CTRL Num6], "Measure methods and parameters on charts whose truth is known: curves that grow while charts are finished";
     ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack: what the search looks at";
@@ -164,7 +166,7 @@ actions! {
     ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours";
-    NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale or response in turn";
+    NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR or slope limit in turn";
     ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left";
     ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right";
     ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below";
@@ -188,7 +190,7 @@ actions! {
     LayoutSlice, Panes 1, "Layout: stack and slice", [], "Show the motion stack above the slice of the frames through the probed place, in which motion is a slanted line";
     LayoutScales, Panes 1, "Layout: strip of scales", [], "Show the DoG responses of all levels of the octave";
     LayoutTwoByTwo, Panes 1, "Layout: 2 × 2", [NONE Num9], "Show frame, motion stack, DoG response and merged frames of the same place";
-    NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one as a wipe, a flip or not at all; of methods: panes, a wipe, a flip, rows of matches";
+    NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one: as a wipe, as a flip, or not at all";
     Flip, Panes 2, "Flip", [NONE Y], "Show the other of two pictures in the same place";
 
     SlopeULess, Cursor 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis";
@@ -216,6 +218,13 @@ actions! {
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light";
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light";
     ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default";
+    RunStudy, Detect 4, "Run study", [], "Make the Lab's charts, run the methods on them, and draw the curves as they grow";
+    CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay";
+    KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones";
+    OpenChart, Detect 4, "Look at chart as burst", [], "Open the Lab's chart as a burst, with its truth";
+    OpenDarkCopy, Detect 4, "Dark copy of A", [], "Open a copy of the open burst as it would be with less light: the Lab says how much";
+    ExportCurvesCsv, Detect 4, "Export curves as CSV…", [], "Write one row for each point of the Lab's curves";
+    ExportCurvesSvg, Detect 4, "Export curves as SVG…", [], "Write the Lab's plots as a figure";
 
     NextFeature, Features 0, "Next feature or match", [NONE N], "Select the next feature (or match, with two bursts) of the table";
     PreviousFeature, Features 0, "Previous feature or match", [NONE P], "Select the previous feature (or match, with two bursts) of the table";
@@ -232,7 +241,7 @@ actions! {
     UnpinResult, Features 3, "Unpin", [], "Forget the pinned result";
     OpenFeatures, Features 3, "Open features…", [], "Lay somebody else's features over the burst: our CSV table, or the text that COLMAP imports";
     CloseFeatures, Features 3, "Close opened features", [], "Forget the features that were opened";
-    ShowTruth, Features 3, "Compare with the truth", [], "Mark what was found, missed, found twice and found falsely, where that is known";
+    ShowTruth, Features 3, "Compare with the truth", [], "Mark what was found, missed, found twice and found elsewhere, where it is known what is really there";
 
     OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst";
     OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst";
@@ -240,12 +249,13 @@ actions! {
     OpenDemoB, Pair 0, "Later demo burst as B", [], "Take the demo street a little later as the second burst";
     CloseB, Pair 0, "Close B", [], "Close the second burst";
     SwapSides, Pair 1, "Swap A and B", [], "Make the second burst the first, and the first the second";
-    OtherSide, Pair 1, "Cursor of the other burst", [NONE T], "Let sliders and keys move the frame, slope and scale of the other burst";
-    LinkCursors, Pair 1, "Slope and scale together", [NONE K], "Move kind of picture, frame, slope, octave and level of both bursts at once";
-    LinkViews, Pair 1, "Zoom and pan together", [NONE V], "Zoom and pan both pictures at once";
-    LinkRanges, Pair 1, "One value range", [], "Show both bursts in the same range and colours, so that they can be compared";
+    OtherSide, Pair 1, "Cursor of the other burst", [NONE T], "Let sliders and keys move a pane of the other burst";
+    LinkCursors, Pair 1, "Slope and scale together", [NONE K], "Move frame, slope, octave and level of all panes at once, and the kind of picture of both bursts";
+    LinkViews, Pair 1, "Zoom and pan together", [NONE V], "Zoom and pan all panes at once";
+    LinkRanges, Pair 1, "One value range", [], "Show all panes in the same range and colours, so that they can be compared";
     Match, Pair 2, "Match", [NONE H], "Match the features of both bursts with these parameters";
     ResetMatching, Pair 2, "Reset matching parameters", [], "Give every parameter of matching its default";
+    ProbeExpected, Pair 2, "Probe its place in B", [], "Make B the first burst, and probe it where the geometry puts the feature that is asked about";
     ToggleInliers, Pair 3, "Inliers", [NONE I], "Show or hide the matches that agree with the geometry of the two views";
     ToggleOutliers, Pair 3, "Outliers", [NONE U], "Show or hide the matches that do not agree with the geometry of the two views";
     ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others";
@@ -270,10 +280,21 @@ actions! {
     CloseDataset, Dataset 5, "Close dataset", [], "Close the dataset; its features stay in their folder";
 
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
-    Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show all actions with their keys";
+    Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show the keys of all actions that have some";
+    Lessons, Help 0, "Lessons…", [NONE F1], "Learn how burst features are found, step by step, on live data";
+    LeaveLesson, Help 0, "Leave the lesson", [], "Close the lesson and go back to what was open before it";
+    Glossary, Help 0, "Glossary", [SHIFT F1], "What the words of the window mean";
+    OpenLessons, Help 0, "Open lessons…", [], "Open a folder of lessons (TOML files), such as a teacher's own";
+    OpenDepths, Help 1, "Example: many depths", [], "Open a burst of lamps at nine depths, each with a slope of its own";
+    OpenStreet, Help 1, "Example: dark street", [], "Open a burst of textured walls that are too dark for one frame";
+    OpenStreetLater, Help 1, "Example: dark street, later", [], "Open the same walls a little later, to be matched with the first";
     OpenAliasing, Help 1, "Example: aliasing", [], "Open a burst of garlands that repeat themselves every 8 px: slopes 8 px/frame apart look alike";
     OpenLowContrast, Help 1, "Example: low contrast", [], "Open a burst of discs of falling contrast: the noise gate takes those that the noise could have made";
-    About, Help 2, "About Burstscope", [], "What this is and which version";
+    OpenTripod, Help 1, "Example: still tripod", [], "Open a burst of a still camera: more light, and no depth";
+    OpenHotPixels, Help 1, "Example: hot pixels", [], "Open a burst with sixty pixels that are bright by themselves";
+    PaperFigures, Help 2, "Figures of the paper…", [], "Remake every figure and table of the paper into a folder, in the background; finished ones are kept";
+    CancelFigures, Help 2, "Cancel figures of the paper", [], "Stop remaking the figures; those that are finished stay";
+    About, Help 3, "About Burstscope", [], "What this is and which version";
 }
 
 /// A second pair of keys for the command palette, as other programs have it.
@@ -315,7 +336,13 @@ mod tests {
             let asks = asks
                 || matches!(
                     action.id,
-                    ActionId::Palette | ActionId::OpenGoldA | ActionId::OpenGoldB | ActionId::FigureOptions
+                    ActionId::Palette
+                        | ActionId::Lessons
+                        | ActionId::OpenGoldA
+                        | ActionId::OpenGoldB
+                        | ActionId::FigureOptions
+                        | ActionId::Calibration
+                        | ActionId::PaperFigures
                 );
             assert_eq!(action.label.ends_with('…'), asks, "{}", action.label);
         }

@@ -1,21 +1,19 @@
-//! What each action does.
+//! What each action does; what only changes the project is in [`super::change`].
 
 use super::ActionId;
+use super::change::change_model;
 use crate::app::canvas::View;
-use crate::app::canvas::overlay::ColourBy;
 use crate::app::clipboard;
 use crate::app::dialogs::{ExportKind, Purpose};
 use crate::app::inspector::Change;
-use crate::app::measure::Tool;
-use crate::app::pane::{Content, Direction, Link, Preset};
+use crate::app::pane::{Direction, Preset};
+use crate::app::project::BottomTab;
 use crate::app::project::against::With;
-use crate::app::project::cursor::{ViewKind, play_step_of, snapped, stepped};
+use crate::app::project::cursor::play_step_of;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model};
 use crate::app::window::BurstscopeApp;
-use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
-use crate::engine::{BurstSource, MapKind, ProbeQuestion};
+use crate::requests::{BurstSource, ProbeQuestion};
 use crate::synth::Example;
 
 impl BurstscopeApp {
@@ -31,8 +29,17 @@ impl BurstscopeApp {
             A::OpenDataset => self.ask(Purpose::OpenDataset),
             A::OpenPath => self.open_path_field(Purpose::OpenPath, false),
             A::OpenDemo => self.open(BurstSource::Demo),
+            A::OpenDepths => self.open(BurstSource::Example(Example::Depths)),
+            A::OpenStreet => self.open(BurstSource::Example(Example::Street)),
+            A::OpenStreetLater => self.open(BurstSource::Example(Example::StreetLater)),
             A::OpenAliasing => self.open(BurstSource::Example(Example::Aliasing)),
             A::OpenLowContrast => self.open(BurstSource::Example(Example::LowContrast)),
+            A::OpenTripod => self.open(BurstSource::Example(Example::Tripod)),
+            A::OpenHotPixels => self.open(BurstSource::Example(Example::HotPixels)),
+            A::Lessons => self.lessons.list_is_open = true,
+            A::LeaveLesson => self.leave_lesson(),
+            A::OpenLessons => self.ask(Purpose::OpenLessons),
+            A::Glossary => self.overlays.glossary.open(None),
             A::RestoreSession => self.ask(Purpose::RestoreSession),
             A::SaveSession => self.ask(Purpose::SaveSession),
             A::LoadParams => self.ask(Purpose::LoadParams),
@@ -45,6 +52,9 @@ impl BurstscopeApp {
             A::ExportSvg => self.ask(Purpose::Export(ExportKind::Svg)),
             A::ExportFigurePng => self.ask(Purpose::Export(ExportKind::FigurePng)),
             A::FigureOptions => self.overlays.figure_open = true,
+            A::Calibration => {
+                self.overlays.calibration_draft(&self.model.calibration);
+            }
             A::ExportMatches => self.ask(Purpose::Export(ExportKind::Matches)),
             A::ExportMatchPicture => self.ask(Purpose::Export(ExportKind::MatchPicture)),
             A::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
@@ -65,6 +75,22 @@ impl BurstscopeApp {
             }
             A::DetectAll => self.ask_and_detect_all(),
             A::CancelDataset => self.engine.datasets.cancel(),
+            A::RunStudy => self.run_study(),
+            A::CancelStudy => self.engine.lab.cancel(),
+            A::OpenChart => {
+                if let Some(chart) = self.model.lab.wanted_chart().and_then(|chart| chart.params()) {
+                    self.model.workspace = Workspace::Inspect;
+                    self.open(BurstSource::Chart(Box::new(chart)));
+                }
+            }
+            A::OpenDarkCopy => {
+                if let Some(burst) = &self.model.burst {
+                    let of = Box::new(burst.source.clone());
+                    self.open(BurstSource::DarkCopy { of, noise: self.model.lab.dark_copy });
+                }
+            }
+            A::ExportCurvesCsv => self.ask(Purpose::Export(ExportKind::CurvesCsv)),
+            A::ExportCurvesSvg => self.ask(Purpose::Export(ExportKind::CurvesSvg)),
             A::PreviousBurst => self.step_burst(-1),
             A::NextBurst => self.step_burst(1),
             A::BurstAsA => self.choose_open_burst(0),
@@ -73,6 +99,8 @@ impl BurstscopeApp {
             A::MatchSelected => self.match_selected(),
             A::ShowPair => self.show_selected_pair(),
             A::ExportDatabase => self.ask(Purpose::ExportDatabase),
+            A::PaperFigures => self.ask(Purpose::PaperFigures),
+            A::CancelFigures => self.engine.figures.cancel(),
             A::OpenEstimate => self.ask(Purpose::OpenEstimate),
             A::OpenTruth => self.ask(Purpose::OpenTruth),
             A::CloseTrajectories => self.model.trajectories.clear(),
@@ -91,6 +119,7 @@ impl BurstscopeApp {
             A::OpenGoldB => self.ask(Purpose::OpenGold(Side::B)),
             A::CloseB => self.close_second(),
             A::SwapSides => self.swap_sides(),
+            A::ProbeExpected => self.probe_expected(),
             A::Match => self.start_matching(),
             A::SplitRight => self.change_panes(Change::Split(self.model.focus(), Direction::Right)),
             A::SplitDown => self.change_panes(Change::Split(self.model.focus(), Direction::Down)),
@@ -160,148 +189,12 @@ impl BurstscopeApp {
 
     /// Changes the view of the pane in focus, and of those that are linked to it.
     fn change_views(&mut self, change: impl Fn(&mut View)) {
-        let linked = match self.model.workspace {
-            Workspace::Pair | Workspace::Methods if self.model.pair.links.views => self.model.visible_panes(),
-            Workspace::Inspect if self.model.focused().links.has(Link::View) => self.model.visible_panes(),
-            _ => Vec::new(),
-        };
-        let (focus, in_burst) = (self.model.focus(), self.model.workspace == Workspace::Inspect);
+        let (focus, shown) = (self.model.focus(), self.model.visible_panes());
+        let is_linked = self.model.focused().links.view;
         for (id, pane) in self.model.panes.iter_mut() {
-            if id == focus || (linked.contains(&id) && (!in_burst || pane.links.has(Link::View))) {
+            if id == focus || (is_linked && pane.links.view && shown.contains(&id)) {
                 change(&mut pane.view);
             }
         }
     }
-}
-
-/// The actions that only change what is shown.
-fn change_model(model: &mut Model, id: ActionId) {
-    use ActionId as A;
-    match id {
-        A::WorkspaceInspect => model.workspace = Workspace::Inspect,
-        A::WorkspacePair => model.workspace = Workspace::Pair,
-        A::WorkspaceMatches => model.workspace = Workspace::Matches,
-        A::WorkspaceTrajectories => model.workspace = Workspace::Trajectories,
-        A::WorkspaceMethods => model.workspace = Workspace::Methods,
-        A::MeasureLine => model.measure.toggle(Tool::Line),
-        A::MeasureRegion => model.measure.toggle(Tool::Region),
-        A::ClearMeasure => model.measure.clear(),
-        A::ClearSelection if model.measure.tool != Tool::Pan => model.measure.toggle(model.measure.tool),
-        A::NextPane => model.panes.focus_next(true),
-        A::PreviousPane => model.panes.focus_next(false),
-        A::NextLayout if model.workspace == Workspace::Inspect => model.panes.next_over(),
-        A::Flip if model.workspace == Workspace::Inspect => model.panes.flip(),
-        A::NextLayout => {
-            model.compare.look.layout = model.compare.look.layout.next(model.burst_of(Side::B).is_some());
-        }
-        A::Flip => model.compare.look.flipped ^= true,
-        A::CompareAgain => model.compare.forget_failures(),
-        A::ToggleOverlay if model.workspace == Workspace::Methods => model.compare.look.features ^= true,
-        A::ToggleOverlay if model.workspace == Workspace::Pair => model.pair.look.features ^= true,
-        A::ToggleOverlay => model.look.overlay ^= true,
-        A::ToggleMotion => model.look.motion_vectors ^= true,
-        A::ToggleOrientation => model.look.orientations ^= true,
-        A::ToggleLegend => model.look.legend ^= true,
-        A::NextColouring => {
-            let place = ColourBy::ALL.iter().position(|c| *c == model.colour_by).unwrap_or(0);
-            model.colour_by = ColourBy::ALL[(place + 1) % ColourBy::ALL.len()];
-        }
-        A::ToggleLeft => model.panels.left ^= true,
-        A::ToggleRight => model.panels.right ^= true,
-        A::ToggleBottom => model.panels.bottom ^= true,
-        A::ToggleFilmstrip => model.panels.filmstrip ^= true,
-        A::ThemeSystem => model.theme = egui::ThemePreference::System,
-        A::ThemeLight => model.theme = egui::ThemePreference::Light,
-        A::ThemeDark => model.theme = egui::ThemePreference::Dark,
-        A::AutoDetect => model.auto_detect ^= true,
-        A::ResetParams => model.set_search(SearchParams::default()),
-        A::Preset1d => {
-            (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
-            model.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
-        }
-        A::Preset2d => {
-            (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
-            model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
-        }
-        A::PresetSift => model.params.method = Method::Sift,
-        A::NextFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(true),
-        A::PreviousFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(false),
-        A::StrongestFeature if model.workspace == Workspace::Pair => {
-            model.pair.selected = model.pair.listed.first().copied();
-        }
-        A::ClearSelection if model.workspace == Workspace::Pair => model.ask_feature(None),
-        A::NextFeature => model.select_neighbour(true),
-        A::PreviousFeature => model.select_neighbour(false),
-        A::StrongestFeature => model.selected = model.listed.first().copied(),
-        A::ClearSelection => (model.selected, model.against.selected) = (None, None),
-        A::ClearFilter => model.filter = Default::default(),
-        A::OtherSide => model.pair.active = model.active_side().other(),
-        A::LinkCursors => {
-            model.pair.links.cursor ^= true;
-            if model.pair.links.cursor {
-                model.bring_hands_together();
-            }
-        }
-        A::LinkViews => model.pair.links.views ^= true,
-        A::LinkRanges => {
-            model.link_ranges(!model.ranges_are_linked());
-        }
-        A::ResetMatching => model.pair.params = Default::default(),
-        A::ToggleInliers => model.pair.look.inliers ^= true,
-        A::ToggleOutliers => model.pair.look.outliers ^= true,
-        A::ToggleAlone => model.pair.look.alone ^= true,
-        A::ToggleEpipolar => model.pair.look.geometry ^= true,
-        _ => move_hand(model, id),
-    }
-}
-
-/// The actions that move the cursor of the pane in focus.
-fn move_hand(model: &mut Model, id: ActionId) {
-    use ActionId as A;
-    let grid = model.cursor_params().slopes;
-    let slope = model.cursor().slope;
-    let slope = match id {
-        A::SlopeULess => Some(stepped(&grid, slope, false, false)),
-        A::SlopeUMore => Some(stepped(&grid, slope, false, true)),
-        A::SlopeVLess => Some(stepped(&grid, slope, true, false)),
-        A::SlopeVMore => Some(stepped(&grid, slope, true, true)),
-        A::SlopeZero => Some(Slope::default()),
-        A::SnapSlope => Some(snapped(&grid, slope)),
-        _ => None,
-    };
-    if let Some(slope) = slope {
-        model.playing = false;
-        let pane = model.focused_mut();
-        pane.cursor.slope = slope;
-        pane.show_slope();
-    }
-    if id == A::BusiestSlope {
-        model.playing = false;
-        model.go_to_busiest_slope(model.focus());
-        model.focused_mut().show_slope();
-    }
-    let pane = model.focused_mut();
-    let cursor = &mut pane.cursor;
-    match id {
-        A::FramePrevious => cursor.frame = cursor.frame.saturating_sub(1),
-        A::FrameNext => cursor.frame += 1,
-        A::OctaveFiner => cursor.octave -= 1,
-        A::OctaveCoarser => cursor.octave += 1,
-        A::LevelDown => cursor.level -= 1,
-        A::LevelUp => cursor.level += 1,
-        _ => {}
-    }
-    // A key that moves through frames or scales is meant to be seen.
-    match id {
-        A::ShowFrame | A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
-        A::ShowStack => pane.show(ViewKind::Stack),
-        A::ShowDog => pane.show(ViewKind::Dog),
-        A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
-        A::ShowMerge => pane.content = Content::Merge,
-        A::ShowNoise => pane.content = Content::Map(MapKind::Noise),
-        A::ShowMotion => pane.content = Content::Map(MapKind::Motion),
-        A::ShowCoverage => pane.content = Content::Map(MapKind::Coverage),
-        _ => {}
-    }
-    model.check_params();
 }

@@ -1,7 +1,13 @@
-//! The `?` sheet: every action with its keys, by menu.
+//! The `?` sheet: the actions that have keys, by menu. The command palette has all actions.
 
-use super::{ACTIONS, Menu, keys_text};
+use super::{ACTIONS, Action, ActionId, Menu, keys_text};
 use egui::RichText;
+
+/// In windows at least this wide there are [`COLUMNS`] columns, otherwise half as many.
+const WIDE: f32 = 900.0;
+const COLUMNS: usize = 4;
+/// A menu's heading takes as much room as this many rows.
+const HEADING_ROWS: usize = 2;
 
 /// Draws the sheet; `open` becomes false when it is closed.
 pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
@@ -21,37 +27,54 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
             });
         });
         ui.separator();
-        egui::ScrollArea::vertical().max_height(room.y - 110.0).min_scrolled_height(room.y - 110.0).show(ui, |ui| {
+        egui::ScrollArea::vertical().max_height(room.y - 130.0).min_scrolled_height(room.y - 130.0).show(ui, |ui| {
             ui.spacing_mut().item_spacing = egui::vec2(24.0, 1.0);
             ui.spacing_mut().interact_size.y = 16.0;
-            // In a narrow window two columns stand below the two others.
-            let beside = if room.x > 1150.0 { COLUMNS.len() } else { COLUMNS.len() / 2 };
-            ui.columns(beside, |columns| {
-                for (place, menus) in COLUMNS.iter().enumerate() {
-                    for menu in *menus {
-                        menu_ui(&mut columns[place % beside], *menu);
-                    }
+            let groups = in_columns(if room.x > WIDE { COLUMNS } else { COLUMNS / 2 });
+            ui.columns(groups.len(), |columns| {
+                for (ui, menus) in columns.iter_mut().zip(groups) {
+                    menus.iter().for_each(|menu| menu_ui(ui, *menu));
                 }
             });
         });
+        ui.separator();
+        let keys = ActionId::Palette.action().shortcut.map(|keys| keys_text(ui.ctx(), &keys)).unwrap_or_default();
+        ui.weak(format!("{keys} finds every action by its name, also those without keys"));
     });
     if modal.should_close() {
         *open = false;
     }
 }
 
-/// Which menus go into which column: about the same number of rows in each.
-const COLUMNS: [&[Menu]; 4] = [
-    &[Menu::File, Menu::Cursor],
-    &[Menu::View, Menu::Detect],
-    &[Menu::Panes, Menu::Pair],
-    &[Menu::Edit, Menu::Dataset, Menu::Features, Menu::Help],
-];
+/// The actions of a menu that have keys.
+fn with_keys(menu: Menu) -> impl Iterator<Item = &'static Action> {
+    ACTIONS.iter().filter(move |action| action.menu == menu && action.shortcut.is_some())
+}
+
+/// The menus that have keys, in their order, in at most `count` columns, the longest of which is as short as can be.
+fn in_columns(count: usize) -> Vec<Vec<Menu>> {
+    let menus: Vec<Menu> = Menu::ALL.into_iter().filter(|menu| with_keys(*menu).next().is_some()).collect();
+    let rows = |menu: Menu| HEADING_ROWS + with_keys(menu).count();
+    let within = |limit: usize| {
+        let (mut columns, mut height) = (vec![Vec::new()], 0);
+        for &menu in &menus {
+            if height > 0 && height + rows(menu) > limit {
+                columns.push(Vec::new());
+                height = 0;
+            }
+            height += rows(menu);
+            columns.last_mut().expect("there is one from the beginning").push(menu);
+        }
+        columns
+    };
+    let longest = menus.iter().map(|menu| rows(*menu)).max().unwrap_or(0);
+    (longest..).map(within).find(|columns| columns.len() <= count).expect("with room for all rows one is enough")
+}
 
 fn menu_ui(ui: &mut egui::Ui, menu: Menu) {
     ui.add_space(2.0);
     ui.label(RichText::new(menu.label()).strong());
-    for action in ACTIONS.iter().filter(|a| a.menu == menu) {
+    for action in with_keys(menu) {
         ui.horizontal(|ui| {
             ui.label(action.label).on_hover_text(action.help);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -61,7 +84,7 @@ fn menu_ui(ui: &mut egui::Ui, menu: Menu) {
             });
         });
     }
-    ui.add_space(4.0);
+    ui.add_space(6.0);
 }
 
 fn key_ui(ui: &mut egui::Ui, keys: &str) {
@@ -79,9 +102,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_menu_is_on_the_sheet() {
-        for menu in Menu::ALL {
-            assert_eq!(COLUMNS.iter().flat_map(|c| c.iter()).filter(|m| **m == menu).count(), 1, "{menu:?}");
+    fn every_menu_with_keys_is_in_one_column_and_the_columns_are_about_as_long_as_one_another() {
+        for count in [1, 2, 4] {
+            let columns = in_columns(count);
+            assert!(columns.len() <= count);
+            let all: Vec<Menu> = columns.concat();
+            let expected = Menu::ALL.into_iter().filter(|menu| with_keys(*menu).next().is_some());
+            assert!(all.iter().copied().eq(expected), "{all:?}");
+            let rows = |menus: &Vec<Menu>| menus.iter().map(|menu| HEADING_ROWS + with_keys(*menu).count()).sum();
+            let longest: usize = columns.iter().map(rows).max().unwrap_or(0);
+            let longest_menu = all.iter().map(|menu| rows(&vec![*menu])).max().unwrap_or(0);
+            let total: usize = rows(&all);
+            assert!(longest <= longest_menu.max(total * 4 / (3 * count)), "{count}: {longest} of {total}");
         }
     }
 }

@@ -2,16 +2,15 @@
 
 use super::registry::ActionId;
 use crate::app::measure::Tool;
-use crate::app::pane::{Content, MAX_PANES, Over};
+use crate::app::pane::{Content, Link, MAX_PANES, Over};
 use crate::app::project::Model;
 use crate::app::project::against::With;
-use crate::app::project::compare::Layout;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams};
-use crate::engine::{BurstSource, MapKind};
 use crate::matching::MatchParams;
+use crate::requests::{BurstSource, MapKind};
 
 /// Whether the action can be done now.
 pub fn enabled(id: ActionId, model: &Model) -> bool {
@@ -19,7 +18,8 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     let has_burst = model.burst.is_some();
     let in_pair = model.workspace == Workspace::Pair;
     let in_methods = model.workspace == Workspace::Methods;
-    let (in_inspect, many_panes) = (model.workspace == Workspace::Inspect, model.panes.are_many());
+    let (in_inspect, has_panes) = (model.workspace == Workspace::Inspect, model.workspace.needs_burst());
+    let many_panes = has_panes && model.panes.are_many();
     let has_second = model.pair.b.burst.is_some();
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
@@ -39,12 +39,10 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::ClearMeasure => !model.measure.is_empty(),
         A::ExportProfile => model.measure.line.is_some() && in_inspect,
         A::ClearSelection if in_inspect && model.measure.tool != Tool::Pan => true,
-        A::NextLayout if in_inspect => many_panes,
-        A::NextLayout => in_methods,
-        A::Flip if in_inspect => matches!(model.focused().over, Some(Over::Flip { .. })),
-        A::Flip => in_methods && model.compare.look.layout == Layout::Flip,
-        A::SplitRight | A::SplitDown => has_burst && in_inspect && model.panes.shown().len() < MAX_PANES,
-        A::ClosePane | A::NextPane | A::PreviousPane => has_burst && in_inspect && many_panes,
+        A::NextLayout => many_panes,
+        A::Flip => matches!(model.panes.over(model.focus()), Some(Over::Flip { .. })),
+        A::SplitRight | A::SplitDown => has_burst && has_panes && model.panes.shown().len() < MAX_PANES,
+        A::ClosePane | A::NextPane | A::PreviousPane => has_burst && many_panes,
         A::LayoutSingle
         | A::LayoutFrameAndStack
         | A::LayoutTwoSlopes
@@ -57,14 +55,21 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::LayoutTwoByTwo => has_burst && in_inspect,
         A::ShowMerge | A::ShowNoise | A::ShowCoverage | A::ShowMotion => has_burst,
         A::CompareAgain => in_methods,
+        A::RunStudy => model.lab.running.is_none() && model.lab_study().is_ok(),
+        A::CancelStudy => model.lab.running.is_some(),
+        A::KeepCurves => model.lab.current.is_some() && model.lab.running.is_none(),
+        A::OpenDarkCopy => has_burst,
+        A::OpenChart => model.lab.wanted_chart().is_some(),
+        A::ExportCurvesCsv | A::ExportCurvesSvg => !model.lab.shown_results().is_empty(),
         A::OpenGoldA => has_burst,
         A::OpenGoldB => has_burst && has_second,
         A::OpenFolderB | A::OpenFilesB | A::OpenPathB | A::OpenDemoB => has_burst,
         A::CloseB | A::SwapSides => has_burst && has_second,
         A::OtherSide => in_pair && has_second,
-        A::LinkCursors | A::LinkViews | A::LinkRanges => in_pair,
+        A::LinkCursors | A::LinkViews | A::LinkRanges => in_pair || many_panes,
         A::ToggleInliers | A::ToggleOutliers | A::ToggleAlone | A::ToggleEpipolar => in_pair,
         A::Match => in_pair && model.pair.busy.matching.is_none() && model.wanted_matches().is_some(),
+        A::ProbeExpected => in_pair && model.expected_place().is_some(),
         A::ResetMatching => model.pair.params != MatchParams::default(),
         A::SaveSession | A::ShowFrame | A::ShowStack | A::ShowDog | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => {
             has_burst
@@ -88,7 +93,9 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Cancel => {
             let (a, b) = (&model.busy, &model.pair.busy);
             let comparing = model.compare.busy.map(|busy| busy.running);
-            [a.detecting, a.opening, b.detecting, b.opening, b.matching, comparing].iter().any(Option::is_some)
+            [a.detecting, a.opening, b.detecting, b.opening, b.matching, comparing, model.coherence.busy]
+                .iter()
+                .any(Option::is_some)
         }
         A::ResetParams => model.asked() != SearchParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
@@ -117,9 +124,12 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
             let several = model.datasets.open.as_ref().is_some_and(|d| d.bursts.len() > 1);
             cfg!(feature = "colmap") && several && model.datasets.work.is_none()
         }
+        A::PaperFigures => model.busy.figures.is_none(),
+        A::CancelFigures => model.busy.figures.is_some(),
         A::ShowPair => model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some()),
         A::CloseTrajectories => !model.trajectories.is_empty(),
         A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
+        A::LeaveLesson => model.in_lesson,
         A::CutSequence => {
             let in_files = model.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
             in_files && model.frame_count() > 1
@@ -132,13 +142,14 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
     let kind = |kind: ViewKind| Some(model.focused().shows(kind));
-    let (links, matches) = (&model.pair.links, &model.pair.look);
+    let matches = &model.pair.look;
     match id {
         A::WorkspaceInspect => Some(model.workspace == Workspace::Inspect),
         A::WorkspacePair => Some(model.workspace == Workspace::Pair),
         A::WorkspaceMatches => Some(model.workspace == Workspace::Matches),
         A::WorkspaceTrajectories => Some(model.workspace == Workspace::Trajectories),
         A::WorkspaceMethods => Some(model.workspace == Workspace::Methods),
+        A::WorkspaceLab => Some(model.workspace == Workspace::Lab),
         A::ToggleOverlay if model.workspace == Workspace::Methods => Some(model.compare.look.features),
         A::ShowFrame => kind(ViewKind::Frame),
         A::ShowStack => kind(ViewKind::Stack),
@@ -147,9 +158,9 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ShowNoise => Some(model.focused().content == Content::Map(MapKind::Noise)),
         A::ShowMotion => Some(model.focused().content == Content::Map(MapKind::Motion)),
         A::ShowCoverage => Some(model.focused().content == Content::Map(MapKind::Coverage)),
-        A::LinkCursors => Some(links.cursor),
-        A::LinkViews => Some(links.views),
-        A::LinkRanges => Some(model.ranges_are_linked()),
+        A::LinkCursors => Some(model.panes.all_share(Link::Cursor)),
+        A::LinkViews => Some(model.panes.all_share(Link::View)),
+        A::LinkRanges => Some(model.panes.all_share(Link::Display)),
         A::ToggleInliers => Some(matches.inliers),
         A::ToggleOutliers => Some(matches.outliers),
         A::ToggleAlone => Some(matches.alone),

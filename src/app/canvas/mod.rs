@@ -24,15 +24,12 @@
 pub mod overlay;
 mod picture;
 mod readout;
-mod transform;
 mod values;
-mod view;
 
+pub use crate::app::view::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom, number, signed_number};
 pub use picture::Picture;
-pub use readout::{Quantity, Readout, number, readout, signed_number};
-pub use transform::RectTransform;
+pub use readout::{Quantity, Readout, readout};
 pub use values::{GRID_MIN_POINTS, VALUE_MIN_POINTS, readable_on};
-pub use view::{MAX_POINTS_PER_PIXEL, View, Zoom};
 
 use crate::app::gpu::{Gpu, PicturePaint};
 use crate::plane::display::Display;
@@ -150,6 +147,7 @@ impl<'a> Canvas<'a> {
         let size = self.size.unwrap_or_else(|| ui.available_size()).max(Vec2::splat(16.0));
         let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let pixels_per_point = ui.ctx().pixels_per_point();
+        let zoom_before = view.points_per_pixel();
         // Without a picture any size will do; nothing is drawn with it.
         let image_size = self.picture.map_or((1, 1), |p| p.image_size);
         if self.picture.is_some() {
@@ -159,6 +157,10 @@ impl<'a> Canvas<'a> {
         let mut settled = *view;
         let ui_from_image = settled.settle(rect, image_size, pixels_per_point);
         if self.picture.is_some() {
+            if settled.points_per_pixel() != zoom_before {
+                // What says the zoom elsewhere was drawn before it was known.
+                ui.ctx().request_repaint();
+            }
             *view = settled;
         }
         let image_from_ui = ui_from_image.inverse();

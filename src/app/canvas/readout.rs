@@ -1,6 +1,6 @@
 //! The value under the pointer, for the status bar.
 
-use super::Picture;
+use super::{Picture, number};
 use crate::detector::Slope;
 use egui::Pos2;
 
@@ -101,73 +101,12 @@ impl std::fmt::Display for Readout {
     }
 }
 
-/// A number with `digits` significant digits, without trailing zeros, as people read values: `0.0123`, `1234`,
-/// `−3.2e−7`, `NaN`.
-pub fn number(value: f32, digits: usize) -> String {
-    if value.is_nan() {
-        return "NaN".to_owned();
-    }
-    if value.is_infinite() {
-        return if value > 0.0 { "∞" } else { "−∞" }.to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let magnitude = value.abs().log10().floor() as i32;
-    let text = if (-4..7).contains(&magnitude) {
-        let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
-        let fixed = format!("{value:.decimals$}");
-        if fixed.contains('.') { fixed.trim_end_matches('0').trim_end_matches('.').to_owned() } else { fixed }
-    } else {
-        let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-        match scientific.split_once('e') {
-            Some((mantissa, exponent)) if mantissa.contains('.') => {
-                format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
-            }
-            _ => scientific,
-        }
-    };
-    text.replace('-', "−")
-}
-
-/// The same with its sign, also before what is above 0.
-pub fn signed_number(value: f32, digits: usize) -> String {
-    let text = number(value, digits);
-    if value > 0.0 { format!("+{text}") } else { text }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::plane::Plane;
     use egui::pos2;
     use std::sync::Arc;
-
-    #[test]
-    fn numbers_as_people_read_them() {
-        let cases = [
-            (0.0, "0"),
-            (0.5, "0.5"),
-            (0.0123456, "0.01235"),
-            (1.0, "1"),
-            (1234.5678, "1235"),
-            (65535.0, "65535"),
-            (-0.25, "−0.25"),
-            (3.2e-7, "3.2e−7"),
-            (f32::NAN, "NaN"),
-            (f32::NEG_INFINITY, "−∞"),
-        ];
-        for (value, text) in cases {
-            assert_eq!(number(value, 4), text, "{value}");
-        }
-    }
-
-    #[test]
-    fn faint_responses_of_dark_bursts_keep_their_digits() {
-        assert_eq!(signed_number(0.000_012_3, 3), "+1.23e−5");
-        assert_eq!(signed_number(-0.000_123_4, 3), "−0.000123");
-        assert_eq!((signed_number(0.0, 3), signed_number(0.5, 3)), ("0".to_owned(), "+0.5".to_owned()));
-    }
 
     #[test]
     fn a_readout_tells_place_and_value_in_both_units() {

@@ -1,6 +1,6 @@
 //! Numbers drawn into the pixels, when the pixels are large enough, and the grid between them.
 
-use super::readout::number;
+use super::number;
 use super::{Picture, RectTransform};
 use crate::plane::display::Display;
 use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, pos2};

@@ -1,7 +1,7 @@
 //! The paired cameras one by one, with their errors and points.
 
 use super::plane_view::points_of;
-use super::trajectories::Trajectories;
+use crate::app::project::trajectories::Trajectories;
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 

@@ -1,11 +1,11 @@
 //! Trajectories in numbers: which files, how they are compared, the errors, and the reconstruction in the paper's
 //! columns.
 
-use super::model::Dataset;
-use super::trajectories::Trajectories;
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
+use crate::app::project::datasets::Dataset;
+use crate::app::project::trajectories::Trajectories;
 use crate::evaluate::poses::{Association, ErrorSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
 use egui::{ComboBox, DragValue, Grid, Label, RichText, Ui};

@@ -1,11 +1,11 @@
 //! The filmstrip: a dataset's bursts in order, each with a small picture, its state, and whether it is A or B.
 
-use super::model::{BurstState, Dataset, Datasets};
 use super::thumbnails::{Shown, Thumbnails};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{middle_elided, progress_text};
 use crate::app::project::Model;
+use crate::app::project::datasets::{BurstState, Dataset, Datasets};
 use crate::app::style;
 use crate::inspect::words::counted;
 use egui::{

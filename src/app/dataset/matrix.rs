@@ -2,9 +2,9 @@
 //! and a number.
 
 use super::filmstrip::{SIDES, side_colour};
-use super::matches::{BurstPair, PairTable, pair_of};
-use super::model::{BurstState, Dataset};
 use crate::app::panel::widgets::middle_elided;
+use crate::app::project::datasets::pairs::{BurstPair, PairTable, pair_of};
+use crate::app::project::datasets::{BurstState, Dataset};
 use crate::app::style;
 use crate::plane::colour_map::ColourMap;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};

@@ -1,7 +1,7 @@
 //! The list of matched pairs: a click on a heading sorts, a click on a row selects, a second one opens.
 
-use super::matches::{BurstPair, PairColumn};
-use super::model::Dataset;
+use crate::app::project::datasets::Dataset;
+use crate::app::project::datasets::pairs::{BurstPair, PairColumn};
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 

@@ -1,8 +1,8 @@
 //! Both trajectories in a plane: the truth as a line with rings, the estimate as a dashed one with discs, and between
 //! them what is off.
 
-use super::trajectories::{PlaneScene, Spot, Trajectories, round_length};
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
+use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories, round_length};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};

@@ -1,7 +1,7 @@
 //! How many 3D points each image of a reconstruction sees, as bars in the order of the images.
 
 use super::plane_view::{estimate_colour, pair_text, points_of};
-use super::trajectories::Trajectories;
+use crate::app::project::trajectories::Trajectories;
 use egui::{Align2, FontId, Rect, Sense, Ui, pos2, vec2};
 
 /// One bar.

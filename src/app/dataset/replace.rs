@@ -1,6 +1,6 @@
 //! The question whether features of other parameters may be replaced, with what is kept of them.
 
-use super::model::Datasets;
+use crate::app::project::datasets::Datasets;
 use crate::inspect::words::counted;
 
 /// Asks while `open`; answers whether the features may be replaced.

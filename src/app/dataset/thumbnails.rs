@@ -1,6 +1,6 @@
 //! The small pictures of a dataset's bursts: asked for as they come into view, and kept on the card up to a number.
 
-use crate::burst::BurstSource;
+use crate::burst::{BurstSource, OpenOptions};
 use crate::dataset::Thumbnail;
 use crate::engine::DatasetWorkers;
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
@@ -49,8 +49,8 @@ impl Thumbnails {
         !self.wanted.is_empty() || self.shown.values().any(|s| matches!(s, Shown::Asked))
     }
 
-    /// Asks the workers for what came into view in this pass.
-    pub fn request(&mut self, workers: &DatasetWorkers) {
+    /// Asks the workers for what came into view in this pass, opened with `open`.
+    pub fn request(&mut self, workers: &DatasetWorkers, open: &OpenOptions) {
         let mut wanted = std::mem::take(&mut self.wanted);
         if wanted.is_empty() || workers.makes_thumbnails() {
             return;
@@ -61,7 +61,7 @@ impl Thumbnails {
         }
         wanted.truncate(MOST_ASKED);
         self.shown.extend(wanted.iter().map(|b| (b.name.clone(), Shown::Asked)));
-        workers.request_thumbnails(wanted, SIDE_PX);
+        workers.request_thumbnails(wanted, SIDE_PX, open.clone());
     }
 
     /// Takes a picture that the workers made of `source`, if it is one of `bursts`.

@@ -2,91 +2,46 @@
 
 use crate::app::canvas::overlay::{ColourBy, ColourScale, circle_radius_image, motion_image};
 use crate::app::canvas::{self, number};
+use crate::app::figure::links::links_of;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::describe;
 use crate::app::project::Model;
+use crate::app::project::figure::FigureChoice;
 use crate::app::project::look::RangeClass;
-use crate::app::project::workspace::Workspace;
-use crate::detector::{Detection, Feature, Slope};
-use crate::export::{ColourBar, Drawing, FigureMark, FigureOptions, FigurePanel, LegendEntry, lay_out};
+use crate::detector::{Detection, Feature};
+use crate::export::{ColourBar, Drawing, FigureMark, FigurePanel, LegendEntry, draw_links, lay_out};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// What a figure shows, and how.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct FigureChoice {
-    /// All panes of the inspector, or the one in focus alone.
-    pub all_panes: bool,
-    /// The whole picture, or the part of it that can be seen.
-    pub whole_picture: bool,
-    /// Figure pixels for each image pixel.
-    pub scale: f32,
-    /// Width of strokes, figure pixels.
-    pub stroke_width_px: f32,
-    /// Height of letters, figure pixels.
-    pub font_size_px: f32,
-    /// A line above each picture.
-    pub titles: bool,
-    /// (a), (b), … where there are several.
-    pub letters: bool,
-    /// What the features' colours mean.
-    pub legend: bool,
-    /// What the pictures' colours mean.
-    pub colour_bar: bool,
-    /// A bar of known length.
-    pub scale_bar: bool,
-}
-
-impl Default for FigureChoice {
-    fn default() -> Self {
-        Self {
-            all_panes: true,
-            whole_picture: false,
-            scale: 2.0,
-            stroke_width_px: 1.5,
-            font_size_px: 14.0,
-            titles: true,
-            letters: true,
-            legend: true,
-            colour_bar: true,
-            scale_bar: true,
-        }
-    }
-}
-
-impl FigureChoice {
-    fn options(&self) -> FigureOptions {
-        FigureOptions {
-            scale: self.scale,
-            stroke_width_px: self.stroke_width_px,
-            font_size_px: self.font_size_px,
-            letters: self.letters,
-            scale_bar: self.scale_bar,
-        }
-    }
-}
 
 /// The figure of what is on show.
 ///
 /// # Errors
 /// That there is no picture.
 pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
-    let rows = if choice.all_panes && model.workspace == Workspace::Inspect {
+    let rows = if choice.all_panes && model.workspace.needs_burst() {
         model.panes.arrangement().in_rows()
     } else {
         vec![vec![model.focus()]]
     };
-    let panels = |row: Vec<PaneId>| row.into_iter().filter_map(|id| panel_of(model, widgets, id, choice)).collect();
-    let rows: Vec<Vec<FigurePanel>> = rows.into_iter().map(panels).collect();
+    let mut panes = Vec::new();
+    let mut panels = |row: Vec<PaneId>| {
+        let panel = |id: PaneId| {
+            let panel = panel_of(model, widgets, id, choice)?;
+            panes.push(id);
+            Some(panel)
+        };
+        row.into_iter().filter_map(panel).collect()
+    };
+    let rows: Vec<Vec<FigurePanel>> = rows.into_iter().map(&mut panels).collect();
     if rows.iter().all(Vec::is_empty) {
         return Err("there is no picture; open a burst first".to_owned());
     }
-    Ok(lay_out(&rows, &choice.options()))
+    let mut drawing = lay_out(&rows, &choice.options());
+    draw_links(&mut drawing, &rows, &links_of(model, widgets, &panes), choice.stroke_width_px);
+    Ok(drawing)
 }
 
 fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {
@@ -111,7 +66,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     let step = shown.image_from_picture_scale;
     let layer = FeatureLayer::of(model, id);
     let legend = match &layer {
-        Some(layer) if choice.legend => legend(&layer.scale(model.colour_by), &layer.detection),
+        Some(layer) if choice.legend => legend(&layer.scale(model), &layer.detection),
         _ => Vec::new(),
     };
     Some(FigurePanel {
@@ -128,7 +83,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
 
 /// The features as the window draws them: the faint ones at the bottom, the selected one on top.
 fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
-    let scale = layer.scale(model.colour_by);
+    let scale = layer.scale(model);
     let frames = layer.detection.frames_used.len();
     let selected = |i: usize| layer.selected == Some(i);
     let mark = |i: usize| {
@@ -139,9 +94,9 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
         FigureMark {
             centre: [placed.u, placed.v],
             radius: circle_radius_image(placed),
-            orientation: (model.look.orientations && !faint).then_some(placed.orientation),
-            motion: (model.look.motion_vectors && !faint).then(|| [first.into(), last.into()]),
-            color: rgb(scale.colour(placed)),
+            orientation: (layer.orientations && !faint).then_some(placed.orientation),
+            motion: (layer.motions && !faint).then(|| [first.into(), last.into()]),
+            color: rgb(scale.colour(i, placed)),
             opacity: if faint || layer.stale { 0.35 } else { 0.95 },
             weight: if selected(i) { 2.0 } else { 1.0 },
             dashed: placed.at_slope_limit,
@@ -171,7 +126,7 @@ fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
 fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
     const MOST: usize = 12;
     let Some(sample) = detection.features.first().copied() else { return Vec::new() };
-    let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(&feature)), label };
+    let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(0, &feature)), label };
     if scale.by == ColourBy::SlopeDirection {
         let grid = detection.slopes;
         let mut used: Vec<usize> = detection.features.iter().map(|f| f.slope_index).collect();
@@ -187,18 +142,18 @@ fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
             })
             .collect();
     }
-    (0..5)
-        .map(|step| {
-            let x = scale.min + (scale.max - scale.min) * step as f32 / 4.0;
-            let feature = match scale.by {
-                ColourBy::SlopeU => Feature { slope: Slope::new(x, 0.0), ..sample },
-                ColourBy::SlopeV => Feature { slope: Slope::new(0.0, x), ..sample },
-                ColourBy::Scale => Feature { sigma: x, ..sample },
-                ColourBy::Response | ColourBy::SlopeDirection => Feature { response: x, ..sample },
-            };
-            entry(feature, format!("{} {}", canvas::number(x, 3), scale.by.unit()))
-        })
-        .collect()
+    if scale.by == ColourBy::Limit {
+        return [(false, "inside the searched slopes"), (true, "at their limit")]
+            .map(|(at_slope_limit, label)| entry(Feature { at_slope_limit, ..sample }, label.to_owned()))
+            .to_vec();
+    }
+    let step = |step: usize| {
+        let x = scale.min + (scale.max - scale.min) * step as f32 / 4.0;
+        let label = format!("{} {}", canvas::number(x, 3), scale.by.unit());
+        LegendEntry { color: rgb(scale.along(x)), label: label.trim_end().to_owned() }
+    };
+    let grey = LegendEntry { color: rgb(scale.unknown()), label: "not known".to_owned() };
+    (0..5).map(step).chain(scale.has_unknown().then_some(grey)).collect()
 }
 
 fn rgb(colour: egui::Color32) -> [u8; 3] {

@@ -1,7 +1,7 @@
 //! What a figure shows, to be chosen.
 
-use super::FigureChoice;
 use crate::app::actions::{ActionId, Queue};
+use crate::app::project::figure::FigureChoice;
 use egui::{DragValue, Ui};
 
 /// Draws the dialog if it is open.
@@ -42,7 +42,7 @@ pub fn figure_dialog_ui(ctx: &egui::Context, open: &mut bool, choice: &mut Figur
 
 fn switches_ui(ui: &mut Ui, choice: &mut FigureChoice) {
     let switches = [
-        (&mut choice.all_panes, "All panes", "All panes of the inspector, as they are arranged; else the one in focus"),
+        (&mut choice.all_panes, "All panes", "All panes on the screen, as they are arranged; else the one in focus"),
         (&mut choice.whole_picture, "Whole picture", "Else the part of it that can be seen"),
         (&mut choice.titles, "Titles", "What each picture is, above it"),
         (&mut choice.letters, "Letters", "(a), (b), … where there are several pictures"),

@@ -2,8 +2,9 @@
 
 mod collect;
 mod dialog;
+mod links;
 mod raster;
 
-pub use collect::{FigureChoice, drawing_of};
+pub use collect::drawing_of;
 pub use dialog::figure_dialog_ui;
 pub use raster::rasterise;

@@ -1,6 +1,7 @@
 //! A drawing as pixels, without a card: egui makes triangles of lines and letters, and these are filled here.
 
 use crate::export::{Drawing, FigureRect, FigureShape, FigureStroke};
+use crate::plane::memory;
 use egui::epaint::{ClippedPrimitive, ImageData, Mesh, Primitive};
 use egui::{Color32, ColorImage, FontId, Painter, Pos2, Rect, Shape, Stroke, TextureId, pos2, vec2};
 use image::{Rgba, RgbaImage};
@@ -20,7 +21,9 @@ pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
             "the figure would have {width:.0} × {height:.0} pixels, and at most {MAX_SIDE_PX:.0} a side are drawn; choose a smaller scale"
         ));
     }
-    let mut image = RgbaImage::from_pixel(width as u32, height as u32, Rgba([255; 4]));
+    let mut pixels = memory::zeroed(width as usize * height as usize * 4);
+    pixels.fill(255);
+    let mut image = RgbaImage::from_raw(width as u32, height as u32, pixels).ok_or("the figure has no size")?;
     // What is made of whole pixels lies at the bottom of every figure.
     for shape in &drawing.shapes {
         fill(&mut image, shape);

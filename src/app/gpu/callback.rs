@@ -1,7 +1,8 @@
 //! The paint callback: one picture in one pane.
 
 use super::PictureId;
-use super::renderer::{PictureRenderer, Uniforms, lut_row};
+use super::renderer::{PictureRenderer, lut_row};
+use super::uniforms::Uniforms;
 use crate::app::canvas::RectTransform;
 use crate::plane::Plane;
 use crate::plane::display::Display;

@@ -4,20 +4,27 @@
 //! reads, so changing the exposure uploads nothing. [`install`] prepares a window; a canvas then adds one
 //! [`PicturePaint`] shape for each pane. Magnified pictures show crisp pixels, small ones are averaged over the area of
 //! a screen pixel, large ones are tiled, and what cannot be shown is said.
+//!
+//! A device can be lost: the driver was reset or updated, the card went to sleep. [`Gpu::lost`] says so; [`install`] for
+//! a new device brings everything to it again.
 
 mod callback;
 mod layout;
 mod limits;
+mod mirror;
+mod pipeline;
 mod pyramid;
 mod renderer;
 mod setup;
 mod texture;
+mod uniforms;
 
 #[cfg(test)]
 mod tests;
 
 pub use callback::PicturePaint;
 pub use limits::DeviceLimits;
+pub use mirror::textures_of;
 pub use renderer::PictureRenderer;
 pub use setup::{AdapterChoice, Gpu, install, wgpu_configuration, wgpu_setup};
 

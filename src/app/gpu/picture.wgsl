@@ -39,7 +39,7 @@ fn load(cell: vec2u) -> f32 {
     let tile = uniforms.tile >> vec2u(uniforms.level);
     let place = cell / tile;
     let layer = place.y * uniforms.tiles_across + place.x;
-    return textureLoad(picture, cell - place * tile, layer, uniforms.level).r;
+    return textureLoad(picture, cell - place * tile, layer, i32(uniforms.level)).r;
 }
 
 // The mean over the part of the picture that one pixel of the screen covers; `edge` is counted from the picture's upper left corner.

@@ -3,11 +3,12 @@
 use super::PictureId;
 use super::layout::Layout;
 use super::limits::DeviceLimits;
+use super::pipeline::{bind_group, bind_group_layout, lut_texture, pipeline};
 use super::texture::PictureTexture;
+use super::uniforms::Uniforms;
 use crate::plane::Plane;
 use crate::plane::colour_map::ColourMap;
 use std::collections::HashMap;
-use std::num::NonZeroU64;
 use std::sync::{Arc, Mutex};
 
 /// Pictures stay on the card until they take more than this; then those not seen for longest go.
@@ -18,40 +19,6 @@ const PANE_LIFETIME_FRAMES: u64 = 600;
 
 /// Why pictures could not be brought to the card.
 pub type Failures = Arc<Mutex<HashMap<PictureId, String>>>;
-
-/// The shader's uniforms; field by field those of `picture.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Uniforms {
-    /// A place of the framebuffer, in pixels of the screen.
-    pub origin_px: [f32; 2],
-    /// The place of the picture that is shown there, in its pixels.
-    pub anchor_picture: [f32; 2],
-    /// What a dimmed picture fades towards, sRGB in [0, 1].
-    pub backdrop: [f32; 3],
-    /// Pixels of the picture in one pixel of the screen.
-    pub picture_px_per_px: f32,
-    /// Columns, rows.
-    pub size: [u32; 2],
-    /// Columns, rows of one array layer.
-    pub tile: [u32; 2],
-    /// Tiles side by side.
-    pub tiles_across: u32,
-    /// The level to read.
-    pub level: u32,
-    /// Row of the colour map in the table.
-    pub lut_row: u32,
-    /// 1: diverging map; 2: the target converts from linear light.
-    pub flags: u32,
-    /// Lower end of the value range.
-    pub range_min: f32,
-    /// 1 / width of the value range.
-    pub range_scale: f32,
-    /// 1 / gamma.
-    pub exponent: f32,
-    /// 0: as it is; 1: dimmed.
-    pub dim: f32,
-}
 
 struct Resident {
     texture: PictureTexture,
@@ -222,119 +189,6 @@ impl PictureRenderer {
             pass.draw(0..3, 0..1);
         }
     }
-}
-
-fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let texture = |binding, view_dimension| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
-        ty: wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension,
-            multisampled: false,
-        },
-        count: None,
-    };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("burstscope picture"),
-        entries: &[
-            wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    // wgpu checks the shader's structure against this size when the pipeline is made.
-                    min_binding_size: NonZeroU64::new(size_of::<Uniforms>() as u64),
-                },
-                count: None,
-            },
-            texture(1, wgpu::TextureViewDimension::D2Array),
-            texture(2, wgpu::TextureViewDimension::D2),
-        ],
-    })
-}
-
-fn bind_group(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    uniforms: &wgpu::Buffer,
-    picture: &wgpu::TextureView,
-    lut: &wgpu::TextureView,
-) -> wgpu::BindGroup {
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("burstscope pane"),
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
-            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(lut) },
-        ],
-    })
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    target: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    let module = device.create_shader_module(wgpu::include_wgsl!("picture.wgsl"));
-    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("burstscope picture"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("burstscope picture"),
-        layout: Some(&pipeline_layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vs_main"),
-            buffers: &[],
-            compilation_options: Default::default(),
-        },
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fs_main"),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: target,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-            compilation_options: Default::default(),
-        }),
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        multiview_mask: None,
-        cache: None,
-    })
-}
-
-/// All colour maps in one texture: 256 columns, one row for each map in the order of [`ColourMap::ALL`].
-fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
-    let mut bytes = Vec::with_capacity(256 * 4 * ColourMap::ALL.len());
-    for [r, g, b] in ColourMap::ALL.into_iter().flat_map(ColourMap::lut) {
-        bytes.extend_from_slice(&[r, g, b, 255]);
-    }
-    let size = wgpu::Extent3d { width: 256, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 };
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("burstscope colour maps"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    queue.write_texture(
-        texture.as_image_copy(),
-        &bytes,
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256 * 4), rows_per_image: None },
-        size,
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Row of `map` in the table.

@@ -1,9 +1,10 @@
 //! One description of the graphics device for the window, for drawing without a display and for tests.
 
 use super::limits::DeviceLimits;
+use super::mirror::TextureMirror;
 use super::renderer::PictureRenderer;
 use egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Which adapter to take when a machine has several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -60,16 +61,25 @@ fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
 }
 
 /// Makes `ctx` able to draw float pictures with `render_state`. Call it once when the window (or the offscreen drawing)
-/// is made, before the first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`.
+/// is made, before the first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`. Call it
+/// again for a new device in the place of a [lost](Gpu::lost) one: all that was on the card goes to the new one.
 ///
 /// The renderer of `render_state` must draw without multisampling and without a depth buffer, which are egui's
 /// defaults.
 pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     let limits = DeviceLimits::of(&render_state.device);
     let renderer = PictureRenderer::new(&render_state.device, &render_state.queue, render_state.target_format, limits);
-    let gpu =
-        Gpu { adapter_name: Arc::from(render_state.adapter.get_info().name), limits, failures: renderer.failures() };
+    let lost = Arc::new(OnceLock::new());
+    let (noted, waker) = (lost.clone(), ctx.clone());
+    render_state.device.set_device_lost_callback(move |reason, message| {
+        // A device is lost once.
+        let _ = noted.set(if message.is_empty() { format!("{reason:?}") } else { message });
+        waker.request_repaint();
+    });
+    let adapter_name = Arc::from(render_state.adapter.get_info().name);
+    let gpu = Gpu { adapter_name, limits, failures: renderer.failures(), lost };
     render_state.renderer.write().callback_resources.insert(renderer);
+    TextureMirror::install(ctx);
     ctx.data_mut(|data| data.insert_temp(egui::Id::NULL, gpu));
 }
 
@@ -81,12 +91,19 @@ pub struct Gpu {
     /// What the device can hold.
     pub limits: DeviceLimits,
     failures: super::renderer::Failures,
+    lost: Arc<OnceLock<String>>,
 }
 
 impl Gpu {
     /// The card that draws `ctx`, or `None` when [`install`] was never called for it.
     pub fn of(ctx: &egui::Context) -> Option<Self> {
         ctx.data(|data| data.get_temp(egui::Id::NULL))
+    }
+
+    /// Why the device is lost, in the driver's words; `None` as long as it is there. What is drawn with a lost device
+    /// goes nowhere.
+    pub fn lost(&self) -> Option<&str> {
+        self.lost.get().map(String::as_str)
     }
 
     /// Why a picture of `size` = (columns, rows) cannot be shown, as a person would say it; `None` when it can.

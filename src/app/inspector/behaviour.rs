@@ -1,7 +1,10 @@
 //! What `egui_tiles` asks of the inspector.
 
+use super::empty::empty_ui;
 use super::header::header_ui;
 use super::menu::Change;
+use super::method::method_ui;
+use super::names::canvas_name;
 use super::pane_ui::{Drawn, over_names_ui, over_ui, picture_ui};
 use super::slice_ui::slice_ui;
 use super::widgets::PaneWidgets;
@@ -13,6 +16,7 @@ use crate::app::panel::colour_bar::colour_bar_ui;
 use crate::app::panel::features::{FeatureOptions, features_ui};
 use crate::app::panel::picture::stale_ui;
 use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
 use egui::{Stroke, StrokeKind, Ui, WidgetText};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
@@ -32,43 +36,26 @@ pub(super) struct Inspector<'a> {
 impl Behavior<PaneId> for Inspector<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, id: &mut PaneId) -> UiResponse {
         let id = *id;
-        let Some(number) = self.model.panes.number(id) else { return UiResponse::None };
-        let many = self.model.panes.are_many();
+        let Some(pane) = self.model.panes.get(id) else { return UiResponse::None };
+        let (content, side, method, before) = (pane.content, pane.side, pane.method, pane.view);
+        let is_open = self.model.burst_in(pane).is_some();
         let whole = ui.max_rect();
+        self.widgets.of(id).rect_ui = Some(whole);
         ui.spacing_mut().item_spacing.y = 0.0;
         let header = header_ui(ui, self.model, id, self.widgets, &mut self.changes, self.queue);
-        if let Some(Content::Slice(axis)) = self.model.panes.get(id).map(|pane| pane.content) {
-            if slice_ui(ui, self.model, id, axis, self.widgets) || header.clicked {
-                self.model.panes.set_focus(id);
+        let touched = match content {
+            Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.widgets),
+            _ if !is_open => {
+                empty_ui(ui, self.model, side, method, self.queue);
+                false
             }
-            self.frame_ui(ui, id, whole);
-            return if header.dragged { UiResponse::DragStarted } else { UiResponse::None };
-        }
-        let name = if many { format!("Picture {number}") } else { "Picture".to_owned() };
-        let before = self.model.panes.get(id).map(|pane| pane.view);
-        let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name);
-        over_ui(ui, self.model, id, self.widgets, &mut drawn);
-        let size = drawn.output.response.rect.size();
-        let in_focus = self.model.focus() == id;
-        let options = FeatureOptions { legend: in_focus && size.x > LEGEND_ROOM.x && size.y > LEGEND_ROOM.y };
-        features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, options);
-        colour_bar_ui(ui, self.model, drawn.shown, drawn.output.response.rect);
-        candidates_ui(ui, self.model, drawn.shown, &drawn.output);
-        over_names_ui(ui, self.model, id, &drawn);
-        draw_ui(self.model, id, &drawn.output);
-        measure_ui(self.model, id, &drawn.output);
-        if in_focus {
-            stale_ui(ui, self.model, drawn.output.response.rect, self.queue);
-        }
-        super::picture_menu::picture_menu_ui(&drawn, self.model, id, self.widgets, &mut self.changes, self.queue);
-        if let Some(before) = before {
-            self.model.panes.follow_view(id, &before);
-        }
-        if header.clicked || drawn.is_touched(ui) {
+            _ => self.picture_ui(ui, id),
+        };
+        self.model.panes.follow_view(id, &before);
+        if header.clicked || touched {
             self.model.panes.set_focus(id);
         }
         self.frame_ui(ui, id, whole);
-        self.drawn.push((id, drawn));
         if header.dragged { UiResponse::DragStarted } else { UiResponse::None }
     }
 
@@ -91,6 +78,35 @@ impl Behavior<PaneId> for Inspector<'_> {
 }
 
 impl Inspector<'_> {
+    /// Draws the picture of a pane with all that lies over it; says whether the pointer touched it.
+    fn picture_ui(&mut self, ui: &mut Ui, id: PaneId) -> bool {
+        let name = canvas_name(self.model, id);
+        let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name);
+        over_ui(ui, self.model, id, self.widgets, &mut drawn);
+        let rect = drawn.output.response.rect;
+        let (inspected, in_focus) = (self.model.workspace == Workspace::Inspect, self.model.focus() == id);
+        let options =
+            FeatureOptions { legend: in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y };
+        features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, options);
+        colour_bar_ui(ui, self.model, drawn.shown, rect);
+        if inspected {
+            candidates_ui(ui, self.model, drawn.shown, &drawn.output);
+        }
+        over_names_ui(ui, self.model, id, &drawn);
+        method_ui(ui, self.model, id, &drawn);
+        if inspected {
+            draw_ui(self.model, id, &drawn.output);
+            measure_ui(self.model, id, &drawn.output);
+            if in_focus {
+                stale_ui(ui, self.model, rect, self.queue);
+            }
+        }
+        super::picture_menu::picture_menu_ui(&drawn, self.model, id, self.widgets, &mut self.changes, self.queue);
+        let touched = drawn.is_touched(ui);
+        self.drawn.push((id, drawn));
+        touched
+    }
+
     /// The pane in focus has a frame.
     fn frame_ui(&self, ui: &Ui, id: PaneId, whole: egui::Rect) {
         if self.model.panes.are_many() && self.model.focus() == id {

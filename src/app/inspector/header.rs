@@ -3,16 +3,13 @@
 
 use super::icons::{Icon, icon_button_ui};
 use super::menu::{Change, pane_menu_ui};
+use super::names::{long_description, short_description};
 use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::canvas;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
-use crate::app::panel::picture::describe;
 use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::pair::Side;
 use crate::app::style;
-use crate::engine::MapKind;
 use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Sense, Ui, vec2};
 
 /// Headers narrower than this, in points, have the links on a line of their own.
@@ -31,40 +28,6 @@ pub struct HeaderResponse {
     pub clicked: bool,
     /// The pane is taken by its name, to be put elsewhere.
     pub dragged: bool,
-}
-
-/// What a pane shows, in few words.
-pub fn compact_description(model: &Model, id: PaneId) -> String {
-    short_description(model, id, false)
-}
-
-/// The same; where there is hardly any room only what tells neighbours apart.
-fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
-    let Some(pane) = model.panes.get(id) else { return String::new() };
-    let burst = if model.burst_of(Side::B).is_some() { format!("{}  ", pane.side.name()) } else { String::new() };
-    let cursor = match model.burst_of(pane.side) {
-        Some(open) => pane.cursor_within(open, model.usable_params_of(pane.side)),
-        None => pane.cursor,
-    };
-    let slope = format!("({}, {})", canvas::number(cursor.slope.u, 3), canvas::number(cursor.slope.v, 3));
-    let number = |id: PaneId| model.panes.number(id).unwrap_or(0);
-    let what = match (pane.content, cursor.kind) {
-        (Content::Merge, _) if tiny => "Merged".to_owned(),
-        (Content::Merge, _) => "Merged frames".to_owned(),
-        (Content::Map(MapKind::Noise), _) => format!("σ {}/{} {slope}", cursor.octave, cursor.level),
-        (Content::Map(MapKind::Motion), _) => format!("Winning slope {}/{}", cursor.octave, cursor.level),
-        (Content::Map(map), _) if tiny => map.label().to_owned(),
-        (Content::Map(map), _) => format!("{} {slope}", map.label()),
-        (Content::Slice(_), _) if tiny => "Slice".to_owned(),
-        (Content::Slice(axis), _) => axis.label().to_owned(),
-        (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),
-        (Content::Cursor, ViewKind::Frame) => format!("Frame {}", cursor.frame),
-        (Content::Cursor, ViewKind::Stack) if tiny => slope,
-        (Content::Cursor, ViewKind::Dog) if tiny => format!("{}/{} {slope}", cursor.octave, cursor.level),
-        (Content::Cursor, ViewKind::Stack) => format!("Stack {slope}"),
-        (Content::Cursor, ViewKind::Dog) => format!("DoG {}/{} {slope}", cursor.octave, cursor.level),
-    };
-    format!("{burst}{what}")
 }
 
 /// Draws the header of pane `id`.
@@ -116,8 +79,7 @@ pub fn header_ui(
 
 /// Which pane it is and what it shows. It is dragged by this.
 fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> HeaderResponse {
-    let pane = model.panes.get(id);
-    let long = pane.and_then(|pane| pane.picture.as_ref()).map_or_else(String::new, describe);
+    let long = long_description(model, id);
     // While the picture is being made the short text says what it will be.
     let text = if (many && width < ROOM_FOR_NUMBERS) || long.is_empty() {
         short_description(model, id, width < ROOM_FOR_SPLITS)

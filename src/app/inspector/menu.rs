@@ -1,11 +1,13 @@
 //! What a pane can be told: its menu, which is also a part of what a click with the second button on its picture shows.
 
-use crate::app::actions::{ActionId, Queue, menu::item_ui};
-use crate::app::pane::{Content, Direction, Link, Over, PaneId, Preset, SliceAxis};
+use crate::app::actions::{ActionId, Queue, menu::item_ui, shown_by};
+use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, Pane, PaneId, Preset, SidesPreset, SliceAxis};
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
-use crate::engine::MapKind;
+use crate::app::project::workspace::Workspace;
+use crate::app::words::{explained, picture_word};
+use crate::requests::MapKind;
 use egui::{Button, Ui};
 
 /// What a pane asks for that changes which panes there are.
@@ -17,6 +19,10 @@ pub enum Change {
     Close(PaneId),
     /// All panes anew, from this one.
     LayOut(PaneId, Preset),
+    /// Two bursts anew.
+    LayOutSides(SidesPreset),
+    /// Methods anew.
+    LayOutMethods(MethodsPreset),
 }
 
 /// Draws the menu of pane `id`.
@@ -40,9 +46,18 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: 
         changes.push(Change::Close(id));
     }
     ui.menu_button("Layout", |ui| {
-        for preset in Preset::ALL {
-            if ui.button(preset.label()).on_hover_text(preset.help()).clicked() {
-                changes.push(Change::LayOut(id, preset));
+        let layouts: Vec<(&str, &str, Change)> = match model.workspace {
+            Workspace::Pair => {
+                SidesPreset::ALL.map(|preset| (preset.label(), preset.help(), Change::LayOutSides(preset))).to_vec()
+            }
+            Workspace::Methods => {
+                MethodsPreset::ALL.map(|preset| (preset.label(), preset.help(), Change::LayOutMethods(preset))).to_vec()
+            }
+            _ => Preset::ALL.map(|preset| (preset.label(), preset.help(), Change::LayOut(id, preset))).to_vec(),
+        };
+        for (label, help, change) in layouts {
+            if ui.button(label).on_hover_text(help).clicked() {
+                changes.push(change);
             }
         }
     });
@@ -52,22 +67,28 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: 
 fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     let others: Vec<(PaneId, usize)> = other_panes(model, id);
     let both = model.burst_of(Side::B).is_some();
+    let methods = model.contenders();
     let Some(pane) = model.panes.get_mut(id) else { return };
     for kind in ViewKind::ALL {
-        if ui.radio(pane.shows(kind), kind.label()).clicked() {
+        let radio = ui.radio(pane.shows(kind), kind.label());
+        if explained(radio, shown_by(kind).action().help, picture_word(Content::Cursor, kind)).clicked() {
             pane.show(kind);
         }
     }
-    if ui.radio(pane.content == Content::Merge, "Merged frames").clicked() {
+    let choice_ui = |ui: &mut Ui, pane: &Pane, content: Content, label: &str, help: &str| {
+        let radio = ui.radio(pane.content == content, label);
+        explained(radio, help, picture_word(content, pane.cursor.kind)).clicked()
+    };
+    if choice_ui(ui, pane, Content::Merge, "Merged frames", ActionId::ShowMerge.action().help) {
         pane.content = Content::Merge;
     }
     for map in MapKind::ALL {
-        if ui.radio(pane.content == Content::Map(map), map.label()).on_hover_text(map.help()).clicked() {
+        if choice_ui(ui, pane, Content::Map(map), map.label(), map.help()) {
             pane.content = Content::Map(map);
         }
     }
     for axis in SliceAxis::ALL {
-        if ui.radio(pane.content == Content::Slice(axis), axis.label()).on_hover_text(axis.help()).clicked() {
+        if choice_ui(ui, pane, Content::Slice(axis), axis.label(), axis.help()) {
             pane.show_slice(axis);
         }
     }
@@ -85,7 +106,15 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
         });
         menu.response.on_disabled_hover_text("A difference needs two other panes: split this one first");
     });
-    let mut side = pane.side;
+    let (mut side, mut method) = (pane.side, pane.method);
+    if let Some(chosen) = &mut method {
+        ui.menu_button(format!("Method: {}", chosen.label()), |ui| {
+            for one in methods {
+                ui.radio_value(chosen, one, one.label()).on_hover_text(one.help());
+            }
+        });
+        pane.show_method(method);
+    }
     if both {
         ui.horizontal(|ui| {
             ui.label("Burst");

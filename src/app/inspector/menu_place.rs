@@ -6,6 +6,7 @@ use crate::app::canvas::Readout;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MenuPlace {
     pub(super) feature: Option<usize>,
+    pub(super) matched: Option<usize>,
     pub(super) readout: Option<Readout>,
     /// The place at mid-burst.
     pub(super) mid_burst: Option<[f32; 2]>,

@@ -1,4 +1,5 @@
-//! The inspector's middle: panes in any arrangement, what each of them shows, and what they share.
+//! The middle of *Inspect*, *Two bursts* and *Methods*: panes in any arrangement, what each of them shows, and what
+//! they share.
 //!
 //! `egui_tiles` draws the arrangement and lets it be dragged; everything in a pane is drawn here: its header, its
 //! picture with features, another picture over it, and the marks of the place that is pointed at elsewhere. What a menu
@@ -6,33 +7,48 @@
 //! drawn.
 
 mod behaviour;
+mod empty;
 mod header;
 mod icons;
+mod joined;
 mod marks;
 mod menu;
 mod menu_place;
+mod method;
+mod names;
 mod pane_ui;
 mod picture_menu;
 mod probe_marks;
 mod slice_ui;
 mod widgets;
 
-pub use header::compact_description;
+pub use joined::{JoinedPanes, joined_panes};
 pub(in crate::app) use marks::same_place;
 pub use menu::Change;
+pub use names::compact_description;
+pub use pane_ui::Drawn;
 pub(in crate::app) use pane_ui::chip_ui;
-pub use pane_ui::{Drawn, over_handle_ui, picture_ui};
-pub(in crate::app) use picture_menu::copy_ui;
+pub(in crate::app) use picture_menu::{copy_ui, match_menu_ui};
 pub use widgets::{PaneWidget, PaneWidgets, PlaceValue};
 
 use super::actions::Queue;
-use super::pane::{arrangement_of, tree_of};
+use super::pane::{PaneId, arrangement_of, tree_of};
 use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
 use behaviour::Inspector;
 use egui::Ui;
 
-/// Draws all panes. Answers what is to be changed in other panes than the one that asked.
-pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Vec<Change> {
+/// What came of drawing all panes.
+pub struct Inspected {
+    /// What was drawn of those with a picture, in the order of drawing.
+    pub drawn: Vec<(PaneId, Drawn)>,
+    /// What is to be changed in other panes than the one that asked.
+    pub changes: Vec<Change>,
+}
+
+/// Draws all panes of the workspace that is open.
+pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Inspected {
+    widgets.begin_pass();
     let mut tree = tree_of(model.panes.arrangement());
     let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new(), changes: Vec::new() };
     tree.ui(&mut inspector, ui);
@@ -41,6 +57,8 @@ pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, q
         model.panes.rearrange(arrangement);
     }
     marks::marks_ui(model, widgets, &drawn);
-    probe_marks::probe_ui(ui, model, &drawn);
-    changes
+    if model.workspace == Workspace::Inspect {
+        probe_marks::probe_ui(ui, model, &drawn);
+    }
+    Inspected { drawn, changes }
 }

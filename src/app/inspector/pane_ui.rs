@@ -8,7 +8,6 @@ use crate::app::panel::features::{FeatureOptions, features_ui};
 use crate::app::panel::picture::readout_of;
 use crate::app::project::Model;
 use crate::app::project::look::RangeClass;
-use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
 
@@ -33,8 +32,8 @@ impl Drawn {
 }
 
 /// Draws the picture of pane `id` on a canvas called `name`; flipped, that of the pane that is laid over it.
-pub fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut PaneWidgets, name: &str) -> Drawn {
-    let over = model.panes.get(id).and_then(|pane| pane.over);
+pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut PaneWidgets, name: &str) -> Drawn {
+    let over = model.panes.over(id);
     let shown = match over {
         Some(Over::Flip { other, flipped: true }) => other,
         _ => id,
@@ -65,7 +64,7 @@ pub fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut Pane
 
 /// Lays the other picture of a wipe over what was drawn, with its features; what was drawn is cut off at the line.
 pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut PaneWidgets, drawn: &mut Drawn) {
-    let Some(Over::Wipe { other, at }) = model.panes.get(id).and_then(|pane| pane.over) else { return };
+    let Some(Over::Wipe { other, at }) = model.panes.over(id) else { return };
     let rect = drawn.output.response.rect;
     let x = egui::lerp(rect.x_range(), at);
     let picture = model.panes.get(other).and_then(|pane| pane.picture.as_ref());
@@ -85,7 +84,7 @@ pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Draw
         let number = model.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
         format!("{number}{}", super::compact_description(model, id))
     };
-    match model.panes.get(id).and_then(|pane| pane.over) {
+    match model.panes.over(id) {
         None => {}
         Some(Over::Flip { .. }) => {
             chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(model, drawn.shown), ("flip", id));
@@ -113,8 +112,8 @@ pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
     if matches!(model.range_class(id), RangeClass::Share | RangeClass::Motion) {
         return 1.0;
     }
-    let side = model.panes.get(id).map_or(Side::A, |pane| pane.side);
-    model.burst_of(side).map_or(1.0, |open| open.burst.full_scale)
+    let burst = model.panes.get(id).and_then(|pane| model.burst_in(pane));
+    burst.map_or(1.0, |open| open.burst.full_scale)
 }
 
 /// Why the picture that `id` wants now cannot be made.
@@ -125,7 +124,7 @@ fn problem_of(model: &Model, id: PaneId) -> Option<&str> {
 }
 
 /// The line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.
-pub fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
+fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
     let x = egui::lerp(rect.x_range(), *at);
     let line = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
     let response = ui.interact(line, ui.scope_id().with("wipe handle"), Sense::drag());

@@ -1,5 +1,5 @@
-//! What a click with the second button on a picture shows: what can be done with the feature and the place there, and
-//! with the pane.
+//! What a click with the second button on a picture shows: what can be done with the feature or match and the place
+//! there, and with the pane.
 
 use super::menu::{Change, pane_menu_ui};
 use super::menu_place::MenuPlace;
@@ -11,6 +11,8 @@ use crate::app::canvas::number;
 use crate::app::clipboard;
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
+use crate::app::project::pair::MatchRow;
+use crate::app::project::workspace::Workspace;
 use egui::{RichText, Ui};
 
 /// Shows the menu where the second button was pressed on the picture of pane `id`.
@@ -27,13 +29,28 @@ pub(super) fn picture_menu_ui(
         let readout = widgets.get(drawn.shown).and_then(|widget| widget.picture.readout);
         let pos = drawn.output.hover_image.and_then(|pos| mid_burst(model, drawn.shown, pos));
         let mid_burst = pos.map(|pos| [pos.x, pos.y]);
-        widgets.of(id).menu = MenuPlace { feature: model.hovered, readout, mid_burst };
+        let inspected = model.workspace == Workspace::Inspect;
+        widgets.of(id).menu = MenuPlace {
+            feature: model.hovered.filter(|_| inspected),
+            matched: model.pair.hovered.filter(|_| model.workspace == Workspace::Pair),
+            readout,
+            mid_burst: mid_burst.filter(|_| inspected),
+        };
     }
     let place = widgets.get(id).map(|widget| widget.menu).unwrap_or_default();
     response.context_menu(|ui| {
         ui.set_min_width(190.0);
         if let Some(index) = place.feature {
             feature_menu_ui(ui, model, index, queue);
+            ui.separator();
+        }
+        if let Some(matches) = model.pair.matches.clone()
+            && let Some(row) = place.matched.and_then(|index| matches.row(index))
+        {
+            if match_menu_ui(ui, &row) {
+                model.pair.selected = Some(row.index);
+                queue.push(ActionId::GoToFeature);
+            }
             ui.separator();
         }
         if let Some(place) = place.mid_burst {
@@ -81,4 +98,16 @@ pub(in crate::app) fn copy_ui(ui: &mut Ui, label: &str, text: impl FnOnce() -> S
     if ui.button(label).clicked() {
         ui.ctx().copy_text(text());
     }
+}
+
+/// What can be done with one match; answers whether it is to be gone to.
+pub(in crate::app) fn match_menu_ui(ui: &mut Ui, row: &MatchRow<'_>) -> bool {
+    ui.set_min_width(150.0);
+    ui.label(RichText::new(format!("Match {}", row.index + 1)).small().weak());
+    let go = ui
+        .button("Go to match")
+        .on_hover_text("Show both features, each in the motion stack at its own slope")
+        .clicked();
+    copy_ui(ui, "Copy row", || clipboard::match_text(row));
+    go
 }

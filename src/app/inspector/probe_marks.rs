@@ -7,7 +7,7 @@ use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::pair::Side;
 use crate::detector::Slope;
-use crate::engine::PictureKind;
+use crate::requests::PictureKind;
 use egui::{Color32, Pos2, Stroke, pos2, vec2};
 
 /// The place of the pictures of the whole burst that a place of pane `id` shows; `None` for panes of the other burst

@@ -7,9 +7,9 @@ use crate::app::pane::{PaneId, SliceAxis};
 use crate::app::project::Model;
 use crate::app::style;
 use crate::detector::Slope;
-use crate::engine::Probed;
 use crate::inspect::slices::Slice;
 use crate::inspect::words::number;
+use crate::requests::Probed;
 use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };
@@ -36,7 +36,7 @@ pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAx
     let Some(pane) = model.panes.get(id) else { return touched };
     let (slope, display) = (pane.cursor.slope, model.ranges_of(pane).intensity);
     let area = Area::of(whole, slice);
-    widgets.of(id).slice.draw(ui, area.rect, (name, &answer), display, || slice.plane.clone());
+    widgets.of(id).slice.draw(ui, area.rect, (name, &answer.probe), display, || slice.plane.clone());
     numbers_ui(ui, &area, slice);
     line(ui, &area, slice, answer.probe.subject.slope, false);
     line(ui, &area, slice, slope, true);

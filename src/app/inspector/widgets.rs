@@ -6,7 +6,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::display::DisplayState;
 use crate::app::panel::picture::PictureState;
 use crate::app::panel::probe::PlaneTexture;
-use egui::Pos2;
+use egui::{Pos2, Rect};
 use std::collections::HashMap;
 
 /// What one pane's widgets keep.
@@ -16,6 +16,8 @@ pub struct PaneWidget {
     pub picture: PictureState,
     /// The histogram while the pane is in focus.
     pub display: DisplayState,
+    /// Where the whole pane is in the window, if it was drawn in this pass.
+    pub rect_ui: Option<Rect>,
     /// The slice, if it shows one.
     pub(super) slice: PlaneTexture,
     /// What the menu of its picture is about.
@@ -61,6 +63,16 @@ impl PaneWidgets {
     /// Where a place of the image is in the window, as `id` was drawn last.
     pub fn pos_ui(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
         self.ui_from_image(id).map(|t| t.pos(pos_image))
+    }
+
+    /// Where pane `id` is in the window, if it is to be seen.
+    pub fn rect_ui(&self, id: PaneId) -> Option<Rect> {
+        self.get(id)?.rect_ui
+    }
+
+    /// Forgets where panes are: they are about to be drawn.
+    pub(super) fn begin_pass(&mut self) {
+        self.all.values_mut().for_each(|widget| (widget.rect_ui, widget.picture.readout) = (None, None));
     }
 
     /// Forgets all panes but those that `keep` knows.

@@ -1,7 +1,7 @@
 //! Comparisons of the features with others: asked for when they are wanted and not there, and taken when they are.
 
 use crate::app::window::BurstscopeApp;
-use crate::engine::{AgainstRequest, JobError};
+use crate::requests::{AgainstRequest, JobError};
 
 /// What was asked for last.
 #[derive(Default)]

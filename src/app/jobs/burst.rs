@@ -8,7 +8,8 @@ use crate::app::project::cursor::played;
 use crate::app::project::pair::Side;
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
-use crate::engine::{BurstJobs, BurstSource, DetectRequest, JobAnswer, JobError, OpenBurst, PairJobs, Update};
+use crate::engine::{BurstJobs, JobAnswer, PairJobs, Update};
+use crate::requests::{BurstSource, DetectRequest, JobError, OpenBurst};
 use std::time::{Duration, Instant};
 
 /// Pauses between slopes while they are played.
@@ -44,6 +45,7 @@ impl BurstscopeApp {
                         }
                     }
                 }
+                Update::Task(done) if self.has_kept_session(&done) => {}
                 Update::Task(done) => match done.result {
                     Ok(text) => self.model.messages.note(text),
                     Err(error) => self.model.messages.error(done.label, error.to_string()),
@@ -56,6 +58,7 @@ impl BurstscopeApp {
             opening: self.engine.running(BurstJobs::Open),
             detecting: self.engine.running(BurstJobs::Detect),
             picture: self.engine.makes_pictures(),
+            figures: self.take_figures(),
         };
         self.model.datasets.running = self.engine.datasets.running();
         self.model.trajectories.running = self.engine.poses.running();
@@ -69,15 +72,22 @@ impl BurstscopeApp {
                 None
             }
         };
+        if let Some(recovery) = &mut self.recovery {
+            recovery.restored(answer.id, answer.result.is_ok());
+        }
         match answer.result {
             Ok(mut burst) => {
                 self.engine.cancel(BurstJobs::Detect);
                 self.remember(&mut burst);
                 self.model.messages.resolved("Open");
                 self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
+                for note in burst.burst.notes() {
+                    self.model.messages.note(format!("{}; see File > Calibration", note.text));
+                }
                 let before = self.model.burst.as_ref().map(|open| open.source.clone());
                 self.model.take_burst(burst);
                 self.forget_probe();
+                self.forget_closed_trails();
                 self.model.start_probe(before.as_ref());
                 self.forget_asked();
                 (self.cursors_set, self.history_set) = (true, true);
@@ -91,10 +101,11 @@ impl BurstscopeApp {
                     if session.detected && self.model.needs_detection() {
                         self.start_detection();
                     }
+                    let panes = session.workspaces();
                     if let Some(gold) = session.gold {
                         self.open_gold(gold, Side::A);
                     }
-                    self.restore_pair(session.pair, session.panes);
+                    self.restore_pair(session.pair, panes);
                 }
             }
             // The one that took its place is being opened.
@@ -125,6 +136,7 @@ impl BurstscopeApp {
         }
         self.engine.comparer().cancel();
         self.engine.against.cancel();
+        self.engine.coherence.cancel();
         self.engine.probe().cancel();
     }
 
@@ -138,13 +150,7 @@ impl BurstscopeApp {
         if let Some(burst) = self.model.burst.clone() {
             let params = self.model.asked();
             self.asked.detecting = Some(params.clone());
-            let request = DetectRequest { burst, params };
-            self.asked.probe.keeps_trail = self.model.probe.is_on();
-            if self.asked.probe.keeps_trail {
-                self.engine.detect_with_trail(request);
-            } else {
-                self.engine.detect(request);
-            }
+            self.engine.detect(DetectRequest { burst, params });
             self.model.busy.detecting = self.engine.running(BurstJobs::Detect);
         }
     }
@@ -189,8 +195,10 @@ impl BurstscopeApp {
         self.request_for_compare(dragging);
         self.request_explanations();
         self.request_comparison();
+        self.request_coherence();
         self.request_losses();
-        self.thumbnails.request(&self.engine.datasets);
+        self.request_for_lab();
+        self.thumbnails.request(&self.engine.datasets, &self.model.calibration);
     }
 }
 

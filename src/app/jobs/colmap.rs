@@ -1,9 +1,9 @@
 //! COLMAP's database of the dataset that is open: asked for, and what is said when it is written.
 
-use crate::app::dataset::Work;
+use crate::app::project::datasets::Work;
 use crate::app::window::BurstscopeApp;
-use crate::engine::{ColmapDone, ColmapRequest, DatasetRequest};
 use crate::inspect::words::counted;
+use crate::requests::{ColmapDone, ColmapRequest, DatasetRequest};
 use std::path::PathBuf;
 
 impl BurstscopeApp {
@@ -13,6 +13,7 @@ impl BurstscopeApp {
         let request = ColmapRequest {
             out,
             params: self.model.asked(),
+            open: self.model.calibration.clone(),
             matching: self.model.pair.params.clone(),
             pairs: self.model.datasets.choice.selection(),
         };

@@ -1,14 +1,11 @@
 //! What the window does to compare methods: takes what the worker found, and gives it the next piece of work that is
 //! missing.
 
-use crate::app::histogram::PERCENTILES;
-use crate::app::project::compare::{Busy, CompareJob, Gold, MethodFound};
+use crate::app::project::compare::{Busy, CompareJob, MethodFound};
 use crate::app::project::pair::{Matches, Side};
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
-use crate::engine::{BurstSource, CompareRequest, Compared, JobError, JobId};
-use crate::plane::display::Display;
-use crate::plane::statistics::{Region, percentiles};
+use crate::requests::{BurstSource, CompareRequest, Compared, JobError, JobId};
 
 /// What the worker was given.
 #[derive(Default)]
@@ -32,7 +29,7 @@ impl BurstscopeApp {
         if self.compare_asked.opening.is_none()
             && let Some((source, side)) = self.compare_asked.gold.pop()
         {
-            let id = self.engine.comparer().start(CompareRequest::Open(source));
+            let id = self.engine.comparer().start(CompareRequest::Open(source, self.model.calibration.clone()));
             (self.compare_asked.job, self.compare_asked.opening) = (None, Some((id, side)));
         }
     }
@@ -47,13 +44,10 @@ impl BurstscopeApp {
                     self.model.messages.resolved("Open gold standard");
                     let said = crate::app::jobs::burst::describe_burst(&open);
                     self.model.messages.note(format!("Opened as gold standard of {}: {said}", side.name()));
-                    let plane = &open.burst.frames[0];
-                    let range = percentiles(plane, &Region::whole(plane), &PERCENTILES);
-                    let display = range.map_or_else(Display::default, |r| Display::default().with_range(r[0], r[1]));
-                    self.model.compare.gold[side as usize] = Some(Gold { open, display });
+                    self.model.compare.gold[side as usize] = Some(open);
                 }
-                (Ok(Compared::Detected { detected, image }), Some(job), _) => {
-                    let found = MethodFound::new(detected, image, answer.elapsed);
+                (Ok(Compared::Detected(detected)), Some(job), _) => {
+                    let found = MethodFound::new(detected, answer.elapsed);
                     self.model.compare.take_found(job.method, job.side, found);
                 }
                 (Ok(Compared::Matched(matched)), Some(job), _) => {

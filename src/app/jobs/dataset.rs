@@ -1,18 +1,13 @@
-//! What the window asks the engine to do with a dataset, and what it does with the answers.
+//! What the window asks the engine to do with a dataset.
 
 use crate::app::dataset::cut::CutDialog;
-use crate::app::dataset::matches::BurstPair;
-use crate::app::dataset::model::{Dataset, Work};
-use crate::app::dataset::trajectories::Which;
+use crate::app::project::datasets::pairs::BurstPair;
+use crate::app::project::datasets::{Dataset, Work};
 use crate::app::project::workspace::Workspace;
-use crate::app::session::{SavedDataset, SavedTrajectories};
+use crate::app::session::SavedDataset;
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
-use crate::engine::{
-    BurstSource, ComparedPoses, DatasetAnswer, DatasetRequest, DatasetUpdate, JobAnswer, JobError, OpenDataset,
-    PosesRequest, TrajectorySource,
-};
-use crate::inspect::words::counted;
+use crate::requests::{BurstSource, DatasetRequest};
 use std::path::PathBuf;
 
 /// A burst of at least this many frames is rather a film: nothing moves evenly for so long.
@@ -27,7 +22,8 @@ impl BurstscopeApp {
     /// Opens the bursts at `paths` as a dataset; a long sequence that lies there alone is first asked about.
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>) {
         self.model.datasets.work = Some(Work::Opening);
-        self.engine.datasets.submit(DatasetRequest::Open { source, folder, params: self.model.asked() });
+        let (params, open) = (self.model.asked(), self.model.calibration.clone());
+        self.engine.datasets.submit(DatasetRequest::Open { source, folder, params, open });
     }
 
     /// Opens the dataset of a session, or none.
@@ -200,166 +196,6 @@ impl BurstscopeApp {
             && let Some(place) = dataset.place_of(shown)
         {
             dataset.choose(side, place);
-        }
-    }
-
-    pub(in crate::app) fn take_dataset_update(&mut self, ctx: &egui::Context, update: DatasetUpdate) {
-        match update {
-            DatasetUpdate::Event(event) => {
-                if let Some(dataset) = &mut self.model.datasets.open {
-                    dataset.take_event(&event);
-                }
-            }
-            DatasetUpdate::Thumbnail { source, picture } => {
-                if let Some(dataset) = &self.model.datasets.open {
-                    self.thumbnails.take(ctx, &dataset.bursts, &source, picture);
-                }
-            }
-            DatasetUpdate::Ended(answer) => self.take_dataset_answer(answer),
-        }
-    }
-
-    fn take_dataset_answer(&mut self, answer: JobAnswer<DatasetAnswer>) {
-        if answer.is_superseded() {
-            return;
-        }
-        let work = self.model.datasets.work.take();
-        if let Some(dataset) = &mut self.model.datasets.open {
-            dataset.stop();
-        }
-        if answer.result.is_err() {
-            self.model.datasets.restoring = None;
-        }
-        let title = work.map_or("Dataset", Work::title);
-        match answer.result {
-            Ok(DatasetAnswer::Opened(open)) => {
-                self.model.messages.resolved(title);
-                self.take_dataset(*open);
-            }
-            Ok(DatasetAnswer::Detected) => self.say_what_was_found(answer.elapsed.as_secs_f64()),
-            Ok(DatasetAnswer::Matched { left_out }) => self.say_what_matched(left_out, answer.elapsed.as_secs_f64()),
-            #[cfg(feature = "colmap")]
-            Ok(DatasetAnswer::Colmap(done)) => {
-                self.say_what_was_exported(&done);
-            }
-            Err(JobError::Cancelled) => {
-                self.model.messages.note(format!("{title}: cancelled; what is done stays done"));
-            }
-            Err(error) => self.model.messages.error(title, error.to_string()),
-        }
-        // The states told of the folder that was written; those of the dataset's own are looked at again.
-        let own = self.model.datasets.open.as_ref().map(|d| (d.source.clone(), d.folder.clone()));
-        if let Some((source, folder)) = own.filter(|_| work == Some(Work::Exporting)) {
-            self.look_at_dataset(source, folder);
-        }
-    }
-
-    fn take_dataset(&mut self, open: OpenDataset) {
-        let same = self.model.datasets.open.as_ref().is_some_and(|d| d.bursts == open.bursts);
-        match open.frames_of_one {
-            // A lone burst of many files is a sequence that is yet to be cut.
-            Some(frames) if frames > 1 && open.source.burst_length.is_none() => {
-                self.overlays.cut = Some(CutDialog::new(open.source.paths, frames, self.burst_length()));
-                return;
-            }
-            Some(1) if open.source.burst_length.is_none() => {
-                self.open(BurstSource::Paths(open.source.paths));
-                return;
-            }
-            _ => {}
-        }
-        let restoring = self.model.datasets.restoring.take();
-        if let Some(error) = &open.folder_error {
-            self.model.messages.error("Feature folder", error.clone());
-        } else {
-            self.model.messages.resolved("Feature folder");
-        }
-        if let Some(dataset) = self.model.datasets.open.as_mut().filter(|_| same) {
-            dataset.look_again(open);
-            dataset.restore_pair(restoring.unwrap_or_default());
-            return;
-        }
-        let mut dataset = Dataset::new(open);
-        dataset.restore_pair(restoring.unwrap_or_default());
-        let (count, done) = (dataset.bursts.len(), dataset.counts().done);
-        self.model.messages.note(format!(
-            "Opened {}: {}, {done} of them done",
-            dataset.source.label(),
-            counted(count, "burst")
-        ));
-        self.remember_dataset(&dataset.source);
-        self.thumbnails.clear();
-        let shown = dataset.place_of(self.model.burst.as_ref());
-        self.model.datasets.open = Some(dataset);
-        self.model.panels.filmstrip = true;
-        // A session brings its own burst.
-        if shown.is_none() && restoring.is_none() {
-            self.open_burst_at(0);
-        }
-    }
-
-    fn say_what_was_found(&mut self, seconds: f64) {
-        let Some(dataset) = &self.model.datasets.open else { return };
-        let counts = dataset.counts();
-        let mut text = format!(
-            "{} done in {seconds:.1} s: {}",
-            counted(counts.done, "burst"),
-            counted(counts.features, "feature")
-        );
-        if counts.failed > 0 {
-            text += &format!("; {} failed, see the filmstrip", counts.failed);
-        }
-        self.model.messages.note(text);
-    }
-
-    fn say_what_matched(&mut self, left_out: usize, seconds: f64) {
-        let Some(dataset) = &self.model.datasets.open else { return };
-        let mut text = format!("{} matched in {seconds:.1} s", counted(dataset.matches.len(), "pair"));
-        if left_out > 0 {
-            text += &format!("; {left_out} left out, whose bursts have no features yet");
-        }
-        self.model.messages.note(text);
-    }
-}
-
-/// Trajectories.
-impl BurstscopeApp {
-    /// Reads a trajectory in the background, and compares it with the other one if that is there.
-    pub fn open_trajectory(&mut self, which: Which, path: PathBuf) {
-        self.engine.poses.submit(self.model.trajectories.request_with(which, path));
-        self.model.workspace = Workspace::Trajectories;
-    }
-
-    /// Compares the trajectories that are open as the study now says.
-    pub(in crate::app) fn compare_again(&self) {
-        self.engine.poses.submit(self.model.trajectories.request());
-    }
-
-    pub(in crate::app) fn take_compared(&mut self, answer: JobAnswer<ComparedPoses>) {
-        const TITLE: &str = "Trajectories";
-        if answer.is_superseded() {
-            return;
-        }
-        match answer.result {
-            Ok(compared) => {
-                self.model.messages.resolved(TITLE);
-                self.model.trajectories.take(compared);
-            }
-            Err(error) => {
-                self.model.trajectories.fail();
-                self.model.messages.error(TITLE, error.to_string());
-            }
-        }
-    }
-
-    /// Opens the trajectories of a session, or none.
-    pub(in crate::app) fn restore_trajectories(&mut self, saved: Option<SavedTrajectories>) {
-        self.model.trajectories.clear();
-        if let Some(SavedTrajectories { estimate, truth, projection }) = saved {
-            self.model.trajectories.projection = projection;
-            let study = self.model.trajectories.study;
-            let (estimate, truth) = (estimate.map(TrajectorySource::Path), truth.map(TrajectorySource::Path));
-            self.engine.poses.submit(PosesRequest { estimate, truth, study });
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
-use crate::engine::{ExplainRequest, ExplainSubject, JobError, JobId};
+use crate::requests::{ExplainRequest, ExplainSubject, JobError, JobId};
 
 /// What was asked and is not answered yet.
 #[derive(Default)]

@@ -3,7 +3,7 @@
 
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
-use crate::engine::{LossesRequest, PictureRequest};
+use crate::requests::{LossesRequest, PictureRequest};
 use std::sync::Arc;
 
 /// What was asked for last.

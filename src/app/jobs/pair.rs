@@ -1,15 +1,13 @@
 //! What the window does for a pair of bursts: takes the engine's answers, and asks for what is wanted and not there.
 
-use crate::app::pane::SavedPanes;
+use crate::app::pane::{PaneId, SavedWorkspaces};
 use crate::app::project::pair::{Matches, PairBusy, Side};
 use crate::app::project::workspace::Workspace;
 use crate::app::session::PairSession;
 use crate::app::window::BurstscopeApp;
 use crate::detector::SearchParams;
-use crate::engine::{
-    BurstSource, DetectRequest, JobAnswer, JobError, JobId, MatchRequest, OpenBurst, PairJobs, PairUpdate,
-    PatchesRequest,
-};
+use crate::engine::{JobAnswer, PairJobs, PairUpdate};
+use crate::requests::{BurstSource, DetectRequest, JobError, JobId, MatchRequest, OpenBurst, PatchesRequest};
 use egui::pos2;
 
 /// What was asked for and has not come, so that it is not asked for again.
@@ -20,14 +18,14 @@ pub(in crate::app) struct PairAsked {
     failed_detection: Option<SearchParams>,
     matching: Option<MatchRequest>,
     failed_matching: Option<MatchRequest>,
-    restoring: Option<(JobId, Box<PairSession>, Option<SavedPanes>)>,
+    restoring: Option<(JobId, Box<PairSession>, SavedWorkspaces)>,
 }
 
 impl BurstscopeApp {
     /// Opens a second burst beside the one that is open, in the background.
     pub fn open_second(&mut self, source: BurstSource) {
         self.pair_asked.restoring = None;
-        self.engine.pair().open(source);
+        self.engine.pair().open_with(source, self.model.calibration.clone());
     }
 
     /// Opens two bursts side by side, in the background.
@@ -38,15 +36,18 @@ impl BurstscopeApp {
     }
 
     /// Opens the second burst of a session, and then takes over what the session holds of the pair.
-    pub(in crate::app) fn restore_pair(&mut self, session: PairSession, panes: Option<SavedPanes>) {
+    pub(in crate::app) fn restore_pair(&mut self, session: PairSession, panes: SavedWorkspaces) {
         match session.burst.clone() {
             Some(source) => {
-                let id = self.engine.pair().open(source);
+                let id = self.engine.pair().open_with(source, self.model.calibration.clone());
                 self.pair_asked.restoring = Some((id, Box::new(session), panes));
             }
             None => {
                 self.close_second();
                 session.apply(&mut self.model);
+                // Of the panes that were closed only those of both bursts wait for one that is opened later.
+                let [_, of_both, _] = &panes.placed;
+                of_both.iter().for_each(|saved| saved.apply(&mut self.model.panes, Workspace::Pair));
                 self.cursors_set = true;
             }
         }
@@ -56,6 +57,7 @@ impl BurstscopeApp {
     pub(in crate::app) fn close_second(&mut self) {
         PairJobs::ALL.into_iter().for_each(|kind| self.engine.pair().cancel(kind));
         self.model.pair.b = Default::default();
+        self.forget_closed_trails();
         self.model.panes.close_side(Side::B);
         self.forget_closed_panes();
         self.model.compare.gold[1] = None;
@@ -70,7 +72,26 @@ impl BurstscopeApp {
         self.cancel_all();
         self.model.swap_sides();
         self.forget_asked();
+        // What was probed is a place of the other burst now.
+        self.forget_probe();
+        self.model.probe.clear();
         self.pair_asked = PairAsked::default();
+    }
+
+    /// Probes the place in B where the geometry puts the feature that is asked about. It is A that is probed, so the
+    /// two change places.
+    pub(in crate::app) fn probe_expected(&mut self) {
+        let Some(place) = self.model.expected_place() else { return };
+        self.swap_sides();
+        self.model.workspace = Workspace::Inspect;
+        self.model.probe_place(place);
+        self.model.messages.note("B is A now, so that it can be probed; Swap A and B takes that back");
+    }
+
+    /// Forgets what detections left behind in bursts that are not open any more.
+    pub(in crate::app) fn forget_closed_trails(&self) {
+        let open = Side::BOTH.into_iter().filter_map(|side| Some(self.model.burst_of(side)?.id));
+        self.engine.keep_trails_of(&open.collect::<Vec<_>>());
     }
 
     pub(in crate::app) fn take_pair_updates(&mut self) {
@@ -143,12 +164,13 @@ impl BurstscopeApp {
                 self.model.messages.resolved("Open B");
                 self.model.messages.note(format!("Opened as B: {}", crate::app::jobs::burst::describe_burst(&burst)));
                 self.model.take_second_burst(burst);
+                self.forget_closed_trails();
                 self.pair_asked = PairAsked::default();
                 self.cursors_set = true;
                 match session {
                     Some((session, panes)) => {
-                        panes.iter().for_each(|panes| panes.apply(&mut self.model.panes));
                         session.apply(&mut self.model);
+                        panes.apply(&mut self.model.panes);
                         if let Some(gold) = session.gold {
                             self.open_gold(gold, Side::B);
                         }
@@ -194,13 +216,29 @@ impl BurstscopeApp {
         let Some(matches) = self.model.pair.matches.clone() else { return };
         let Some(row) = self.model.pair.selected.and_then(|index| matches.row(index)) else { return };
         let sigma = row.a.sigma.max(row.b.sigma).max(1.0);
-        let zooms = Side::BOTH.map(|side| self.model.panes.of(side).view.points_per_pixel());
+        // Of each burst the pane in focus, or its first; those that are linked to it come along.
+        let panes = &mut self.model.panes;
+        let leaders = Side::BOTH.map(|side| {
+            let shown = panes.shown_of(side, None);
+            let leader = shown.iter().find(|id| **id == panes.focus()).or(shown.first());
+            leader.copied().unwrap_or(PaneId::of(side))
+        });
+        let zooms = leaders.map(|id| panes.get(id).map_or(0.0, |pane| pane.view.points_per_pixel()));
         let zoom = (40.0 / sigma).max(zooms[0]).max(zooms[1]);
-        for (side, feature) in [(Side::A, row.a), (Side::B, row.b)] {
-            let pane = self.model.panes.of_mut(side);
-            pane.cursor.slope = feature.slope;
-            pane.show_slope();
-            pane.view.look_at(pos2(feature.u, feature.v), zoom);
+        for ((side, feature), leader) in [(Side::A, row.a), (Side::B, row.b)].into_iter().zip(leaders) {
+            let links = panes.get(leader).map(|pane| pane.links).unwrap_or_default();
+            for id in panes.shown_of(side, None).into_iter().chain([leader]) {
+                let Some(pane) = panes.get_mut(id) else { continue };
+                if id == leader || (links.cursor && pane.links.cursor) {
+                    pane.cursor.slope = feature.slope;
+                }
+                if id == leader {
+                    pane.show_slope();
+                }
+                if id == leader || (links.view && pane.links.view) {
+                    pane.view.look_at(pos2(feature.u, feature.v), zoom);
+                }
+            }
         }
         (self.cursors_set, self.model.playing) = (true, false);
     }

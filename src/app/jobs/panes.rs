@@ -5,36 +5,28 @@ use crate::app::inspector::Change;
 use crate::app::pane::{PaneId, Panes};
 use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
-use crate::app::project::pair::Side;
-use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
-use crate::engine::{JobAnswer, JobError, Picture};
+use crate::engine::JobAnswer;
+use crate::requests::{JobError, Picture};
 
-/// Where the before were at the beginning of a pass.
-pub(in crate::app) struct CursorsBefore {
-    sides: [Cursor; 2],
-    focus: (PaneId, Cursor),
+/// Where the cursor in focus was at the beginning of a pass.
+pub(in crate::app) struct CursorBefore {
+    focus: PaneId,
+    cursor: Cursor,
 }
 
-impl CursorsBefore {
-    /// Where they are now.
+impl CursorBefore {
+    /// Where it is now.
     pub(in crate::app) fn of(model: &Model) -> Self {
-        let sides = Side::BOTH.map(|side| *model.cursor_of(side));
-        Self {
-            sides,
-            focus: (model.panes.focus(), model.panes.get(model.panes.focus()).map_or(sides[0], |pane| pane.cursor)),
-        }
+        Self { focus: model.focus(), cursor: *model.cursor() }
     }
 
-    /// Lets what is linked to a cursor that has moved since follow it.
+    /// Lets what is linked to it follow if it has moved since.
     pub(in crate::app) fn lead(self, model: &mut Model) {
-        match model.workspace {
-            Workspace::Inspect if self.focus.0 == model.panes.focus() => {
-                let (id, before) = self.focus;
-                model.panes.follow_cursor(id, before);
-            }
-            Workspace::Pair | Workspace::Methods => model.follow_cursor(self.sides),
-            _ => {}
+        if self.focus == model.focus() && self.cursor != *model.cursor() {
+            model.panes.follow_cursor(self.focus, self.cursor);
+            model.check_params();
+            model.check_pair();
         }
     }
 }
@@ -52,6 +44,8 @@ impl BurstscopeApp {
                 panes.set_focus(id);
                 self.model.lay_out(preset);
             }
+            Change::LayOutSides(preset) => panes.lay_out_sides(preset),
+            Change::LayOutMethods(preset) => self.model.lay_out_methods(preset),
         }
         // Panes that were laid out each in its own place do not follow one another for it.
         self.cursors_set = true;

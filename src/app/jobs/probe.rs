@@ -1,23 +1,26 @@
 //! What the window does for the probe: takes trails and answers, and asks for what is missing.
 
 use crate::app::window::BurstscopeApp;
-use crate::detector::SearchParams;
-use crate::engine::{BurstId, DetectRequest, JobError, ProbeRequest};
+use crate::requests::{DetectionSource, JobError, ProbeRequest};
 
 /// What was asked for and has not come, or could not be had.
 #[derive(Default)]
 pub(in crate::app) struct ProbeAsked {
-    /// Whether the detection that runs keeps its trail.
-    pub keeps_trail: bool,
-    /// The detection that is repeated for its trail.
-    trail: Option<(BurstId, SearchParams)>,
+    /// The detection that is repeated because what it left behind was not kept.
+    trail: Option<DetectionSource>,
     place: Option<ProbeRequest>,
 }
 
 impl BurstscopeApp {
-    /// Takes what the probe's workers published. Comes after the detections, so that a detection's trail is there as
-    /// soon as its features are.
+    /// Takes what the probe's workers published. Comes after the detections, so that what a detection left behind is
+    /// there as soon as its features are.
     pub(in crate::app) fn take_probe_updates(&mut self) {
+        if self.model.probe.is_on()
+            && let Some(source) = self.model.untraced()
+            && let Some(traced) = self.engine.probe().kept(&source)
+        {
+            self.model.probe.take_trail(traced);
+        }
         let open = self.model.burst.as_ref().map(|burst| burst.id);
         match self.engine.probe().poll_trail() {
             Some(Ok(traced)) if Some(traced.burst) == open => self.model.probe.take_trail(traced),
@@ -78,12 +81,13 @@ impl BurstscopeApp {
             && let Some(place) = probe.pointer
         {
             probe.question =
-                Some(crate::engine::ProbeQuestion::At { place, wanted: crate::inspect::probe::Wanted::Best });
+                Some(crate::requests::ProbeQuestion::At { place, wanted: crate::inspect::probe::Wanted::Best });
         }
         if !probe.is_on() {
             return;
         }
-        if self.wants_trail() && !dragging && self.model.probe.problem.is_none() {
+        // What is being detected comes first, with all it leaves behind.
+        if !dragging && self.asked.detecting.is_none() && self.model.probe.problem.is_none() {
             self.request_trail();
         }
         if let Some(wanted) = self.model.probe.wanted()
@@ -95,28 +99,14 @@ impl BurstscopeApp {
         }
     }
 
-    /// Whether the trail of the features on show is missing.
-    fn wants_trail(&self) -> bool {
-        let Some(burst) = &self.model.burst else { return false };
-        let found = self.model.found.as_ref().map(|found| &found.asked);
-        let traced = self.model.probe.traced.as_ref();
-        found.is_none() || traced.is_none_or(|t| t.burst != burst.id || Some(&t.cache.asked) != found)
-    }
-
+    /// Has the detection repeated of which nothing is left, or made if there is none.
     fn request_trail(&mut self) {
-        let Some(burst) = self.model.burst.clone() else { return };
-        if let Some(asked) = &self.asked.detecting {
-            // One that has just begun begins again, rather than that all of it is done twice.
-            if !self.asked.probe.keeps_trail && *asked == self.model.asked() {
-                self.start_detection();
+        if let Some(source) = self.model.untraced() {
+            if !self.asked.probe.trail.as_ref().is_some_and(|asked| asked.is_same(&source)) {
+                self.engine.probe().trace(source.clone());
+                self.asked.probe.trail = Some(source);
             }
-        } else if let Some(found) = &self.model.found {
-            let wanted = (burst.id, found.asked.clone());
-            if self.asked.probe.trail.as_ref() != Some(&wanted) {
-                self.engine.probe().trace(DetectRequest { burst, params: wanted.1.clone() });
-                self.asked.probe.trail = Some(wanted);
-            }
-        } else if self.model.param_error.is_none() && self.wants_detection() {
+        } else if self.model.found.is_none() && self.model.param_error.is_none() && self.wants_detection() {
             self.start_detection();
         }
     }

@@ -5,14 +5,17 @@ use crate::app::dialogs::{ExportKind, Purpose};
 use crate::app::figure::{drawing_of, rasterise};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
-use crate::app::pane::PaneId;
+use crate::app::panel::lab::curves::shown_plots;
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchRow, Side};
 use crate::app::session::Session;
-use crate::engine::Picture;
+use crate::evaluate::curves::curves_csv;
+use crate::evaluate::curves_figure::curves_svg;
 use crate::export::{self, ExportFormat};
+use crate::files::written_by;
 use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
+use crate::requests::Picture;
 use std::io::Write;
 use std::path::Path;
 
@@ -27,10 +30,10 @@ pub type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 /// What is missing: a detection, a picture, a burst.
 pub fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
-        Purpose::SaveParams => Ok(text_work(model.asked().to_toml())),
+        Purpose::SaveParams => Ok(text_work(written_by() + &model.asked().to_toml())),
         Purpose::SaveSession => {
             let session = Session::of(model).ok_or("no burst is open; open one first")?;
-            Ok(text_work(session.to_toml()))
+            Ok(text_work(written_by() + &session.to_toml()))
         }
         Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
         Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
@@ -38,6 +41,8 @@ pub fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result
         Purpose::Export(ExportKind::Matches) => matches_work(model),
         Purpose::Export(ExportKind::MatchPicture) => match_picture_work(model),
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
+        Purpose::Export(ExportKind::CurvesCsv) => Ok(text_work(curves_csv(&shown_plots(&model.lab)))),
+        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(curves_svg(&shown_plots(&model.lab)))),
         Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
         Purpose::Export(kind) => picture_work(model, kind),
         _ => Err("nothing is written for this".to_owned()),
@@ -93,7 +98,7 @@ fn match_picture_work(model: &Model) -> Result<Work, String> {
     let listed = model.pair.listed.clone();
     let side = |side: Side| {
         let picture = model.picture_of(side).cloned().ok_or("there is no picture; open a burst first")?;
-        let display = model.display_of(PaneId::of(side));
+        let display = model.display_of(model.pane_for(side));
         Ok::<_, String>((picture, display))
     };
     let sides = [side(Side::A)?, side(Side::B)?];

@@ -111,6 +111,38 @@ impl Arrangement {
         }
     }
 
+    /// Adds panes at the end: a single one to the last row while that is short, several as a row of their own.
+    pub fn append(&mut self, new: &[PaneId]) {
+        const LONG: usize = 3;
+        let whole = std::mem::replace(self, Self::Row(Vec::new()));
+        let share = |parts: &[Part]| parts.iter().map(|part| part.share).sum::<f32>() / parts.len().max(1) as f32;
+        let added = Self::rows(&[new.to_vec()]);
+        *self = match (whole, new) {
+            (Self::Tabs { mut parts, active }, _) => {
+                parts.extend(new.iter().copied().map(Self::Pane));
+                Self::Tabs { parts, active }
+            }
+            (Self::Column(mut rows), [one]) => {
+                let room = rows.iter().map(|row| row.inner.panes().len()).max().unwrap_or(0).max(LONG);
+                match rows.last_mut() {
+                    Some(last) if last.inner.panes().len() < room => last.inner.append(&[*one]),
+                    _ => rows.push(Part { share: share(&rows), inner: added }),
+                }
+                Self::Column(rows)
+            }
+            (Self::Column(mut rows), _) => {
+                rows.push(Part { share: share(&rows), inner: added });
+                Self::Column(rows)
+            }
+            (Self::Row(mut parts), [one]) if parts.len() < LONG => {
+                parts.push(Part { share: share(&parts), inner: Self::Pane(*one) });
+                Self::Row(parts)
+            }
+            (Self::Pane(first), [one]) => Self::rows(&[vec![first, *one]]),
+            (other, _) => Self::Column(vec![Part::even(other), Part::even(added)]),
+        };
+    }
+
     /// Puts `new` in the place of `id`.
     pub fn replace(&mut self, id: PaneId, new: PaneId) {
         match self {

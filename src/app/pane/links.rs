@@ -44,7 +44,9 @@ impl Link {
         match self {
             Self::View => "Zoom and pan together with the other panes that are linked so",
             Self::Display => "Share the value range and the colour map; without it this pane has its own",
-            Self::Cursor => "Move frame, slope, octave and level together, by the same steps",
+            Self::Cursor => {
+                "Move frame, slope, octave and level together, by the same steps; other bursts and methods also change the kind of picture"
+            }
             Self::Place => "Mark the place under the pointer, moved along the slope in frames, with its value",
         }
     }

@@ -1,36 +1,43 @@
 //! Panes: each shows one picture of one open burst.
 //!
-//! A [`Pane`] is a plain value: which burst, where in it ([`Cursor`]: frame, slope, octave, level), which kind of
-//! picture, pan and zoom, a range of its own if it has one, and what it shares with other panes ([`PaneLinks`]).
-//! [`Panes`] holds all of them with their [`Arrangement`] on the screen and says which one the sliders and keys move:
-//! the one in focus. Two panes are always there, one for each of the two bursts; the workspaces that show both take
-//! these.
+//! A [`Pane`] is a plain value: which burst, and as which method sees it; where in it ([`Cursor`]: frame, slope,
+//! octave, level), which kind of picture, pan and zoom, a range of its own if it has one, and what it shares with other
+//! panes ([`PaneLinks`]). [`Panes`] holds all of them. *Inspect*, *Two bursts* and *Methods* have an [`Arrangement`]
+//! each, with one pane in focus: the one that sliders and keys move. Two panes are always there, one for each of the
+//! two bursts.
 //!
 //! What every pane wants to show follows from its values alone ([`wanted`](Pane::wanted)). The window asks the engine
 //! for it under the pane's own number, and puts the answer into [`Pane::picture`].
 
 mod arrangement;
+mod changes;
 mod links;
+mod methods;
 mod place;
 mod preset;
 mod saved;
 mod set;
+mod sides;
 mod tiles;
+mod together;
 
 pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
 pub use links::{Link, PaneLinks};
+pub use methods::MethodsPreset;
 pub use place::place_in;
 pub use preset::Preset;
-pub use saved::{SavedPane, SavedPanes};
+pub use saved::{SavedPane, SavedPanes, SavedWorkspaces};
 pub use set::Panes;
+pub use sides::SidesPreset;
 pub use tiles::{arrangement_of, tree_of};
 
-use super::canvas::View;
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::Ranges;
+use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
-use crate::detector::DetectorParams;
-use crate::engine::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
+use crate::app::view::View;
+use crate::detector::{DetectorParams, Method};
+use crate::requests::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
 use serde::{Deserialize, Serialize};
 
 /// Names a pane, for as long as it is open.
@@ -143,6 +150,8 @@ impl Over {
 pub struct Pane {
     /// Which of the open bursts.
     pub side: Side,
+    /// As which method sees it, where methods are compared.
+    pub method: Option<Contender>,
     /// What it shows.
     pub content: Content,
     /// Where in the burst it is. A linked pane may have been moved beyond what there is; [`Pane::cursor_within`] is
@@ -169,6 +178,7 @@ impl Pane {
     pub fn new(side: Side) -> Self {
         Self {
             side,
+            method: None,
             content: Content::default(),
             cursor: Cursor::default(),
             slope_chosen: false,
@@ -189,6 +199,13 @@ impl Pane {
     /// Shows a slice through the frames, which is no picture of the image plane.
     pub fn show_slice(&mut self, axis: SliceAxis) {
         (self.content, self.over, self.picture) = (Content::Slice(axis), None, None);
+    }
+
+    /// Shows the burst as `method` sees it.
+    pub fn show_method(&mut self, method: Option<Contender>) {
+        if self.method != method {
+            (self.method, self.picture, self.problem) = (method, None, None);
+        }
     }
 
     /// Whether it shows this kind of picture.
@@ -227,7 +244,7 @@ impl Pane {
     /// a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = match self.content {
-            Content::Cursor => self.cursor_within(burst, params).picture_kind(),
+            Content::Cursor => self.seen_by_method(self.cursor_within(burst, params).picture_kind(), burst, params),
             Content::Merge => PictureKind::Merge,
             Content::Map(map) => {
                 let Cursor { octave, level, slope, .. } = self.cursor_within(burst, params);
@@ -236,6 +253,18 @@ impl Pane {
             Content::Difference(..) | Content::Slice(_) => return None,
         };
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
+    }
+
+    /// Where methods are compared, what the method looks at instead of a motion stack: SIFT at one frame, or at the
+    /// merged frames.
+    fn seen_by_method(&self, kind: PictureKind, burst: &OpenBurst, params: &DetectorParams) -> PictureKind {
+        match (kind, params.method) {
+            (PictureKind::Stack { .. }, Method::Sift) if self.method.is_some() => {
+                PictureKind::Frame(params.used_frames(burst.burst.len()).start)
+            }
+            (PictureKind::Stack { .. }, Method::Merge) if self.method.is_some() => PictureKind::Merge,
+            _ => kind,
+        }
     }
 
     /// The panes whose pictures it shows besides its own.
@@ -248,3 +277,6 @@ impl Pane {
         others
     }
 }
+
+#[cfg(test)]
+mod tests;

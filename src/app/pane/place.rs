@@ -1,7 +1,7 @@
 //! The same place of a scene in two panes.
 
 use crate::app::project::cursor::Cursor;
-use crate::engine::PictureKind;
+use crate::requests::PictureKind;
 use egui::{Pos2, vec2};
 use std::ops::Range;
 

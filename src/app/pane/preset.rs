@@ -147,14 +147,14 @@ impl Preset {
 }
 
 /// Up to three in a row; more in rows that are as even as can be.
-fn in_rows(panes: Vec<Pane>) -> Vec<Vec<Pane>> {
+pub(super) fn in_rows<T: Clone>(panes: Vec<T>) -> Vec<Vec<T>> {
     let rows = match panes.len() {
         0..=3 => 1,
         4..=8 => 2,
         _ => 3,
     };
     let longest = panes.len().div_ceil(rows);
-    panes.chunks(longest).map(<[Pane]>::to_vec).collect()
+    panes.chunks(longest.max(1)).map(<[T]>::to_vec).collect()
 }
 
 /// The slope itself and the grid's next one, or the one before where it is the last.

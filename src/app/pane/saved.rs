@@ -1,14 +1,17 @@
-//! Panes as a session keeps them: without pictures, which are made again.
+//! The panes of a workspace as a session keeps them: without pictures, which are made again.
 
+use super::set::PLACES;
 use super::{Arrangement, Content, Over, Pane, PaneId, PaneLinks, Panes};
-use crate::app::canvas::View;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::look::Ranges;
+use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use crate::app::view::View;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The panes of the inspector.
+/// The panes of one workspace.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedPanes {
@@ -29,6 +32,9 @@ pub struct SavedPane {
     /// Which burst it showed.
     #[serde(default)]
     pub side: Side,
+    /// As which method saw it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<Contender>,
     /// What it showed.
     #[serde(default)]
     pub content: Content,
@@ -49,21 +55,44 @@ pub struct SavedPane {
     pub over: Option<Over>,
 }
 
-impl SavedPanes {
-    /// Those of the inspector.
+/// The panes of all workspaces that have some.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SavedWorkspaces {
+    /// Of *Inspect*, *Two bursts* and *Methods*; those that are not kept stay as they are.
+    pub placed: [Option<SavedPanes>; PLACES.len()],
+}
+
+impl SavedWorkspaces {
+    /// All of them.
     pub fn of(panes: &Panes) -> Self {
-        let saved = |id: PaneId| {
-            let Pane { side, content, cursor, view, links, own_ranges, over, .. } = panes.get(id)?.clone();
-            Some(SavedPane { id, side, content, cursor, view, links, own_ranges, over })
-        };
-        let all = panes.shown().into_iter().filter_map(saved).collect();
-        Self { focus: panes.focus(), arrangement: panes.arrangement().clone(), panes: all }
+        Self { placed: PLACES.map(|workspace| Some(SavedPanes::of(panes, workspace))) }
     }
 
-    /// Puts them into `panes`, in place of those that are there. What makes no sense is left out.
+    /// Puts them into `panes`.
     pub fn apply(&self, panes: &mut Panes) {
+        for (saved, workspace) in self.placed.iter().zip(PLACES) {
+            saved.iter().for_each(|saved| saved.apply(panes, workspace));
+        }
+    }
+}
+
+impl SavedPanes {
+    /// Those of `workspace`.
+    pub fn of(panes: &Panes, workspace: Workspace) -> Self {
+        let saved = |id: PaneId| {
+            let Pane { side, method, content, cursor, view, links, own_ranges, over, .. } = panes.get(id)?.clone();
+            Some(SavedPane { id, side, method, content, cursor, view, links, own_ranges, over })
+        };
+        let (arrangement, focus) = panes.placed_in(workspace);
+        let all = arrangement.panes().into_iter().filter_map(saved).collect();
+        Self { focus, arrangement: arrangement.clone(), panes: all }
+    }
+
+    /// Puts them into `panes` as those of `workspace`, in place of those that are there. What makes no sense is left
+    /// out.
+    pub fn apply(&self, panes: &mut Panes, workspace: Workspace) {
         let pane = |saved: &SavedPane| {
-            let SavedPane { id, side, content, cursor, view, links, own_ranges, over } = saved.clone();
+            let SavedPane { id, side, method, content, cursor, view, links, own_ranges, over } = saved.clone();
             let over = over.map(|over| match over {
                 Over::Wipe { other, at } => {
                     Over::Wipe { other, at: if at.is_finite() { at.clamp(0.0, 1.0) } else { 0.5 } }
@@ -72,10 +101,12 @@ impl SavedPanes {
             });
             // A pane that shares its display has none of its own, and the other way round.
             let own_ranges = if links.display { None } else { Some(own_ranges.unwrap_or_default().sanitised()) };
-            (id, Pane { content, cursor, view, links, own_ranges, over, slope_chosen: true, ..Pane::new(side) })
+            let pane =
+                Pane { method, content, cursor, view, links, own_ranges, over, slope_chosen: true, ..Pane::new(side) };
+            (id, pane)
         };
         let all: BTreeMap<PaneId, Pane> = self.panes.iter().map(pane).collect();
-        panes.restore(self.arrangement.clone(), all, self.focus);
+        panes.restore(workspace, self.arrangement.clone(), all, self.focus);
     }
 }
 
@@ -97,13 +128,23 @@ mod tests {
         panes.split_with(Direction::Down, |pane| pane.show_slice(crate::app::pane::SliceAxis::Across));
         panes.focus_next(true);
         panes.next_over();
-        let saved = SavedPanes::of(&panes);
+        let saved = SavedPanes::of(&panes, Workspace::Inspect);
         let text = toml::to_string(&saved).unwrap();
         let read: SavedPanes = toml::from_str(&text).unwrap();
         assert_eq!(read, saved, "{text}");
+        let mut workspaces = Panes::default();
+        workspaces.turn_to(Workspace::Methods);
+        let methods = [Contender::Sift, Contender::Buff1d];
+        workspaces.lay_out_methods(crate::app::pane::MethodsPreset::Matches, &methods, true);
+        workspaces.turn_to(Workspace::Pair);
+        workspaces.split(PaneId(1), Direction::Down);
+        let all = SavedWorkspaces::of(&workspaces);
+        let mut again = Panes::default();
+        all.apply(&mut again);
+        assert_eq!(SavedWorkspaces::of(&again), all);
         let mut other = Panes::default();
-        read.apply(&mut other);
-        assert_eq!(SavedPanes::of(&other), saved);
+        read.apply(&mut other, Workspace::Inspect);
+        assert_eq!(SavedPanes::of(&other, Workspace::Inspect), saved);
         // The names of new panes are new.
         let new = other.split(other.focus(), Direction::Right).expect("there is room");
         assert!(saved.panes.iter().all(|pane| pane.id != new));
@@ -116,7 +157,7 @@ mod tests {
                     [[panes]]\nid = 7\ncontent = { difference = [7, 8] }\nover = { wipe = { other = 8, at = nan } }\n";
         let saved: SavedPanes = toml::from_str(text).unwrap();
         let mut panes = Panes::default();
-        saved.apply(&mut panes);
+        saved.apply(&mut panes, Workspace::Inspect);
         assert_eq!((panes.shown(), panes.focus()), (vec![id], id));
         let pane = panes.get(id).expect("it is there");
         assert_eq!((pane.content, pane.over), (Content::Cursor, None));

@@ -3,7 +3,9 @@
 use crate::app::actions::Queue;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
+use crate::app::parts::mark;
 use crate::app::project::{BottomTab, Model};
+use crate::teach::Part;
 use egui::{Align, Layout, Ui};
 
 /// Where there is less room than this, in points, the tabs stand closer.
@@ -12,7 +14,7 @@ const ROOMY: f32 = 600.0;
 /// Draws the tabs and the one that is open.
 pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
     // What stands beside the tabs goes below them where there is no room for it.
-    ui.horizontal_wrapped(|ui| {
+    let tabs = ui.horizontal_wrapped(|ui| {
         if ui.available_width() < ROOMY {
             (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (4.0, 3.0);
         }
@@ -48,7 +50,9 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
             BottomTab::Profile | BottomTab::Region | BottomTab::Compared => {}
         }
     });
+    mark(ui, Part::Tabs, tabs.response.rect);
     ui.separator();
+    mark(ui, Part::Below, ui.available_rect_before_wrap());
     match model.bottom_tab {
         BottomTab::Table => {
             crate::app::panel::advice::advice_ui(ui, model, queue);

@@ -7,10 +7,10 @@ use crate::app::panel::features::frames_from_middle;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::detector::Slope;
-use crate::engine::ProbeQuestion;
 use crate::inspect::candidates::{CandidateMark, Survey};
 use crate::inspect::probe::Wanted;
 use crate::plane::colour_map::ColourMap;
+use crate::requests::ProbeQuestion;
 use egui::{Align2, Color32, Frame, Label, Margin, Pos2, RichText, Sense, Ui, pos2, vec2};
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! A folder that holds several bursts: which of them is to be opened.
 
-use crate::engine::BurstSource;
+use crate::requests::BurstSource;
 use egui::{RichText, ScrollArea, Ui, vec2};
 
 /// Draws the choice among `bursts` if there are any. The chosen one is answered; then, or when it is closed, `bursts`
@@ -37,7 +37,11 @@ fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
     // Stacks of one name in several folders are told apart by their folder.
     let folder = match burst {
         BurstSource::Paths(paths) => paths.first().and_then(|p| p.parent()?.file_name()),
-        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) => None,
+        BurstSource::Demo
+        | BurstSource::DemoLater
+        | BurstSource::Example(_)
+        | BurstSource::Chart(_)
+        | BurstSource::DarkCopy { .. } => None,
     };
     let folder = folder.map_or_else(String::new, |f| f.to_string_lossy().into_owned());
     let name = format!("{} in {folder}", burst.label());

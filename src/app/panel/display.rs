@@ -83,7 +83,10 @@ fn colouring_ui(ui: &mut Ui, model: &mut Model) {
             .truncate()
             .show_ui(ui, |ui| {
                 for by in ColourBy::ALL {
-                    ui.selectable_value(&mut model.colour_by, by, by.name());
+                    if ui.selectable_value(&mut model.colour_by, by, by.name()).clicked() {
+                        // What was cancelled is computed after all.
+                        model.coherence.try_again();
+                    }
                 }
             })
             .response

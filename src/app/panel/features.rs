@@ -5,9 +5,12 @@ use crate::app::pane::PaneId;
 use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::picture::PictureState;
 use crate::app::project::Model;
+use crate::app::project::coherence::coherence_words;
+use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature, Slope, SlopeGrid};
-use crate::engine::{Picture, PictureKind};
+use crate::requests::{Picture, PictureKind};
 use egui::{Color32, Frame, Margin, Pos2, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
@@ -29,7 +32,8 @@ pub struct FeatureLayer {
     pub in_frame: bool,
     /// For each feature whether it is shown at all.
     pub shown: Vec<bool>,
-    /// The slope by which the picture was shifted; `None` if it was not, or by several.
+    /// The slope by which the picture was shifted; `None` if it was not, by several, or what was found at other slopes
+    /// is not to be fainter.
     pub slope: Option<Slope>,
     /// The selected feature.
     pub selected: Option<usize>,
@@ -37,36 +41,56 @@ pub struct FeatureLayer {
     pub hovered: Option<usize>,
     /// Whether they are not those of what is set now.
     pub stale: bool,
+    /// Whether their orientations are drawn.
+    pub orientations: bool,
+    /// Whether their motions are drawn.
+    pub motions: bool,
+    /// Whether the table, the filter and the selection are about them.
+    pub is_listed: bool,
+    /// Which method found them, where methods are compared.
+    pub method: Option<Contender>,
 }
 
 impl FeatureLayer {
-    /// Those of pane `id`; `None` while none are drawn. Those of B are only drawn: the table, the filter and the
-    /// selection are A's.
+    /// Those of pane `id`; `None` while none are drawn. In *Inspect* the table, the filter and the selection are A's;
+    /// where two bursts or methods are compared all features are drawn, and only drawn.
     pub fn of(model: &Model, id: PaneId) -> Option<Self> {
-        let pane = model.panes.get(id).filter(|_| model.look.overlay)?;
-        let found = model.found_of(pane.side)?;
-        let (detection, is_first) = (found.detection.clone(), pane.side == Side::A);
+        let inspected = model.workspace == Workspace::Inspect;
+        let are_drawn = match model.workspace {
+            Workspace::Pair => model.pair.look.features,
+            Workspace::Methods => model.compare.look.features,
+            _ => model.look.overlay,
+        };
+        let pane = model.panes.get(id).filter(|_| are_drawn)?;
+        let detection = model.detection_in(pane)?.clone();
+        let is_listed = inspected && pane.side == Side::A && pane.method.is_none();
+        let is_stale = pane.method.is_none() && !model.features_are_current(pane.side);
         let dt = frames_from_middle(pane.picture.as_ref(), &detection);
         let placed = match dt {
             Some(dt) => detection.features.iter().map(|f| at_time(f, dt)).collect(),
             None => detection.features.clone(),
         };
-        let shown = if is_first { model.listed_flags() } else { vec![true; detection.features.len()] };
+        let shown = if is_listed { model.listed_flags() } else { vec![true; detection.features.len()] };
         Some(Self {
             placed,
             in_frame: dt.is_some(),
             shown,
-            slope: model.slope_in_picture(id),
-            selected: model.selected.filter(|_| is_first),
-            hovered: model.hovered.filter(|_| is_first),
-            stale: found.asked != model.asked_of(pane.side),
+            slope: model.slope_in_picture(id).filter(|_| inspected),
+            selected: model.selected.filter(|_| is_listed),
+            hovered: model.hovered.filter(|_| is_listed),
+            stale: is_stale,
+            orientations: model.look.orientations && inspected,
+            motions: model.look.motion_vectors && (inspected || pane.method.is_some_and(Contender::is_buff)),
+            is_listed,
+            method: pane.method,
             detection,
         })
     }
 
     /// The colours of the features.
-    pub fn scale(&self, by: overlay::ColourBy) -> overlay::ColourScale {
-        overlay::ColourScale::of(by, &self.detection.features)
+    pub fn scale(&self, model: &Model) -> overlay::ColourScale {
+        let scale = overlay::ColourScale::of(model.colour_by, &self.detection.features);
+        scale.with_coherences(model.coherence.of(&self.detection))
     }
 
     /// In a picture that was shifted by a slope, what moves that way is sharp and the rest is smeared: whether the
@@ -89,8 +113,7 @@ pub fn features_ui(
     options: FeatureOptions,
 ) {
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
-    let is_first = model.panes.get(id).is_some_and(|pane| pane.side == Side::A);
-    if let Some(shown) = model.shown_comparison().filter(|_| is_first).cloned() {
+    if let Some(shown) = model.shown_comparison().filter(|_| layer.is_listed).cloned() {
         // Colours tell now what became of the features.
         let picture = model.panes.get(id).and_then(|pane| pane.picture.clone());
         marks_ui(ui, model, &shown, picture.as_ref(), output);
@@ -99,17 +122,20 @@ pub fn features_ui(
         }
         return;
     }
-    let scale = state.colour_scale(model.colour_by, &layer.detection);
+    let scale = state.colour_scale(model.colour_by, &layer.detection, model.coherence.of(&layer.detection));
     // Candidates lie on top of features.
-    let on_top = is_first && model.explained.pointed.is_none();
-    let pointer = output.pointer_ui.filter(|pos| on_top && output.painter.clip_rect().contains(*pos));
+    let on_top = layer.is_listed && model.explained.pointed.is_none();
+    let can_be_pointed_at = on_top || layer.method.is_some();
+    let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
     let pointed =
         pointer.and_then(|pos| overlay::feature_at(&layer.placed, Some(&layer.shown), output.ui_from_image, pos));
     if pointer.is_some() {
-        model.hovered = pointed;
         layer.hovered = pointed;
+        if on_top {
+            model.hovered = pointed;
+        }
     }
-    draw(model, &layer, &scale, output);
+    draw(&layer, &scale, output);
     let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
     if on_top && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
         model.selected = pointed;
@@ -117,10 +143,13 @@ pub fn features_ui(
     if let Some(i) = pointed
         && !output.response.dragged()
     {
-        tip_ui(ui, i, &layer.placed[i]);
+        let name = layer.method.map_or_else(|| format!("#{}", i + 1), |method| method.label().to_owned());
+        let coherence = model.coherence.of(&layer.detection).and_then(|values| values.get(i).copied());
+        tip_ui(ui, &name, &layer.placed[i], coherence);
     }
     if options.legend && model.look.legend && !layer.placed.is_empty() {
-        legend_ui(ui, &scale, layer.slope.is_some(), output.response.rect);
+        let notes = [layer.slope.map(|_| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
+        legend_ui(ui, &scale, &notes.into_iter().flatten().collect::<Vec<_>>(), output.response.rect);
     }
 }
 
@@ -140,14 +169,14 @@ pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
     Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }
 
-fn draw(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput) {
+fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput) {
     let style = overlay::OverlayStyle {
         shown: Some(&layer.shown),
         selected: layer.selected,
         hovered: layer.hovered,
         stale: layer.stale,
-        orientations: model.look.orientations,
-        motion: model.look.motion_vectors,
+        orientations: layer.orientations,
+        motion: layer.motions,
         ..overlay::OverlayStyle::new(scale, layer.detection.frames_used.len())
     };
     if layer.in_frame {
@@ -181,10 +210,10 @@ fn near_slope(grid: &SlopeGrid) -> f32 {
 }
 
 /// The numbers of the feature under the pointer.
-fn tip_ui(ui: &Ui, index: usize, f: &Feature) {
+fn tip_ui(ui: &Ui, name: &str, f: &Feature, coherence: Option<Option<f32>>) {
+    let coherence = coherence.map_or_else(String::new, |c| format!("\ncoherence {}", coherence_words(c)));
     let text = format!(
-        "#{}  σ {:.2} px\nslope ({:+.2}, {:+.2}) px/frame\nresponse {}  SNR {:.1}",
-        index + 1,
+        "{name}  σ {:.2} px\nslope ({:+.2}, {:+.2}) px/frame\nresponse {}  SNR {:.1}{coherence}",
         f.sigma,
         f.slope.u,
         f.slope.v,
@@ -197,13 +226,27 @@ fn tip_ui(ui: &Ui, index: usize, f: &Feature) {
         .show(|ui| ui.label(RichText::new(text).monospace()));
 }
 
+/// Why features are grey, if some are.
+fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
+    let why = match (model.coherence.of(&layer.detection), model.coherence.failure_of(&layer.detection)) {
+        (Some(_), _) => "too noisy to tell".to_owned(),
+        (None, Some(why)) => why.to_owned(),
+        (None, None) if layer.method.is_some() => "not known of methods; see Inspect".to_owned(),
+        (None, None) => match model.coherence.busy.and_then(|running| running.progress) {
+            Some(progress) => format!("not known yet, {:.0} %", 100.0 * progress.fraction),
+            None => "not known yet".to_owned(),
+        },
+    };
+    scale.has_unknown().then(|| format!("Grey: {why}"))
+}
+
 /// What the colours mean, in the lower left corner; smaller where the picture is small.
-fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, some_are_faint: bool, rect: Rect) {
+fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, notes: &[String], rect: Rect) {
     let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
     let frame = Frame::new().fill(fill).corner_radius(5).inner_margin(Margin::symmetric(8, 6));
     let roomy = rect.height() > 340.0 && rect.width() > 480.0;
     let key = if scale.by == overlay::ColourBy::SlopeDirection { 54.0 } else { 28.0 };
-    let texts = if roomy { 1 + usize::from(some_are_faint) } else { 0 };
+    let texts = if roomy { 1 + notes.len() } else { 0 };
     let height = key + 12.0 + 18.0 * texts as f32;
     let corner = rect.left_bottom() + vec2(10.0, -10.0);
     let room = Rect::from_min_max(corner - vec2(0.0, height), corner + vec2(210.0, 0.0));
@@ -214,8 +257,8 @@ fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, some_are_faint: bool, re
                 ui.label(RichText::new(scale.by.name()).small());
             }
             scale.legend_ui(ui);
-            if roomy && some_are_faint {
-                ui.label(RichText::new("Faint: found at other slopes").small().weak());
+            for note in notes.iter().filter(|_| roomy) {
+                ui.label(RichText::new(note).small().weak());
             }
         });
     });

@@ -5,8 +5,8 @@ use crate::app::canvas::number as in_digits;
 use crate::app::pane::Content;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::noise_model::NoiseModel;
-use crate::engine::MapKind;
 use crate::plane::colour_map::ColourMap;
+use crate::requests::MapKind;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
 /// A number with the digits that a plot needs.

@@ -2,8 +2,11 @@
 //! default.
 
 use crate::app::panel::widgets::hint;
+use crate::app::words::explained;
 use crate::detector::params::{ParamDoc, ParamError};
 use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeChoice};
+use crate::teach::Part;
+use crate::teach::glossary::glossary;
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 
 /// Width of the names in front, in points.
@@ -31,13 +34,14 @@ impl<P: Clone> ParamTable<'_, P> {
         let default = field(&mut defaults).clone();
         let value = field(params);
         let wrong = self.error.filter(|e| e.parameter == doc.name);
-        ui.horizontal(|ui| {
+        let row = ui.horizontal(|ui| {
             let label = label_ui(ui, doc, wrong.is_some());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 reset_ui(ui, doc, value, default);
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| editor(ui, value, label.id));
             });
         });
+        crate::app::parts::mark(ui, Part::parameter(doc), row.response.rect);
         if let Some(error) = wrong {
             let text = format!("{}: {}", error.problem, error.remedy);
             ui.add(egui::Label::new(RichText::new(text).small().color(ui.visuals().error_fg_color)).wrap());
@@ -56,7 +60,8 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
         if wrong {
             text = text.color(ui.visuals().error_fg_color);
         }
-        let label = ui.add(egui::Label::new(text).truncate()).on_hover_text(&help);
+        let label = ui.add(egui::Label::new(text).truncate());
+        let label = explained(label, &help, glossary().of_parameter(doc.name));
         if !doc.unit.is_empty() {
             let unit = RichText::new(doc.unit).small().weak();
             ui.add(egui::Label::new(unit).truncate()).on_hover_text(&help);

@@ -6,7 +6,7 @@ use crate::app::project::look::RangeClass;
 use crate::app::project::{Model, Stale};
 use crate::app::style;
 use crate::detector::{Detection, Slope};
-use crate::engine::{MotionMap, Picture, PictureKind, PictureRequest};
+use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
@@ -73,15 +73,21 @@ impl PictureState {
     }
 
     /// The colours of the features of `detection`, the same until the next detection or another choice.
-    pub fn colour_scale(&mut self, by: overlay::ColourBy, detection: &Arc<Detection>) -> overlay::ColourScale {
-        match &self.scale {
+    pub fn colour_scale(
+        &mut self,
+        by: overlay::ColourBy,
+        detection: &Arc<Detection>,
+        coherences: Option<&Arc<Vec<Option<f32>>>>,
+    ) -> overlay::ColourScale {
+        let scale = match &self.scale {
             Some((of, scale)) if Arc::ptr_eq(of, detection) && scale.by == by => scale.clone(),
             _ => {
                 let scale = overlay::ColourScale::of(by, &detection.features);
                 self.scale = Some((detection.clone(), scale.clone()));
                 scale
             }
-        }
+        };
+        scale.with_coherences(coherences)
     }
 }
 

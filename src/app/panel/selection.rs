@@ -9,7 +9,7 @@ use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use crate::detector::Feature;
-use crate::engine::PictureKind;
+use crate::requests::PictureKind;
 use egui::{RichText, Sense, Ui, Vec2};
 
 /// What the panel keeps from pass to pass: the two patches.
@@ -48,7 +48,7 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
         ui.add_space(4.0);
         patches_ui(ui, model, state, &feature);
         ui.add_space(4.0);
-        numbers_ui(ui, index, &feature);
+        numbers_ui(ui, index, &feature, model.coherence_text(index));
         ui.add_space(6.0);
         let descriptor = model.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
         if let Some(descriptor) = descriptor {
@@ -60,7 +60,7 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
     });
 }
 
-fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature) {
+fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>) {
     egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
         row("Rank", "By strength of the response", format!("{}", index + 1));
@@ -83,6 +83,9 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature) {
             format!("{} of full scale", signed_number(f.response, 4)),
         );
         row("SNR", "|response| over the noise in D", format!("{:.1}", f.snr));
+        if let Some(coherence) = coherence {
+            row("Coherence", "How evenly the frames answer along its way: 1 when all do alike", coherence);
+        }
         row("Octave, level", "Where in the scale space it was found", format!("{}, {}", f.octave, f.level));
         row("Slope index", "Running index of the grid's slope at which it was found", format!("{}", f.slope_index));
         row(

@@ -2,6 +2,7 @@
 //! many there are.
 
 use crate::app::project::order::Order;
+use crate::app::words::{explained, word};
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
 
@@ -16,6 +17,8 @@ pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
     fn heading(self) -> &'static str;
     /// What it holds, with its unit.
     fn help(self) -> &'static str;
+    /// The glossary's word for it, by its name.
+    fn word(self) -> Option<&'static str>;
     /// Points that its numbers need; what is over is shared.
     fn width(self) -> f32;
 }
@@ -77,7 +80,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
                     let (_, cell) = header.col(|ui| heading_ui(ui, column.heading(), sorted));
                     let label = format!("Sort by {}", column.heading());
                     cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
-                    if cell.on_hover_text(column.help()).clicked() {
+                    if explained(cell, column.help(), column.word().and_then(word)).clicked() {
                         pointed.order = order.clicked(column);
                     }
                 }

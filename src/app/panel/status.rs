@@ -1,6 +1,7 @@
 //! The status bar: the value under the pointer, the last note, the open burst.
 
 use crate::app::actions::{ActionId, Queue};
+use crate::app::panel::widgets::progress_text;
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use egui::{Align, Label, Layout, RichText, Ui};
@@ -10,7 +11,7 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
     ui.horizontal(|ui| {
         let hint = if model.burst.is_some() { "Point at the picture to read values" } else { "" };
         let text = readout.unwrap_or(hint);
-        let width = if model.workspace == Workspace::Inspect && model.panes.are_many() { 460.0 } else { 330.0 };
+        let width = if model.panes.are_many() { 460.0 } else { 330.0 };
         ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
             ui.set_min_width(width);
             let text = RichText::new(text);
@@ -30,6 +31,20 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
                     queue.push(ActionId::Cancel);
                 }
                 ui.label(format!("{what} {percent:.0} %"));
+            }
+            if let Some(running) = &model.coherence.busy {
+                if ui.small_button("Cancel coherence").clicked() {
+                    queue.push(ActionId::Cancel);
+                }
+                let text = format!("Coherence  {}", progress_text(running));
+                ui.label(text).on_hover_text("How evenly the frames answer is computed for each feature");
+            }
+            if let Some(running) = &model.busy.figures {
+                if ui.small_button("Cancel figures").clicked() {
+                    queue.push(ActionId::CancelFigures);
+                }
+                let text = format!("Figures  {}", progress_text(running));
+                ui.label(text).on_hover_text("The figures of the paper are being remade");
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 if let Some(note) = model.messages.last_note() {

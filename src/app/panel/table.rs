@@ -19,6 +19,20 @@ impl SortedColumn for Column {
         Self::help(self)
     }
 
+    fn word(self) -> Option<&'static str> {
+        match self {
+            Self::Rank | Self::U | Self::V => None,
+            Self::Sigma => Some("scale"),
+            Self::Orientation => Some("orientation"),
+            Self::SlopeU | Self::SlopeV => Some("slope"),
+            Self::Response => Some("response"),
+            Self::Snr => Some("snr"),
+            Self::Octave => Some("octave"),
+            Self::Level => Some("level"),
+            Self::AtSlopeLimit => Some("slope-limit"),
+        }
+    }
+
     fn width(self) -> f32 {
         match self {
             Self::Rank | Self::Sigma | Self::Octave => 34.0,

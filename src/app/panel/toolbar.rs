@@ -1,13 +1,15 @@
 //! The toolbar: open, the kind of picture, detect.
 
-use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, tooltip};
+use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, shown_by, tooltip};
 use crate::app::panel::widgets::progress_text;
+use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair;
 use crate::app::project::workspace::Workspace;
-use crate::engine::Running;
 use crate::inspect::words::counted;
+use crate::requests::Running;
+use crate::teach::Part;
 use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
 /// Draws the toolbar.
@@ -39,12 +41,13 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    ui.scope(|ui| {
+    let kinds = ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for (kind, id) in ViewKind::ALL.into_iter().zip([ActionId::ShowFrame, ActionId::ShowStack, ActionId::ShowDog]) {
-            button_ui(ui, model, queue, id, Some(kind.label()));
+        for kind in ViewKind::ALL {
+            button_ui(ui, model, queue, shown_by(kind), Some(kind.label()));
         }
     });
+    mark(ui, Part::Kinds, kinds.response.rect);
 }
 
 fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
@@ -71,6 +74,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         None => tooltip(ui.ctx(), action),
     };
     let response = ui.add_enabled(enabled(ActionId::Detect, model), button);
+    mark(ui, Part::Detect, response.rect);
     if response.on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked() {
         queue.push(ActionId::Detect);
     }

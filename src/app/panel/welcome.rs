@@ -2,20 +2,37 @@
 
 use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
+use crate::app::lesson::{Chosen, Lessons};
 use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
-use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui, vec2};
+use egui::{Align2, Color32, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2};
+
+/// The bursts that are offered to look at.
+const EXAMPLES: [ActionId; 7] = [
+    ActionId::OpenDepths,
+    ActionId::OpenStreet,
+    ActionId::OpenStreetLater,
+    ActionId::OpenAliasing,
+    ActionId::OpenLowContrast,
+    ActionId::OpenTripod,
+    ActionId::OpenHotPixels,
+];
+/// How wide they are in one line, points.
+const EXAMPLES_WIDTH: f32 = 500.0;
 
 /// Draws the first page: what this is, how to open a burst, what was open before.
 pub fn welcome_ui(
     ui: &mut Ui,
     model: &Model,
     remembered: &Settings,
+    lessons: &Lessons,
     queue: &mut Queue,
     open_recent: &mut Option<Recent>,
-) {
-    ui.vertical_centered(|ui| {
-        ui.add_space((ui.available_height() * 0.22).max(16.0));
+) -> Chosen {
+    let mut chosen = None;
+    let above = (ui.available_height() * 0.10).max(16.0);
+    let page = |ui: &mut Ui| {
+        ui.add_space(above);
         ui.label(RichText::new("Burstscope").size(28.0).strong());
         ui.weak("See what a burst of dark, noisy frames shows at every slope and scale");
         ui.add_space(20.0);
@@ -54,7 +71,36 @@ pub fn welcome_ui(
                 *open_recent = Some(what);
             }
         }
-    });
+        ui.add_space(18.0);
+        ui.label(RichText::new("Lessons").strong());
+        ui.weak("Learn on live data how burst features are found, in a few minutes each");
+        for lesson in lessons.all() {
+            let name = format!("Lesson: {}", lesson.title);
+            let link = ui.link(&lesson.title).on_hover_text(&lesson.about);
+            link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, &name));
+            if link.clicked() {
+                chosen = Some(lesson.clone());
+            }
+        }
+        ui.add_space(14.0);
+        ui.label(RichText::new("Examples").strong());
+        ui.horizontal_wrapped(|ui| {
+            // In the middle as everything else, as far as that can be known before it is drawn.
+            ui.add_space((0.5 * (ui.available_width() - EXAMPLES_WIDTH)).max(0.0));
+            for id in EXAMPLES {
+                let action = id.action();
+                let label = action.label.trim_start_matches("Example: ");
+                let link = ui.link(label).on_hover_text(action.help);
+                link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, action.label));
+                if link.clicked() {
+                    queue.push(id);
+                }
+            }
+        });
+    };
+    // A small window scrolls.
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| ui.vertical_centered(page));
+    chosen
 }
 
 /// Says that files can be let go while they are held over the window; `panes` are the places where what is dropped

@@ -1,9 +1,13 @@
 //! Small pieces that several panels are made of.
 
-use crate::engine::Running;
+use crate::app::words::{explained, word};
+use crate::monitor::Progress;
+use crate::requests::Running;
+use crate::teach::Part;
 use egui::{Color32, FontId, Galley, Painter, RichText, Sense, Stroke, Ui, WidgetText, pos2, vec2};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// A part of a side panel with a heading that folds it.
 pub fn section_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) {
@@ -39,8 +43,8 @@ impl CursorRow<'_> {
     /// Draws it; says whether `value` was changed.
     pub fn ui(self, ui: &mut Ui, value: &mut f32) -> bool {
         let before = *value;
-        ui.horizontal(|ui| {
-            let label = label_ui(ui, self.label, LABEL_WIDTH).on_hover_text(self.help);
+        let row = ui.horizontal(|ui| {
+            let label = explained(label_ui(ui, self.label, LABEL_WIDTH), self.help, word_of(self.label).and_then(word));
             let enabled = self.range.end() > self.range.start();
             let (low, high) = (*self.range.start(), *self.range.end());
             let span = if enabled { self.range.clone() } else { low..=low + 1.0 };
@@ -62,10 +66,36 @@ impl CursorRow<'_> {
                 *value = low;
             }
         });
+        if let Some(part) = part_of(self.label) {
+            crate::app::parts::mark(ui, part, row.response.rect);
+        }
         if self.whole {
             *value = value.round();
         }
         *value != before
+    }
+}
+
+/// The part of the window that the row of this label is.
+fn part_of(label: &str) -> Option<Part> {
+    match label {
+        "Frame" => Some(Part::Frame),
+        "Slope u" => Some(Part::SlopeU),
+        "Slope v" => Some(Part::SlopeV),
+        "Octave" => Some(Part::Octave),
+        "Level" => Some(Part::Level),
+        _ => None,
+    }
+}
+
+/// The glossary's word for the row of this label, by its name.
+fn word_of(label: &str) -> Option<&'static str> {
+    match label {
+        "Frame" | "Frames" => Some("frame"),
+        "Slope u" | "Slope v" => Some("slope"),
+        "Octave" => Some("octave"),
+        "Level" => Some("level"),
+        _ => None,
     }
 }
 
@@ -87,12 +117,17 @@ pub fn hint(response: egui::Response, help: impl Into<WidgetText>) -> egui::Resp
 
 /// How far a piece of work is: what is being done, how much of it, and how long it still takes.
 pub fn progress_text(running: &Running) -> String {
-    let Some(progress) = running.progress else { return "Starting".to_owned() };
-    let left = running.time_left().map_or_else(String::new, |left| format!("  {}", time_left_text(left)));
+    stage_text(running.progress, running.time_left())
+}
+
+/// The same of work that has reported `progress` and still takes `time_left`.
+pub fn stage_text(progress: Option<Progress>, time_left: Option<Duration>) -> String {
+    let Some(progress) = progress else { return "Starting".to_owned() };
+    let left = time_left.map_or_else(String::new, |left| format!("  {}", time_left_text(left)));
     format!("{}  {:.0} %{left}", progress.stage, 100.0 * progress.fraction)
 }
 
-fn time_left_text(left: std::time::Duration) -> String {
+fn time_left_text(left: Duration) -> String {
     match left.as_secs_f32() {
         seconds if seconds < 60.0 => format!("about {:.0} s left", seconds.ceil().max(1.0)),
         seconds => format!("about {:.0} min left", (seconds / 60.0).ceil()),
@@ -123,6 +158,20 @@ pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color
         }
     }
     lay_out(shortened(fits))
+}
+
+/// How wide a text is in one line, points.
+pub fn text_width(ui: &Ui, text: impl Into<WidgetText>) -> f32 {
+    let wrap = Some(egui::TextWrapMode::Extend);
+    text.into().into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body).size().x
+}
+
+/// Goes on in the next line of a row that wraps, where `width` points do not fit into this one. Things of several parts
+/// would be cut at its end.
+pub fn make_room(ui: &mut Ui, width: f32) {
+    if ui.available_size_before_wrap().x < width {
+        ui.end_row();
+    }
 }
 
 /// A label of fixed width, so that what follows is aligned.
@@ -179,9 +228,8 @@ pub fn name_field(response: &egui::Response, name: &str, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::JobId;
-    use crate::monitor::{Progress, Stage};
-    use std::time::Duration;
+    use crate::monitor::Stage;
+    use crate::requests::JobId;
 
     #[test]
     fn the_time_left_is_said_as_such() {

@@ -1,13 +1,12 @@
 //! Taking a newly opened burst, and keeping parameters and cursors within what the bursts have.
 
-use crate::app::canvas::View;
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::pair::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::view::View;
 use crate::detector::{DetectorParams, Method, ParamError, Slope, SlopeGrid};
-use crate::engine::OpenBurst;
+use crate::requests::OpenBurst;
 
 impl Model {
     /// Takes a newly opened burst in place of the one that was open.
@@ -60,14 +59,12 @@ impl Model {
     /// Brings cursors into range. Panes that follow the one in focus may go beyond, so that they come back to where
     /// they were beside it.
     fn check_cursors(&mut self) {
-        let (follows, focus) = (self.workspace == Workspace::Inspect && self.panes.are_many(), self.panes.focus());
-        let shown = self.panes.shown();
+        let follows = self.panes.followers();
         let bursts =
             [(self.burst.as_ref(), &self.usable_params), (self.pair.b.burst.as_ref(), &self.pair.b.usable_params)];
         for (id, pane) in self.panes.iter_mut() {
-            let may_go_beyond = follows && pane.links.cursor && id != focus && shown.contains(&id);
             if let (Some(burst), params) = bursts[pane.side as usize]
-                && !may_go_beyond
+                && !follows.contains(&id)
             {
                 pane.cursor = pane.cursor_within(burst, params);
             }

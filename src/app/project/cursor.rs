@@ -2,7 +2,7 @@
 
 use crate::detector::scale_space::levels::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
-use crate::engine::PictureKind;
+use crate::requests::PictureKind;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 

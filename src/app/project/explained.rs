@@ -3,12 +3,13 @@
 use crate::app::project::Model;
 use crate::detector::params::doc;
 use crate::detector::{Method, ParamChange, ParamError, SlopeChoice, Test};
-use crate::engine::{ExplainQuestion, ExplainRequest, Explained, Explanation, OpenBurst};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::spectrum::Spectrum;
+use crate::requests::{ExplainQuestion, ExplainRequest, Explained, Explanation};
 use std::sync::Arc;
 
-/// A detection that took longer than this is repeated for its slopes only when a person asks.
+/// The slopes of a detection that took longer than this are looked at only when a person asks: that takes nearly as
+/// long again.
 const SHORT_SECS: f32 = 5.0;
 
 /// What is known, and what a person wants to know.
@@ -75,14 +76,7 @@ impl Model {
 
     /// What is asked of the detection on show.
     fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
-        let (burst, found): (&OpenBurst, _) = (self.burst.as_ref()?, self.found.as_ref()?);
-        Some(ExplainRequest {
-            burst: burst.clone(),
-            asked: found.asked.clone(),
-            params: found.params.clone(),
-            finding: found.finding.clone(),
-            question,
-        })
+        Some(ExplainRequest { of: self.found_source()?, question })
     }
 
     /// The slopes of the detection on show, as far as they are known.
@@ -102,7 +96,7 @@ impl Model {
     pub fn survey_counts(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
         let wanted = self.explain_request(request.question)?;
-        request.of_same_detection(&wanted).then_some(survey)
+        request.of.is_same(&wanted.of).then_some(survey)
     }
 
     /// The candidate that is selected.

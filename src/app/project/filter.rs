@@ -1,7 +1,7 @@
 //! Which features are shown, and in which order the table lists them.
 
-use crate::app::canvas::signed_number;
 use crate::app::project::order::Order;
+use crate::app::view::signed_number;
 use crate::detector::Feature;
 use serde::{Deserialize, Serialize};
 

@@ -4,8 +4,8 @@ use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::detector::{Advice, Detection, DetectorParams, Feature, SearchParams, Slope, SlopeFinding, explain};
-use crate::engine::{Detected, OpenBurst};
 use crate::inspect::spectrum::{features_at_slopes, slope_with_most_features};
+use crate::requests::{Detected, DetectionSource, OpenBurst};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
@@ -77,6 +77,13 @@ impl Model {
         self.selected = keep.and_then(|saved| self.find_again(&saved));
         self.refresh_listed();
         self.go_to_first_slope(Side::A);
+    }
+
+    /// Which detection the features on show come from.
+    pub fn found_source(&self) -> Option<DetectionSource> {
+        let (burst, found) = (self.burst.clone()?, self.found.as_ref()?);
+        let FoundFeatures { asked, params, finding, .. } = found.clone();
+        Some(DetectionSource { burst, asked, params, finding })
     }
 
     /// The features on show; none without a detection.

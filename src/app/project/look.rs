@@ -2,12 +2,12 @@
 //!
 //! Ranges are fixed for each class of picture, so that two slopes or two frames can be compared: frames and
 //! motion-stack images share one, DoG responses have another, symmetric about zero; so has each map. A range is set
-//! once, from the first picture of its class; after that only by hand.
+//! once, from the first picture of its class (of several panes: that of the one in focus); after that only by hand.
 
-use crate::engine::{MapKind, Picture, PictureKind, PictureRequest};
 use crate::plane::colour_map::ColourMap;
 use crate::plane::display::Display;
 use crate::plane::statistics::{Region, percentiles};
+use crate::requests::{MapKind, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
 /// The classes of picture that share a value range.
@@ -59,7 +59,7 @@ impl RangeClass {
 
 /// A value range and colour map for each class of picture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct Ranges {
     /// For frames, motion-stack images and merged frames.
     pub intensity: Display,
@@ -128,20 +128,32 @@ impl Ranges {
 
     /// Sets the range of the picture's class from its percentiles, unless it was set since the burst was opened.
     pub fn fix_once(&mut self, picture: &Picture) {
+        self.propose(picture);
+        if let Some(fixed) = self.fixed_mut(RangeClass::of(&picture.request)) {
+            *fixed = true;
+        }
+    }
+
+    /// The same, but another picture may still set it otherwise.
+    pub fn propose(&mut self, picture: &Picture) {
         let class = RangeClass::of(&picture.request);
-        let fixed = match class {
-            RangeClass::Intensity => &mut self.intensity_fixed,
-            RangeClass::Response => &mut self.response_fixed,
-            RangeClass::Difference => &mut self.difference_fixed,
-            RangeClass::Noise => &mut self.noise_fixed,
-            RangeClass::Share | RangeClass::Motion => return,
-        };
-        if std::mem::replace(fixed, true) {
+        if self.fixed_mut(class).is_none_or(|fixed| *fixed) {
             return;
         }
         if let Some(range) = percentiles(&picture.plane, &Region::whole(&picture.plane), &[0.1, 99.9]) {
             let display = self.display_mut(class);
             *display = display.with_range(range[0], range[1]);
+        }
+    }
+
+    /// Whether the range of a class was set since the burst was opened; `None` for a class whose range is known.
+    fn fixed_mut(&mut self, class: RangeClass) -> Option<&mut bool> {
+        match class {
+            RangeClass::Intensity => Some(&mut self.intensity_fixed),
+            RangeClass::Response => Some(&mut self.response_fixed),
+            RangeClass::Difference => Some(&mut self.difference_fixed),
+            RangeClass::Noise => Some(&mut self.noise_fixed),
+            RangeClass::Share | RangeClass::Motion => None,
         }
     }
 
@@ -161,7 +173,7 @@ impl Ranges {
 
 /// How pictures and features look.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct Look {
     /// The value ranges that panes share.
     #[serde(flatten)]

@@ -48,6 +48,11 @@ impl Messages {
         self.note = Some(text.into());
     }
 
+    /// Takes the last note away: what it tells of is not on show any more.
+    pub fn forget_note(&mut self) {
+        self.note = None;
+    }
+
     /// Errors that were not dismissed, oldest first.
     pub fn errors(&self) -> &[Message] {
         &self.errors

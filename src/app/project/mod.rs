@@ -5,41 +5,52 @@
 
 pub mod against;
 mod checking;
+pub mod coherence;
 pub mod compare;
 pub mod cursor;
+pub mod datasets;
 pub mod explained;
+pub mod figure;
 pub mod filter;
 mod found;
 pub mod history;
+pub mod lab;
 mod listing;
 pub mod look;
+pub mod measure;
 pub mod messages;
+pub mod method;
 pub mod order;
 pub mod pair;
 mod pictures;
 pub mod probe;
+mod ranges;
 pub mod side;
+pub mod trajectories;
 pub mod workspace;
 
 pub use found::{FoundFeatures, SavedSelection, Stale};
 
-use crate::app::canvas::overlay::ColourBy;
-use crate::app::dataset::{Datasets, Trajectories};
-use crate::app::figure::FigureChoice;
-use crate::app::measure::Measure;
 use crate::app::pane::Panes;
 use crate::app::project::history::History;
+use crate::app::view::ColourBy;
+use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, ParamError, SearchParams, SlopeChoice};
-use crate::engine::{OpenBurst, Picture, Running};
+use crate::requests::{OpenBurst, Picture, Running};
+use coherence::CoherenceState;
 use compare::Compare;
+use datasets::Datasets;
 use explained::ExplainedState;
+use figure::FigureChoice;
 use filter::{Column, Filter};
 use look::Look;
+use measure::Measure;
 use messages::Messages;
 use order::Order;
 use pair::PairState;
 use probe::ProbeModel;
 use serde::{Deserialize, Serialize};
+use trajectories::Trajectories;
 use workspace::Workspace;
 
 /// Which parts of the window are open.
@@ -92,11 +103,15 @@ pub struct Busy {
     pub detecting: Option<Running>,
     /// A picture is being made.
     pub picture: bool,
+    /// The figures of the paper are being remade.
+    pub figures: Option<Running>,
 }
 
 /// Everything the window shows.
 #[derive(Debug, Default)]
 pub struct Model {
+    /// How bursts are opened: bias and flat frame, black and full scale, linear light.
+    pub calibration: OpenOptions,
     /// What the window is about.
     pub workspace: Workspace,
     /// The open burst, if any.
@@ -158,14 +173,20 @@ pub struct Model {
     pub measure: Measure,
     /// What is known of the detection as a whole.
     pub explained: ExplainedState,
+    /// How evenly the frames answer for each feature.
+    pub coherence: CoherenceState,
     /// The place that is probed.
     pub probe: ProbeModel,
+    /// Whether a lesson is open, of which all of this is.
+    pub in_lesson: bool,
     /// What the engine is doing.
     pub busy: Busy,
     /// Many bursts.
     pub datasets: Datasets,
     /// An estimated and a true trajectory.
     pub trajectories: Trajectories,
+    /// Studies of charts.
+    pub lab: lab::Lab,
     listed_for: Option<listing::ListedFor>,
 }
 

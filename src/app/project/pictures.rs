@@ -1,24 +1,25 @@
-//! The pictures that panes show: which are wanted, which are there, in which range they are shown, and which pane the
-//! sliders move.
+//! The pictures that panes show: which are wanted, which are there, and which pane the sliders move.
 
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
 use crate::app::project::cursor::{Cursor, ViewKind};
-use crate::app::project::look::{RangeClass, Ranges};
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
-use crate::detector::{DetectorParams, Slope};
-use crate::engine::{JobError, OpenBurst, Picture, PictureKind, PictureRequest};
-use crate::plane::display::Display;
+use crate::detector::{Detection, DetectorParams, Slope};
+use crate::requests::{JobError, OpenBurst, Picture, PictureKind, PictureRequest};
+use std::borrow::Cow;
+use std::sync::Arc;
 
 impl Model {
+    /// Opens a workspace, with its panes.
+    pub fn open_workspace(&mut self, workspace: Workspace) {
+        self.workspace = workspace;
+        self.panes.turn_to(workspace);
+    }
+
     /// The pane that sliders and keys move.
     pub fn focus(&self) -> PaneId {
-        match self.workspace {
-            Workspace::Pair => PaneId::of(self.active_side()),
-            Workspace::Methods => PaneId::of(Side::A),
-            Workspace::Inspect | Workspace::Matches | Workspace::Trajectories => self.panes.focus(),
-        }
+        self.panes.focus()
     }
 
     /// The pane that sliders and keys move.
@@ -45,10 +46,7 @@ impl Model {
 
     /// The panes that are on the screen.
     pub fn visible_panes(&self) -> Vec<PaneId> {
-        match self.workspace {
-            Workspace::Pair | Workspace::Methods => Side::BOTH.into_iter().map(PaneId::of).collect(),
-            Workspace::Inspect | Workspace::Matches | Workspace::Trajectories => self.panes.shown(),
-        }
+        self.panes.shown()
     }
 
     /// The open burst of `side`.
@@ -67,11 +65,38 @@ impl Model {
         }
     }
 
+    /// Whether the features of `side` are those of what is set now.
+    pub fn features_are_current(&self, side: Side) -> bool {
+        self.found_of(side).is_some_and(|found| found.asked == self.asked_of(side))
+    }
+
     /// The last parameters that made sense for the burst of `side`.
     pub fn usable_params_of(&self, side: Side) -> &DetectorParams {
         match side {
             Side::A => &self.usable_params,
             Side::B => &self.pair.b.usable_params,
+        }
+    }
+
+    /// The burst that `pane` shows; where methods are compared that may be the gold standard.
+    pub fn burst_in(&self, pane: &Pane) -> Option<&OpenBurst> {
+        match pane.method {
+            Some(method) => self.method_burst(method, pane.side),
+            None => self.burst_of(pane.side),
+        }
+    }
+
+    /// The last parameters that made sense for the burst of `pane`, as its method takes them.
+    pub fn params_in(&self, pane: &Pane) -> Cow<'_, DetectorParams> {
+        let usable = self.usable_params_of(pane.side);
+        pane.method.map_or(Cow::Borrowed(usable), |method| Cow::Owned(method.params(usable)))
+    }
+
+    /// What was found in the burst of `pane`, by its method.
+    pub fn detection_in(&self, pane: &Pane) -> Option<&Arc<Detection>> {
+        match pane.method {
+            Some(method) => self.method_found(method, pane.side).map(|found| &found.detection),
+            None => self.found_of(pane.side).map(|found| &found.detection),
         }
     }
 
@@ -105,7 +130,7 @@ impl Model {
 
     fn wanted_alone(&self, id: PaneId) -> Option<PictureRequest> {
         let pane = self.panes.get(id)?;
-        pane.wanted(self.burst_of(pane.side)?, self.usable_params_of(pane.side))
+        pane.wanted(self.burst_in(pane)?, &self.params_in(pane))
     }
 
     /// The motion-stack image that the selected feature's patch is cut from.
@@ -132,33 +157,6 @@ impl Model {
     /// The same of all panes on the screen.
     pub fn pictures_are_current(&self) -> bool {
         self.visible_panes().into_iter().all(|id| self.is_current(id))
-    }
-
-    /// The class of value range that `id` is shown in.
-    pub fn range_class(&self, id: PaneId) -> RangeClass {
-        let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
-        let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));
-        picture.map_or_else(wanted, |picture| RangeClass::of(&picture.request))
-    }
-
-    /// The value ranges of `pane`: its own, or those that panes share.
-    pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
-        pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
-    }
-
-    /// The same of the pane in focus, to be changed.
-    pub fn hand_ranges_mut(&mut self) -> &mut Ranges {
-        let focus = self.focus();
-        match self.panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
-            Some(own) => own,
-            None => &mut self.look.ranges,
-        }
-    }
-
-    /// How the picture of `id` is shown: range, gamma and colours.
-    pub fn display_of(&self, id: PaneId) -> Display {
-        let ranges = self.panes.get(id).map_or(&self.look.ranges, |pane| self.ranges_of(pane));
-        ranges.display(self.range_class(id))
     }
 
     /// Switches a link of a pane. One that no longer shares its display goes on with what it had.
@@ -189,21 +187,22 @@ impl Model {
     pub fn take_picture(&mut self, id: PaneId, picture: Picture) {
         let Some(pane) = self.panes.get(id) else { return };
         let is_open = |burst: &OpenBurst| {
-            Side::BOTH.into_iter().any(|side| self.burst_of(side).is_some_and(|open| open.id == burst.id))
+            self.panes.iter().any(|(_, pane)| self.burst_in(pane).is_some_and(|open| open.id == burst.id))
         };
         let fits = match pane.content {
             Content::Difference(..) => is_open(&picture.request.burst),
             Content::Slice(_) => false,
             Content::Cursor | Content::Merge | Content::Map(_) => {
-                self.burst_of(pane.side).is_some_and(|open| open.id == picture.request.burst.id)
+                self.burst_in(pane).is_some_and(|open| open.id == picture.request.burst.id)
             }
         };
         if !fits {
             return;
         }
         let Some(pane) = self.panes.get_mut(id) else { return };
-        pane.own_ranges.as_mut().unwrap_or(&mut self.look.ranges).fix_once(&picture);
+        pane.own_ranges.as_mut().unwrap_or(&mut self.look.ranges).propose(&picture);
         (pane.picture, pane.problem) = (Some(picture), None);
+        self.settle_ranges();
     }
 
     /// Takes over why the picture of a pane could not be made.

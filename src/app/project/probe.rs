@@ -1,10 +1,12 @@
 //! The probe of the window: the place that is asked about, the trail that answers, and the answer.
 
 use crate::app::project::Model;
+use crate::app::project::pair::Side;
 use crate::detector::params::doc;
-use crate::detector::{ParamChange, SlopeChoice, SlopeGrid};
-use crate::engine::{BurstSource, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Running, Traced};
+use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
 use crate::inspect::probe::Wanted;
+use crate::inspect::remedy::nearest_slope;
+use crate::requests::{BurstSource, DetectionSource, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Running, Traced};
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
@@ -41,7 +43,7 @@ pub struct ProbeModel {
 }
 
 impl ProbeModel {
-    /// Whether something is asked, so that detections keep their trail.
+    /// Whether something is asked.
     pub fn is_on(&self) -> bool {
         self.follows || self.question.is_some()
     }
@@ -139,6 +141,15 @@ impl Model {
         (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
     }
 
+    /// The detection on show, where what answers the probe is not what it left behind.
+    pub fn untraced(&self) -> Option<DetectionSource> {
+        let (burst, found) = (self.burst.as_ref()?, self.found.as_ref()?);
+        let is_of = |traced: &Traced| {
+            traced.burst == burst.id && traced.cache.asked == found.asked && traced.cache.made_with() == found.params
+        };
+        if self.probe.traced.as_ref().is_some_and(is_of) { None } else { self.found_source() }
+    }
+
     /// Asks about a place, pixels at mid-burst.
     pub fn probe_place(&mut self, place: [f32; 2]) {
         self.ask_probe(ProbeQuestion::At { place, wanted: Wanted::Best });
@@ -202,8 +213,20 @@ impl Model {
             if self.slopes.is_auto() {
                 (self.params.slopes, self.slopes) = (grid(example), SlopeChoice::Given);
             }
+            let has_its_slopes = self.params.slopes == grid(example);
+            if has_its_slopes {
+                let pane = self.panes.of_mut(Side::A);
+                (pane.cursor.slope, pane.slope_chosen) = (Slope::new(example.slope_u(), 0.0), true);
+            }
             if self.auto_detect {
-                self.probe_place(example.place());
+                let wanted = match example.scale() {
+                    Some((octave, level)) if has_its_slopes && self.params.first_octave <= octave => {
+                        let slope_index = nearest_slope(&self.params.slopes, Slope::new(example.slope_u(), 0.0));
+                        Wanted::Scale { octave, level, slope_index }
+                    }
+                    _ => Wanted::Best,
+                };
+                self.ask_probe(ProbeQuestion::At { place: example.place(), wanted });
             }
         }
         self.check_params();

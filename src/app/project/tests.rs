@@ -4,9 +4,9 @@ use crate::app::pane::{Content, Direction, Link, PaneId, Preset};
 use crate::app::project::*;
 use crate::burst::Burst;
 use crate::detector::{Detection, Feature, Slope, SlopeGrid, StageTimes, Tally};
-use crate::engine::{BurstSource, Detected, PictureKind, PictureRequest};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
+use crate::requests::{BurstSource, Detected, PictureKind, PictureRequest};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -144,16 +144,32 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
 #[test]
 fn a_range_is_set_once_and_then_stays() {
     let mut model = with_features();
-    let show = |model: &mut Model, kind| {
-        let request = PictureRequest::new(model.burst.clone().expect("open"), kind, model.usable_params.clone());
-        let id = model.focus();
-        model.take_picture(id, request.compute(&Monitor::default()).expect("not cancelled"));
-    };
-    show(&mut model, PictureKind::Frame(0));
+    model.focused_mut().show(cursor::ViewKind::Frame);
+    make_pictures(&mut model);
     let first = model.look.ranges.intensity;
     assert!(first.max > 0.5 && first.max < 0.7, "{first:?}");
-    show(&mut model, PictureKind::Stack { slope: Slope::new(0.5, 0.0) });
+    model.focused_mut().show(cursor::ViewKind::Stack);
+    make_pictures(&mut model);
     assert_eq!(model.look.ranges.intensity, first);
+}
+
+#[test]
+fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
+    let ranges = |order: &dyn Fn(&mut Vec<PaneId>)| {
+        let mut model = with_features();
+        model.lay_out(Preset::FrameAndStack);
+        let mut ids = model.visible_panes();
+        assert_eq!(ids.len(), 2);
+        order(&mut ids);
+        for id in ids {
+            let wanted = model.wanted(id).expect("its burst is open");
+            model.take_picture(id, wanted.compute(&Monitor::default()).expect("not cancelled"));
+            let seen = model.look.ranges.intensity;
+            assert_ne!((seen.min, seen.max), (0.0, 1.0), "what is seen first is seen in a range of its own");
+        }
+        model.look.ranges
+    };
+    assert_eq!(ranges(&|_| {}), ranges(&|ids| ids.reverse()));
 }
 
 /// Makes what every pane on the screen wants, as the engine would.

@@ -18,6 +18,8 @@ pub enum Workspace {
     Matches,
     /// An estimated and a true trajectory.
     Trajectories,
+    /// Studies of charts whose truth is known.
+    Lab,
 }
 
 impl Workspace {

@@ -6,37 +6,35 @@ use crate::app::dataset::{matrix, pair_list};
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
 use crate::app::style;
-use crate::app::window::BurstscopeApp;
-use crate::app::workspace::pair::parameters;
+use crate::app::workspace::pair::parameters::{self, CameraText};
 use crate::app::workspace::{side_frame, side_width};
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, Panel, RichText, ScrollArea, Ui};
 
 /// Draws the workspace.
-pub fn matches_workspace_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Queue) {
+pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: &mut CameraText, queue: &mut Queue) {
     let width = side_width(ui);
-    if app.model.datasets.open.is_none() {
-        CentralPanel::default().show(ui, |ui| empty_ui(ui, &app.model, queue));
+    if model.datasets.open.is_none() {
+        CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;
     }
-    if app.model.panels.left {
+    if model.panels.left {
         Panel::left("matches left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(
             ui,
             |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    pairs_ui(ui, &mut app.model, queue);
-                    selected_ui(ui, &app.model, queue);
-                    let camera_text = &mut app.pair_panels.camera_text;
-                    parameters::dataset_parameters_ui(ui, &mut app.model, camera_text, queue);
+                    pairs_ui(ui, model, queue);
+                    selected_ui(ui, model, queue);
+                    parameters::dataset_parameters_ui(ui, model, camera_text, queue);
                 });
             },
         );
     }
     let mut opened = None;
-    if app.model.panels.right {
+    if model.panels.right {
         Panel::right("matches right").frame(side_frame(ui)).default_size(392.0).size_range(280.0..=640.0).show(
             ui,
             |ui| {
-                if let Some(dataset) = &mut app.model.datasets.open {
+                if let Some(dataset) = &mut model.datasets.open {
                     opened = pair_list::pair_list_ui(ui, dataset);
                 }
             },
@@ -45,9 +43,9 @@ pub fn matches_workspace_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Qu
     let ground = ui.visuals().panel_fill;
     CentralPanel::default().frame(Frame::new().fill(ground)).show(ui, |ui| {
         let header = Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(ui.visuals().panel_fill);
-        header.show(ui, |ui| header_ui(ui, &app.model));
+        header.show(ui, |ui| header_ui(ui, model));
         Frame::new().inner_margin(Margin::same(8)).show(ui, |ui| {
-            if let Some(dataset) = &mut app.model.datasets.open {
+            if let Some(dataset) = &mut model.datasets.open {
                 opened = matrix::matrix_ui(ui, dataset).or(opened);
             }
         });

@@ -2,31 +2,28 @@
 
 use crate::app::actions::Queue;
 use crate::app::dataset::{camera_list, errors_panel, plane_view, points_strip};
-use crate::app::window::BurstscopeApp;
-use crate::app::workspace::{bottom_frame, side_frame, side_width};
+use crate::app::project::Model;
+use crate::app::workspace::{WorkspaceWishes, bottom_frame, side_frame, side_width};
 use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui, vec2};
 
 /// Height of the strip of points, in points of the window.
 const STRIP_HEIGHT: f32 = 84.0;
 
-/// Draws the workspace.
-pub fn trajectories_workspace_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &mut Queue) {
+/// Draws the workspace. Answers what it cannot do itself.
+pub(super) fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {
     let width = side_width(ui).max(330.0);
     let mut again = false;
-    if app.model.panels.right {
+    if model.panels.right {
         Panel::right("trajectories right").frame(side_frame(ui)).default_size(width).size_range(280.0..=520.0).show(
             ui,
             |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    again = errors_panel::errors_panel_ui(ui, &mut app.model, queue);
+                    again = errors_panel::errors_panel_ui(ui, model, queue);
                 });
             },
         );
     }
-    if again {
-        app.compare_again();
-    }
-    if app.model.panels.bottom {
+    if model.panels.bottom {
         Panel::bottom("trajectories bottom")
             .frame(bottom_frame(ui))
             .resizable(true)
@@ -34,16 +31,15 @@ pub fn trajectories_workspace_ui(app: &mut BurstscopeApp, ui: &mut Ui, queue: &m
             .size_range(120.0..=520.0)
             .show(ui, |ui| {
                 ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
-                    points_strip::points_strip_ui(ui, &mut app.model.trajectories);
+                    points_strip::points_strip_ui(ui, &mut model.trajectories);
                 });
                 ui.separator();
-                camera_list::camera_list_ui(ui, &mut app.model.trajectories);
+                camera_list::camera_list_ui(ui, &mut model.trajectories);
             });
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-        plane_view::plane_ui(ui, &mut app.model.trajectories);
+        plane_view::plane_ui(ui, &mut model.trajectories);
     });
-    if let Some(label) = app.model.trajectories.wanted.take() {
-        app.look_at_camera(&label);
-    }
+    let camera = model.trajectories.wanted.take();
+    WorkspaceWishes { compare_again: again, camera, ..WorkspaceWishes::default() }
 }

@@ -1,20 +1,25 @@
 //! PNG, JPEG, PNM, WebP and BMP. Of an animation, the first picture is taken.
 
+use super::turned::{turned, turned_size};
 use super::{Expected, FileScale, Header, RawFrame, frame_from_data, read_failure};
+use crate::burst::encoding::Encoding;
 use crate::burst::error::OpenError;
 use crate::burst::limits::Limits;
-use crate::burst::luma::{Sample, grey_from_interleaved};
-use crate::plane::Plane;
+use crate::burst::luma::{Curve, Sample, grey_from_interleaved};
+use crate::burst::options::OpenOptions;
+use crate::plane::{Plane, memory};
+use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, OpenError> {
-    let decoder = decoder(path, file, format, limits)?;
+    let mut decoder = decoder(path, file, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
-    Ok(Header { width: width as usize, height: height as usize, frames: 1 })
+    let (width, height) = turned_size((width as usize, height as usize), orientation(&mut decoder));
+    Ok(Header { width, height, frames: 1 })
 }
 
 pub(super) fn frame(
@@ -22,32 +27,40 @@ pub(super) fn frame(
     file: File,
     format: ImageFormat,
     expected: Expected<'_>,
-    limits: &Limits,
+    options: &OpenOptions,
 ) -> Result<RawFrame, OpenError> {
-    let decoder = decoder(path, file, format, limits)?;
+    let limits = &options.limits;
+    let mut decoder = decoder(path, file, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
     let size = (width as usize, height as usize);
-    expected.check(path, size)?;
+    let orientation = orientation(&mut decoder);
+    expected.check(path, turned_size(size, orientation))?;
     let color = decoder.color_type();
     let channels = usize::from(color.channel_count());
     let values = size.0 * size.1 * channels;
     let failure = |e: ImageError| failure(path, format, e);
-    let plane = |values| Plane::from_vec(size.0, size.1, values);
+    let ranged = |values, largest, is_byte: bool| {
+        // A byte of a colour picture is encoded for a screen; JPEG and WebP hold nothing else.
+        let is_photograph = is_byte && (channels > 2 || matches!(format, ImageFormat::Jpeg | ImageFormat::WebP));
+        let encoding = if is_photograph && !options.linearise { Encoding::Srgb } else { Encoding::Linear };
+        let plane = turned(Plane::from_vec(size.0, size.1, values), orientation);
+        RawFrame { plane, scale: FileScale::Range(largest), encoding, binning: 1 }
+    };
     match color {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
             let values = read::<u8>(decoder, values).map_err(failure)?;
-            let values = grey_from_interleaved(&values, channels, 255.0);
-            Ok(RawFrame { plane: plane(values), scale: FileScale::Range(255.0) })
+            Ok(ranged(grey_from_interleaved(&values, channels, Curve::of(255.0, options.linearise)), 255.0, true))
         }
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
             let values = read::<u16>(decoder, values).map_err(failure)?;
-            let values = grey_from_interleaved(&values, channels, 65535.0);
-            Ok(RawFrame { plane: plane(values), scale: FileScale::Range(65535.0) })
+            Ok(ranged(grey_from_interleaved(&values, channels, Curve::of(65535.0, options.linearise)), 65535.0, false))
         }
         ColorType::Rgb32F | ColorType::Rgba32F => {
             let values = read::<f32>(decoder, values).map_err(failure)?;
-            frame_from_data(path, 0, size, grey_from_interleaved(&values, channels, 1.0), false)
+            let values = grey_from_interleaved(&values, channels, Curve::Linear(1.0));
+            let frame = frame_from_data(path, 0, size, values, false)?;
+            Ok(RawFrame { plane: turned(frame.plane, orientation), ..frame })
         }
         other => Err(OpenError::Unsupported {
             path: path.into(),
@@ -57,9 +70,14 @@ pub(super) fn frame(
     }
 }
 
+/// How the camera was held. A note that cannot be read is none.
+fn orientation(decoder: &mut impl ImageDecoder) -> Orientation {
+    decoder.orientation().unwrap_or(Orientation::NoTransforms)
+}
+
 /// All samples of the picture, in the machine's byte order.
 fn read<T: Sample + bytemuck::Pod>(decoder: impl ImageDecoder, count: usize) -> Result<Vec<T>, ImageError> {
-    let mut values = vec![T::zeroed(); count];
+    let mut values: Vec<T> = memory::zeroed(count);
     decoder.read_image(bytemuck::cast_slice_mut(&mut values))?;
     Ok(values)
 }
@@ -97,5 +115,5 @@ fn failure(path: &Path, format: ImageFormat, error: ImageError) -> OpenError {
 }
 
 fn name(format: ImageFormat) -> &'static str {
-    super::Kind::Picture(format).name()
+    super::kind::Kind::Picture(format).name()
 }

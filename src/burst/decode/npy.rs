@@ -7,7 +7,7 @@ use crate::burst::error::OpenError;
 use crate::burst::limits::Limits;
 use crate::burst::progress::{Ticker, in_order};
 use crate::monitor::Monitor;
-use crate::plane::Plane;
+use crate::plane::{Plane, memory};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
@@ -41,7 +41,7 @@ pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_
     frames
         .map(|(t, values)| match range(header.dtype) {
             Some(full_scale) => {
-                Ok(RawFrame { plane: Plane::from_vec(size.0, size.1, values), scale: FileScale::Range(full_scale) })
+                Ok(RawFrame::linear(Plane::from_vec(size.0, size.1, values), FileScale::Range(full_scale)))
             }
             None => frame_from_data(path, t, size, values, is_integer(header.dtype)),
         })
@@ -76,7 +76,7 @@ fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) ->
     let bytes = count * header.dtype.size();
     let mut file = File::open(path).map_err(fail)?;
     file.seek(SeekFrom::Start(header.data_offset + (t * bytes) as u64)).map_err(fail)?;
-    let mut values = Vec::with_capacity(count);
+    let mut values = memory::with_capacity(count);
     let mut block = vec![0u8; BLOCK_BYTES.min(bytes)];
     let mut left = bytes;
     while left > 0 {
@@ -98,7 +98,7 @@ fn read_fortran(
 ) -> Result<Vec<Vec<f32>>, OpenError> {
     let fail = |e: std::io::Error| read_failure(path, "NPY", &e);
     let (frames, height, width) = (header.frames, header.height, header.width);
-    let mut planes = vec![vec![0.0f32; width * height]; frames];
+    let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(width * height)).collect();
     file.seek(SeekFrom::Start(header.data_offset)).map_err(fail)?;
     let mut left = frames * height * width * header.dtype.size();
     let mut block = vec![0u8; BLOCK_BYTES.min(left)];

@@ -1,12 +1,17 @@
 //! TIFF and BigTIFF with one page or many: grey or RGB (with or without alpha, interleaved or in planes) of 8, 16, 32
 //! or 64-bit integers or floats. Pages that are marked as thumbnails are left out.
 
+use super::tiff_tiles::{FileDecoder, Samples, read_samples};
+use super::turned::{turned, turned_size};
 use super::{Expected, FileScale, Header, RawFrame, frame_from_data, read_failure};
+use crate::burst::encoding::Encoding;
 use crate::burst::error::OpenError;
 use crate::burst::limits::Limits;
-use crate::burst::luma::{Sample, grey_from_interleaved, grey_from_planes};
+use crate::burst::luma::{Curve, Sample, grey_from_interleaved, grey_from_planes};
+use crate::burst::options::OpenOptions;
 use crate::burst::progress::{Ticker, in_order};
 use crate::plane::Plane;
+use image::metadata::Orientation;
 use std::fs::File;
 use std::io::{BufReader, Seek};
 use std::path::{Path, PathBuf};
@@ -14,7 +19,14 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-type FileDecoder = Decoder<BufReader<File>>;
+/// Whether the file says that it is a DNG: a TIFF whose values are those of a sensor.
+pub(super) fn is_dng(file: &File) -> bool {
+    const DNG_VERSION: Tag = Tag::Unknown(50706);
+    let again = file.try_clone().and_then(|mut file| file.rewind().map(|()| file));
+    again.is_ok_and(|file| {
+        Decoder::new(BufReader::new(file)).is_ok_and(|mut decoder| matches!(decoder.find_tag(DNG_VERSION), Ok(Some(_))))
+    })
+}
 
 /// Whether there is one frame or more: reads no further than the second.
 pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, OpenError> {
@@ -31,7 +43,13 @@ pub(super) fn header(path: &Path, file: File, limits: &Limits) -> Result<Header,
     Ok(Header { width, height, frames: pages.len() })
 }
 
-pub(super) fn frame(path: &Path, file: File, expected: Expected<'_>, limits: &Limits) -> Result<RawFrame, OpenError> {
+pub(super) fn frame(
+    path: &Path,
+    file: File,
+    expected: Expected<'_>,
+    options: &OpenOptions,
+) -> Result<RawFrame, OpenError> {
+    let limits = &options.limits;
     let second = file.try_clone().map_err(|e| OpenError::from_io(path, &e))?;
     let (size, pages) = pages(path, second, limits)?;
     let [page] = pages[..] else {
@@ -40,10 +58,16 @@ pub(super) fn frame(path: &Path, file: File, expected: Expected<'_>, limits: &Li
     expected.check(path, size)?;
     let mut decoder = decoder(path, file, limits)?;
     decoder.seek_to_image(page).map_err(|e| failure(path, e))?;
-    decode_page(path, 0, &mut decoder)
+    decode_page(path, 0, &mut decoder, options)
 }
 
-pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
+pub(super) fn stack(
+    path: &Path,
+    file: File,
+    options: &OpenOptions,
+    ticker: &Ticker<'_>,
+) -> Result<Vec<RawFrame>, OpenError> {
+    let limits = &options.limits;
     let (_, pages) = pages(path, file, limits)?;
     // A decoder finds a page by following the chain from the first, so each thread takes runs of pages rather than
     // single ones.
@@ -58,7 +82,7 @@ pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_
         for (k, &page) in pages.iter().enumerate() {
             ticker.check()?;
             decoder.seek_to_image(page).map_err(|e| failure(path, e))?;
-            frames.push(decode_page(path, first + k, &mut decoder)?);
+            frames.push(decode_page(path, first + k, &mut decoder, options)?);
             ticker.tick();
         }
         Ok(frames)
@@ -89,7 +113,7 @@ fn pages(path: &Path, file: File, limits: &Limits) -> Result<((usize, usize), Ve
         if !is_thumbnail(&mut decoder) {
             let (width, height) = decoder.dimensions().map_err(fail)?;
             limits.check_frame(path, width.into(), height.into())?;
-            let this = (width as usize, height as usize);
+            let this = turned_size((width as usize, height as usize), orientation(&mut decoder));
             let first_size = *size.get_or_insert(this);
             if this != first_size {
                 let label = |p: usize| PathBuf::from(format!("{} (page {})", path.display(), p + 1));
@@ -128,6 +152,12 @@ fn pages(path: &Path, file: File, limits: &Limits) -> Result<((usize, usize), Ve
     Ok((size, pages))
 }
 
+/// How the camera was held. A note that is none of the eight is none.
+fn orientation(decoder: &mut FileDecoder) -> Orientation {
+    let value = decoder.find_tag_unsigned::<u8>(Tag::Orientation).ok().flatten();
+    value.and_then(Orientation::from_exif).unwrap_or(Orientation::NoTransforms)
+}
+
 fn is_thumbnail(decoder: &mut FileDecoder) -> bool {
     matches!(decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType), Ok(Some(kind)) if kind & 1 == 1)
 }
@@ -140,7 +170,12 @@ fn announced_images(decoder: &mut FileDecoder) -> Option<usize> {
 }
 
 /// Decodes the page at which the decoder stands; its size has been checked.
-fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder) -> Result<RawFrame, OpenError> {
+fn decode_page(
+    path: &Path,
+    frame: usize,
+    decoder: &mut FileDecoder,
+    options: &OpenOptions,
+) -> Result<RawFrame, OpenError> {
     let fail = |e| failure(path, e);
     let unsupported = |reason: String| OpenError::Unsupported { path: path.into(), kind: "TIFF", reason };
     let (width, height) = decoder.dimensions().map_err(fail)?;
@@ -156,12 +191,11 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder) -> Result<R
     if ![8, 16, 32, 64].contains(&color.bit_depth()) {
         return Err(unsupported(format!("its samples have {} bits; save it with 8, 16 or 32", color.bit_depth())));
     }
-    let mut samples = DecodingResult::U8(Vec::new());
-    let layout = decoder.read_image_to_buffer(&mut samples).map_err(fail)?;
-    let planar = layout.planes > 1;
+    let orientation = orientation(decoder);
+    let Samples { samples, planar } = read_samples(decoder, size, channels).map_err(fail)?;
     macro_rules! grey {
-        ($samples:expr, $divisor:expr) => {{
-            let values = grey($samples, size.0 * size.1, channels, planar, $divisor);
+        ($samples:expr, $curve:expr) => {{
+            let values = grey($samples, size.0 * size.1, channels, planar, $curve);
             values.ok_or_else(|| OpenError::Corrupt {
                 path: path.into(),
                 kind: "TIFF",
@@ -170,39 +204,42 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder) -> Result<R
         }};
     }
     macro_rules! ranged {
-        ($samples:expr, $full_scale:expr) => {{
-            let plane = Plane::from_vec(size.0, size.1, grey!($samples, $full_scale)?);
-            Ok(RawFrame { plane, scale: FileScale::Range($full_scale) })
+        ($samples:expr, $full_scale:expr, $curve:expr) => {{
+            let plane = Plane::from_vec(size.0, size.1, grey!($samples, $curve)?);
+            Ok(RawFrame::linear(plane, FileScale::Range($full_scale)))
         }};
     }
-    match &samples {
-        DecodingResult::U8(s) => ranged!(s, 255.0),
-        DecodingResult::U16(s) => ranged!(s, 65535.0),
-        DecodingResult::I8(s) => ranged!(s, 127.0),
-        DecodingResult::I16(s) => ranged!(s, 32767.0),
-        DecodingResult::U32(s) => frame_from_data(path, frame, size, grey!(s, 1.0)?, true),
-        DecodingResult::U64(s) => frame_from_data(path, frame, size, grey!(s, 1.0)?, true),
-        DecodingResult::I32(s) => frame_from_data(path, frame, size, grey!(s, 1.0)?, true),
-        DecodingResult::I64(s) => frame_from_data(path, frame, size, grey!(s, 1.0)?, true),
-        DecodingResult::F32(s) => frame_from_data(path, frame, size, grey!(s, 1.0)?, false),
-        DecodingResult::F64(s) => frame_from_data(path, frame, size, grey!(s, 1.0)?, false),
+    let decoded = match &samples {
+        DecodingResult::U8(s) => ranged!(s, 255.0, Curve::of(255.0, options.linearise)),
+        DecodingResult::U16(s) => ranged!(s, 65535.0, Curve::of(65535.0, options.linearise)),
+        DecodingResult::I8(s) => ranged!(s, 127.0, Curve::Linear(127.0)),
+        DecodingResult::I16(s) => ranged!(s, 32767.0, Curve::Linear(32767.0)),
+        DecodingResult::U32(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, true),
+        DecodingResult::U64(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, true),
+        DecodingResult::I32(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, true),
+        DecodingResult::I64(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, true),
+        DecodingResult::F32(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, false),
+        DecodingResult::F64(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, false),
         DecodingResult::F16(s) => {
             let s: Vec<f32> = s.iter().map(|v| v.to_f32()).collect();
-            frame_from_data(path, frame, size, grey!(&s[..], 1.0)?, false)
+            frame_from_data(path, frame, size, grey!(&s[..], Curve::Linear(1.0))?, false)
         }
-    }
+    }?;
+    let is_photograph = channels > 2 && matches!(samples, DecodingResult::U8(_)) && !options.linearise;
+    let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
+    Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, ..decoded })
 }
 
 /// One value a pixel, or `None` when there are too few samples.
-fn grey<T: Sample>(samples: &[T], pixels: usize, channels: usize, planar: bool, divisor: f32) -> Option<Vec<f32>> {
+fn grey<T: Sample>(samples: &[T], pixels: usize, channels: usize, planar: bool, curve: Curve) -> Option<Vec<f32>> {
     if !planar {
-        return Some(grey_from_interleaved(samples.get(..pixels * channels)?, channels, divisor));
+        return Some(grey_from_interleaved(samples.get(..pixels * channels)?, channels, curve));
     }
     let plane = |i: usize| samples.get(i * pixels..(i + 1) * pixels);
     if channels < 3 {
-        return Some(grey_from_interleaved(plane(0)?, 1, divisor));
+        return Some(grey_from_interleaved(plane(0)?, 1, curve));
     }
-    Some(grey_from_planes(plane(0)?, plane(1)?, plane(2)?, divisor))
+    Some(grey_from_planes(plane(0)?, plane(1)?, plane(2)?, curve))
 }
 
 fn failure(path: &Path, error: tiff::TiffError) -> OpenError {

@@ -64,7 +64,10 @@ impl Describing<'_> {
     /// # Errors
     /// [`Cancelled`] once the monitor was cancelled.
     pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
-        let (order, kernels) = (self.in_order(keypoints), self.kernels());
+        let order = self.in_order(keypoints);
+        let Some(&(_, any)) = order.first() else { return Ok(Vec::new()) };
+        // All slopes' bases have one scale.
+        let kernels = self.kernels((self.base)(any.slope_index).sigma_octave());
         let planes = self.own_slopes.map(OctaveFrames::planes).unwrap_or_default();
         let described: Vec<Vec<Described>> = order
             .par_chunks(TOGETHER)
@@ -89,10 +92,9 @@ impl Describing<'_> {
         order
     }
 
-    /// From what the octave is made from to each Gaussian level on which features are described.
-    fn kernels(&self) -> Vec<GaussianKernel> {
-        // All slopes' bases have one scale.
-        let from = (self.base)(0).sigma_octave();
+    /// From what the octave is made from, with σ `from` (octave pixels), to each Gaussian level on which features are
+    /// described.
+    fn kernels(&self, from: f64) -> Vec<GaussianKernel> {
         (0..self.space.levels as i32).map(|level| self.kernel(level, from)).collect()
     }
 

@@ -8,7 +8,8 @@ use crate::detector::describe::patch::around;
 use crate::detector::keypoint::Keypoint;
 use crate::detector::localise::place::{FARTHEST_MOVE_PX, Neighbours, kernel_reach, place, rim_radius, slope_steps};
 use crate::detector::localise::scale::scale_peak;
-use crate::detector::params::{Localisation, SlopeExtrema};
+use crate::detector::params::slope_grid::SlopeGrid;
+use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema};
 use crate::detector::scale_space::levels::{octave_pixel, octave_size};
 use crate::detector::scale_space::octave::Base;
 use crate::detector::stack::offsets::interpolation_blur;
@@ -97,6 +98,14 @@ impl Neighbours for Around3x3<'_, '_> {
         let pixel = f64::from(octave_pixel(self.describing.octave));
         let (u, v) = self.index(di, dj).map_or((0.0, 0.0), |index| interpolation_blur(&self.describing.offsets[index]));
         (u / (pixel * pixel), v / (pixel * pixel))
+    }
+}
+
+/// Running distance from a keypoint's slope to the farthest one at which it is looked to localise it.
+pub(in crate::detector) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize {
+    match params.localisation {
+        Localisation::Quadratic => 0,
+        Localisation::Continuous => grid.neighbour_distance(),
     }
 }
 

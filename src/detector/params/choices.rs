@@ -240,6 +240,7 @@ pub enum Flicker {
 
 /// Frames `start..end` of the burst (`end` excluded), as `--frames A..B` names them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FrameRange {
     /// First frame used, counted from 0.
     pub start: usize,

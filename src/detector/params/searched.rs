@@ -228,6 +228,8 @@ mod tests {
             ("slopes = \"auto\"\npeak_treshold = 1.0", "peak_treshold"),
             ("slopes = \"auto\"\nlevels = 0", "give 1 to 10"),
             ("levels = ", "TOML"),
+            ("[slopes]\ndirection = 90.0", "direction_deg"),
+            ("[slopes]\nu = { min = 0.0, max = 1.0, count = 2, step = 1.0 }", "step"),
         ] {
             let error = SearchParams::from_toml(text).expect_err(text);
             assert!(error.contains(words), "{text}: {error}");

@@ -10,6 +10,7 @@ use std::ops::RangeInclusive;
 
 /// An apparent motion, in pixels of the input image per frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Slope {
     /// To the right.
     pub u: f32,
@@ -31,6 +32,7 @@ impl Slope {
 
 /// Equally spaced slopes on one axis: `count` values from `min` to `max`, both included.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SlopeAxis {
     /// First slope, pixels per frame.
     pub min: f32,
@@ -105,7 +107,7 @@ impl std::str::FromStr for SlopeAxis {
 
 /// The slopes that are searched: the product of two axes, turned by a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct SlopeGrid {
     /// Slopes along the first axis (to the right when `direction_deg` is 0).
     pub u: SlopeAxis,
@@ -188,6 +190,11 @@ impl SlopeGrid {
     /// Grid coordinates (i, j) of a running index.
     pub fn coordinates(&self, index: usize) -> (usize, usize) {
         (index % self.u.count.max(1), index / self.u.count.max(1))
+    }
+
+    /// How far apart the running indices of two neighbours (two slopes on a line, eight in a plane) lie at most.
+    pub fn neighbour_distance(&self) -> usize {
+        if self.v.count > 1 { self.u.count + 1 } else { 1 }
     }
 
     /// All slopes in running order, first axis fastest.

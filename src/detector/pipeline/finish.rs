@@ -8,6 +8,7 @@ use crate::detector::distinct::{self, Blob};
 use crate::detector::keypoint::Keypoint;
 use crate::detector::params::{DescribeSlope, Distinct};
 use crate::detector::scale_space::levels::octave_size;
+use crate::detector::search::groups::{FirstLevels, SlopeGroup};
 use crate::detector::search::octaves::SEARCH_PART;
 use crate::detector::search::setup::Search;
 use crate::monitor::{Cancelled, Stage};
@@ -33,22 +34,57 @@ impl Search<'_> {
         distinct::covered_by(&blobs, rule, |a, b| motions.are_two(&keypoints[a], &keypoints[b]))
     }
 
-    /// The features of `keypoints`, which are in order of octaves.
+    /// The features of `keypoints`, which are in order of octaves. What the search left is taken from `bases`; where
+    /// that is nothing, it is made again for one of the `groups` of slopes after the other.
     pub(super) fn describe(
         &self,
         octaves: &Range<i32>,
         keypoints: &[Keypoint],
-        bases: &[Vec<Plane>],
+        (bases, groups): (Option<&[FirstLevels]>, &[SlopeGroup]),
         frames: &FramesOfOctaves<'_>,
     ) -> Result<Vec<Described>, Cancelled> {
-        let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
-        let of_octave = |octave: i32| &bases[(octave - octaves.start) as usize];
         let finished = AtomicUsize::new(0);
         let described = |count: usize| {
             let done = (finished.fetch_add(count, Ordering::Relaxed) + count) as f32 / keypoints.len() as f32;
             self.monitor.report(Stage::Describe, SEARCH_PART + (1.0 - SEARCH_PART) * done);
         };
         self.monitor.report(Stage::Describe, SEARCH_PART);
+        if let Some(bases) = bases {
+            return self.describe_with(octaves, keypoints, bases, (frames, &described));
+        }
+        let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
+        for group in groups {
+            let numbers: Vec<usize> =
+                (0..keypoints.len()).filter(|&number| group.own.contains(&keypoints[number].slope_index)).collect();
+            let of_group: Vec<Keypoint> = numbers.iter().map(|&number| keypoints[number]).collect();
+            let Some(last) = of_group.last().map(|keypoint| keypoint.octave) else { continue };
+            let bases = self.first_levels(octaves.start..last + 1, &group.visited)?;
+            let features = self.describe_with(octaves, &of_group, &bases, (frames, &described))?;
+            found.extend(features.into_iter().map(|one| Described { keypoint: numbers[one.keypoint], ..one }));
+        }
+        Ok(found)
+    }
+
+    /// For each octave the first levels at some slopes that follow one another; none for the first octave.
+    fn first_levels(&self, octaves: Range<i32>, slopes: &Range<usize>) -> Result<Vec<FirstLevels>, Cancelled> {
+        let mut planes: Vec<Vec<Plane>> = octaves.clone().map(|_| Vec::new()).collect();
+        for slope_index in slopes.clone() {
+            let of_slope = self.stack(slope_index).first_levels(octaves.end - 1, self.monitor)?;
+            planes[1..].iter_mut().zip(of_slope).for_each(|(planes, plane)| planes.push(plane));
+        }
+        Ok(planes.into_iter().map(|planes| FirstLevels::new(slopes.start, planes)).collect())
+    }
+
+    /// The features of `keypoints`, with the first levels that they need; `described` is told how many more keypoints are.
+    fn describe_with(
+        &self,
+        octaves: &Range<i32>,
+        keypoints: &[Keypoint],
+        bases: &[FirstLevels],
+        (frames, described): (&FramesOfOctaves<'_>, &(dyn Fn(usize) + Sync)),
+    ) -> Result<Vec<Described>, Cancelled> {
+        let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
+        let of_octave = |octave: i32| &bases[(octave - octaves.start) as usize];
         let mut first = 0;
         for in_octave in keypoints.chunk_by(|a, b| a.octave == b.octave) {
             let octave = in_octave[0].octave;
@@ -67,7 +103,7 @@ impl Search<'_> {
                 params: self.params,
                 own_slopes,
                 monitor: self.monitor,
-                described: &described,
+                described,
             };
             found.extend(describing.describe(in_octave, first)?);
             first += in_octave.len();

@@ -9,7 +9,7 @@ use crate::detector::feature::Test;
 use crate::detector::keypoint::Keypoint;
 use crate::detector::params::SlopeNeighbours;
 use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
-use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::scale_space::octave::{DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
 use crate::detector::search::setup::{HELD, Search};
 use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
@@ -94,27 +94,37 @@ impl Trail {
             let bank = if first { &search.banks.0 } else { &search.banks.1 };
             let filters = OctaveFilters::new(&search.space, bank, &search.space.all_levels(), size);
             let inputs = filters.inputs(&held);
-            let bases = &self.bases[(octave - search.space.first_octave) as usize];
-            let one = |index: usize, scratch: &mut FilterScratch, stacked: &mut Vec<Tile>| -> Result<_, Cancelled> {
-                monitor.check()?;
+            let one = |pixels: Pixels<'_>, scratch: &mut FilterScratch| {
                 let mut dog = DogTile::default();
-                let pixels = match search.base(octave, bases, index) {
-                    Base::Frames { .. } => {
+                dog_tile(&filters, pixels, &held, scratch, &mut dog, None, &mut |_, _| ());
+                dog
+            };
+            let bases = self.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
+            let of_slope = |index: usize, scratch: &mut FilterScratch, stacked: &mut Vec<Tile>| {
+                monitor.check()?;
+                let pixels = match bases.filter(|_| !first) {
+                    None => {
                         stack_tiles(search.frames, &search.offsets[index..=index], octave, &inputs, stacked);
                         Pixels::Stacked(&stacked[0])
                     }
-                    Base::Level(plane) => Pixels::Level(plane),
+                    Some(bases) => Pixels::Level(bases.at(index)),
                 };
-                dog_tile(&filters, pixels, &held, scratch, &mut dog, None, &mut |_, _| ());
-                Ok(dog)
+                Ok(one(pixels, scratch))
             };
-            let tiles = (0..search.grid.len())
-                .into_par_iter()
-                .map_init(
-                    || (FilterScratch::default(), Vec::new()),
-                    |(scratch, stacked), index| one(index, scratch, stacked),
-                )
-                .collect::<Result<_, Cancelled>>()?;
+            let slopes = 0..search.grid.len();
+            let tiles = if first || bases.is_some() {
+                let space = || (FilterScratch::default(), Vec::new());
+                let of_slope = |(scratch, stacked): &mut _, index| of_slope(index, scratch, stacked);
+                slopes.into_par_iter().map_init(space, of_slope).collect::<Result<_, Cancelled>>()?
+            } else {
+                // What was not kept is made again, slope by slope: each may take much of the picture.
+                let mut scratch = FilterScratch::default();
+                let mut of_slope = |index| {
+                    let level = search.stack(index).first_level(octave, &inputs, monitor)?;
+                    Ok(one(Pixels::Level(&level), &mut scratch))
+                };
+                slopes.map(&mut of_slope).collect::<Result<_, Cancelled>>()?
+            };
             Ok(Neighbourhood { octave, size, region: region.clone(), tiles })
         })
     }

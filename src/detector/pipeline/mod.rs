@@ -7,6 +7,8 @@
 
 mod finish;
 mod judge;
+#[cfg(test)]
+mod tests;
 mod trail;
 
 pub use crate::detector::search::tile::FIRST_PEAK_PART;
@@ -16,6 +18,7 @@ pub use trail::Trail;
 use super::error::DetectError;
 use super::feature::{Detection, StageTimes, Tally, Test};
 use super::keypoint::Keypoint;
+use super::memory::{self, Plan};
 use super::params::DetectorParams;
 use crate::burst::Burst;
 use crate::detector::describe::Described;
@@ -32,20 +35,30 @@ use std::time::Instant;
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
 /// was cancelled.
 pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
-    Ok(search_all(burst, params, monitor)?.detection)
+    Ok(search_all(burst, params, memory::budget(), monitor)?.detection)
 }
 
-/// The same, keeping what it takes to ask afterwards why: the coarser octaves and the keypoints that were removed.
+/// The same, keeping what it takes to ask afterwards why: the coarser octaves, if there is memory for them, and the
+/// keypoints that were removed.
 ///
 /// # Errors
 /// As [`detect`].
 pub fn detect_with_trail(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Trail, DetectError> {
-    Ok(search_all(burst, params, monitor)?.ready())
+    // Those that are kept already have their part.
+    let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
+    Ok(search_all(burst, params, budget, monitor)?.ready())
 }
 
-/// The detection, with what it leaves.
-fn search_all(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Trail, DetectError> {
+/// The detection within `budget` bytes, with what it leaves.
+fn search_all(
+    burst: &Burst,
+    params: &DetectorParams,
+    budget: Option<u64>,
+    monitor: &Monitor,
+) -> Result<Trail, DetectError> {
     let started = Instant::now();
+    params.validate_for(burst.len(), burst.size())?;
+    let plan = Plan::new(params, params.used_frames(burst.len()).len(), burst.size(), budget)?;
     let inputs = Inputs::new(burst, params, monitor)?;
     let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
 
@@ -54,7 +67,7 @@ fn search_all(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     let octaves = inputs.octaves();
     let mut tally = Tally::default();
     let started = Instant::now();
-    let Searched { keypoints, bases } = search.octaves(&octaves, &mut tally)?;
+    let Searched { keypoints, bases } = search.octaves(&octaves, &plan.search, &mut tally)?;
     let octave_frames = FramesOfOctaves::new(&planes, &inputs.times, octaves.clone());
     let covered_by = search.distinct(&keypoints, &octave_frames);
     let kept: Vec<usize> = (0..keypoints.len()).filter(|&index| covered_by[index].is_none()).collect();
@@ -63,7 +76,7 @@ fn search_all(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     times.search_secs = started.elapsed().as_secs_f32();
     let started = Instant::now();
     let described: Vec<Keypoint> = kept.iter().map(|&index| keypoints[index]).collect();
-    let mut found = search.describe(&octaves, &described, &bases, &octave_frames)?;
+    let mut found = search.describe(&octaves, &described, (bases.as_deref(), &plan.describe), &octave_frames)?;
     monitor.check()?;
     found.sort_by(|Described { feature: a, .. }, Described { feature: b, .. }| {
         let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));

@@ -1,5 +1,5 @@
 //! What a detection leaves behind when it is to be asked why: the frames as they were searched, the first levels of the
-//! coarser octaves, all keypoints with the ones that removed them, and which keypoint each feature comes from.
+//! coarser octaves if there is memory for them, all keypoints with the ones that removed them, and which keypoint each feature comes from.
 //!
 //! Nothing here decides anything. Whoever explains a detection runs the search's own functions again on the few samples
 //! in question (see [`Trail::neighbourhood`]); the values have the same bits, because those of a tile do not depend on
@@ -14,6 +14,7 @@ use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Distinct};
 use crate::detector::scale_space::levels::{ScaleSpace, octave_size};
+use crate::detector::search::groups::FirstLevels;
 use crate::detector::search::inputs::Inputs;
 use crate::detector::search::setup::Search;
 use crate::detector::stack::offsets::coverage;
@@ -34,8 +35,9 @@ const CHAIN_LINKS: f32 = 6.0;
 #[derive(Debug)]
 pub struct Trail {
     pub(super) inputs: Inputs,
-    /// For each octave the first levels, one a slope; none for the first octave.
-    pub(super) bases: Vec<Vec<Plane>>,
+    /// For each octave the first levels; none for the first octave. `None` where the slopes were searched in groups:
+    /// they are made again when something is asked.
+    pub(super) bases: Option<Vec<FirstLevels>>,
     keypoints: Vec<Keypoint>,
     covered_by: Vec<Option<usize>>,
     /// For each described feature, strongest first and before any were cut off, the keypoint it comes from.
@@ -53,7 +55,7 @@ pub struct Trail {
 impl Trail {
     pub(super) fn new(
         inputs: Inputs,
-        bases: Vec<Vec<Plane>>,
+        bases: Option<Vec<FirstLevels>>,
         keypoints: Vec<Keypoint>,
         covered_by: Vec<Option<usize>>,
         ranked: Vec<usize>,
@@ -85,6 +87,21 @@ impl Trail {
     pub(super) fn with_search<T>(&self, monitor: &Monitor, work: impl FnOnce(&Search<'_>) -> T) -> T {
         let planes = self.inputs.planes();
         work(&Search::new(&self.inputs, &planes, monitor))
+    }
+
+    /// Bytes of what is held by each sample and by each keypoint, without the frames among `others`, which somebody
+    /// else holds too. It grows as questions are asked.
+    pub fn bytes_beside(&self, others: &[Arc<Plane>]) -> usize {
+        let plane = |plane: &Plane| size_of_val(plane.data());
+        let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
+        let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
+        let means = self.means.iter().filter_map(OnceLock::get).flatten();
+        let bases = self.bases.iter().flatten().flat_map(FirstLevels::planes);
+        let planes: usize = bases.chain(means).map(plane).sum();
+        let Detection { features, descriptors, .. } = &self.detection;
+        let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.ranked[..]);
+        let of_keypoint = size_of::<(Keypoint, Option<usize>, SampleKey, usize)>();
+        frames + planes + found + of_keypoint * self.keypoints.len() + size_of_val(&self.stayed[..])
     }
 
     /// What was found.

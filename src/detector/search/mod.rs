@@ -4,6 +4,7 @@
 //! [`tile`] goes through all slopes of one tile and takes each candidate through its tests.
 
 pub mod extrema;
+pub(super) mod groups;
 pub(super) mod inputs;
 pub(super) mod octaves;
 pub(super) mod setup;

@@ -1,15 +1,17 @@
 //! The search through the octaves: each is cut into tiles, which run in parallel.
 //!
-//! Octaves come in turn, each starting from planes that the one before left for every slope. A tile visits all slopes
+//! Octaves come in turn, each starting from planes that the one before left for every slope. A tile visits the slopes
 //! in order, holding only those that its undecided candidates still need. Its height is chosen so that what the threads
 //! hold together stays bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in
-//! order, so threads cannot change the result. The first levels of all octaves are kept, for what follows.
+//! order, so threads cannot change the result. The first levels of all octaves are kept, for what follows; where they
+//! do not fit into the memory for all slopes, groups of slopes go through all octaves one after the other.
 
 use crate::detector::feature::Tally;
 use crate::detector::keypoint::Keypoint;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::levels::octave_size;
 use crate::detector::scale_space::octave::{Base, OctaveFilters};
+use crate::detector::search::groups::{FirstLevels, SlopeGroup};
 use crate::detector::search::setup::{HELD, Search, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use crate::detector::search::tile::Octave;
@@ -27,40 +29,76 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub(crate) struct Searched {
     /// In order of octaves, and within them of tiles and slopes.
     pub(crate) keypoints: Vec<Keypoint>,
-    /// For each octave the first levels, one a slope; none for the first octave, which is made from the frames.
-    pub(crate) bases: Vec<Vec<Plane>>,
+    /// For each octave the first levels; none for the first octave, which is made from the frames. `None` where the
+    /// slopes were searched in groups, which leave nothing behind for the next.
+    pub(crate) bases: Option<Vec<FirstLevels>>,
 }
 
 /// The part of a detection's time that the search takes, about; describing takes the rest.
 pub(crate) const SEARCH_PART: f32 = 0.7;
 
+/// Keypoints by octave and tile.
+type ByTile = Vec<Vec<Vec<Keypoint>>>;
+
 impl Search<'_> {
-    /// Searches all octaves.
-    pub(crate) fn octaves(&self, octaves: &Range<i32>, tally: &mut Tally) -> Result<Searched, Cancelled> {
+    /// Searches all octaves: `groups` of slopes one after the other, which together own every slope of the grid.
+    pub(crate) fn octaves(
+        &self,
+        octaves: &Range<i32>,
+        groups: &[SlopeGroup],
+        tally: &mut Tally,
+    ) -> Result<Searched, Cancelled> {
+        let mut found: ByTile = octaves.clone().map(|_| Vec::new()).collect();
+        let visited: usize = groups.iter().map(|group| group.visited.len()).sum();
+        let (mut bases, mut done) = (None, 0.0);
+        for group in groups {
+            let share = SEARCH_PART * group.visited.len() as f32 / visited as f32;
+            let keeps = groups.len() == 1;
+            bases = self.group(octaves, group, (keeps, &mut found), tally, (done, share))?;
+            done += share;
+        }
+        Ok(Searched { keypoints: found.into_iter().flatten().flatten().collect(), bases })
+    }
+
+    /// Searches all octaves for the keypoints of one group of slopes, which come behind those `found` of the slopes
+    /// before. Returns the first levels of all octaves if it `keeps` them; otherwise each goes as soon as nothing needs
+    /// it. What was `done` of the detection before, and its `share`, are for the progress.
+    fn group(
+        &self,
+        octaves: &Range<i32>,
+        group: &SlopeGroup,
+        (keeps, found): (bool, &mut ByTile),
+        tally: &mut Tally,
+        (mut done, share): (f32, f32),
+    ) -> Result<Option<Vec<FirstLevels>>, Cancelled> {
         let pixels = |octave: i32| {
             let (width, height) = octave_size(self.size_image, octave);
             width as f32 * height as f32
         };
         let all_pixels: f32 = octaves.clone().map(pixels).sum();
-        let (mut keypoints, mut bases) = (Vec::new(), vec![Vec::new()]);
-        let mut done = 0.0;
-        for octave in octaves.clone() {
-            let share = SEARCH_PART * pixels(octave) / all_pixels;
+        let mut bases = vec![FirstLevels::default()];
+        for (octave, found) in octaves.clone().zip(found) {
+            let share = share * pixels(octave) / all_pixels;
             let progress = |part: f32| self.monitor.report(Stage::Search { octave }, done + share * part);
             let last = bases.last().expect("the first octave's is there");
-            let (in_octave, next) = self.octave(octave, last, octave + 1 < octaves.end, tally, &progress)?;
-            keypoints.extend(in_octave);
+            let (tiles, next) = self.octave(octave, (group, last), octave + 1 < octaves.end, tally, &progress)?;
+            found.resize_with(tiles.len(), Vec::new);
+            found.iter_mut().zip(tiles).for_each(|(found, tile)| found.extend(tile));
+            if !keeps {
+                bases.clear();
+            }
             bases.push(next);
             done += share;
         }
-        Ok(Searched { keypoints, bases })
+        Ok(keeps.then_some(bases))
     }
 
-    pub(crate) fn base<'s>(&'s self, octave: i32, bases: &'s [Plane], slope_index: usize) -> Base<'s> {
+    /// Where the first level of an octave at a slope of the grid comes from: the frames, or `bases`.
+    pub(crate) fn base<'s>(&'s self, octave: i32, bases: &'s FirstLevels, slope_index: usize) -> Base<'s> {
         if octave == self.space.first_octave {
             Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave }
         } else {
-            Base::Level(&bases[slope_index])
+            Base::Level(bases.at(slope_index))
         }
     }
 
@@ -106,15 +144,16 @@ impl Search<'_> {
         (cuts(width, TILE_COLUMNS), cuts(height, rows.clamp(8, TILE_ROWS)))
     }
 
-    /// Searches one octave. Returns what was found and the first levels of the next octave, one a slope, if asked for.
-    pub(crate) fn octave(
+    /// Searches one octave for the keypoints of a group of slopes, whose first levels are `bases`. Returns what was
+    /// found, by tile, and the first levels of the next octave if asked for.
+    fn octave(
         &self,
         octave: i32,
-        bases: &[Plane],
+        (group, bases): (&SlopeGroup, &FirstLevels),
         wants_next: bool,
         tally: &mut Tally,
         progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<(Vec<Keypoint>, Vec<Plane>), Cancelled> {
+    ) -> Result<(Vec<Vec<Keypoint>>, FirstLevels), Cancelled> {
         let size = octave_size(self.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
         let sigma_d: Vec<Vec<f32>> =
@@ -123,12 +162,14 @@ impl Search<'_> {
         let job = Octave {
             octave,
             size,
+            group,
             bases,
             filters: OctaveFilters::new(&self.space, bank, &self.space.all_levels(), size),
             sigma_d,
         };
-        let mut next: Vec<Plane> =
-            (0..if wants_next { self.grid.len() } else { 0 }).map(|_| Plane::zeros(size.0 / 2, size.1 / 2)).collect();
+        let mut next: Vec<Plane> = (0..if wants_next { group.visited.len() } else { 0 })
+            .map(|_| Plane::zeros(size.0 / 2, size.1 / 2))
+            .collect();
         let regions: Vec<Region> = rows
             .iter()
             .flat_map(|rows| columns.iter().map(|columns| Region { columns: columns.clone(), rows: rows.clone() }))
@@ -145,7 +186,7 @@ impl Search<'_> {
             }
         }
         let finished = AtomicUsize::new(0);
-        let steps = regions.len() * self.grid.len();
+        let steps = regions.len() * group.visited.len();
         let results: Vec<(Vec<Keypoint>, Tally)> = regions
             .par_iter()
             .zip(next_parts)
@@ -158,11 +199,8 @@ impl Search<'_> {
                 Ok(found)
             })
             .collect::<Result<_, Cancelled>>()?;
-        let mut keypoints = Vec::with_capacity(results.iter().map(|(found, _)| found.len()).sum());
-        for (found, tile_tally) in results {
-            keypoints.extend(found);
-            tally.merge(&tile_tally);
-        }
-        Ok((keypoints, next))
+        results.iter().for_each(|(_, of_tile)| tally.merge(of_tile));
+        let found = results.into_iter().map(|(found, _)| found).collect();
+        Ok((found, FirstLevels::new(group.visited.start, next)))
     }
 }

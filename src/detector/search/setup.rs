@@ -6,6 +6,7 @@ use crate::detector::params::DetectorParams;
 use crate::detector::params::slope_grid::SlopeGrid;
 use crate::detector::refine::MAX_MOVES;
 use crate::detector::scale_space::levels::ScaleSpace;
+use crate::detector::scale_space::planes::SlopeStack;
 use crate::detector::search::inputs::Inputs;
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::offsets::{FrameTimes, frame_offsets};
@@ -67,5 +68,11 @@ impl<'a> Search<'a> {
             monitor,
             unused: Mutex::new(Vec::new()),
         }
+    }
+
+    /// The motion stack of one of the grid's slopes.
+    pub(crate) fn stack(&self, slope_index: usize) -> SlopeStack<'_> {
+        let (frames, offsets) = (self.frames, &self.offsets[slope_index]);
+        SlopeStack { frames, offsets, space: &self.space, size_image: self.size_image }
     }
 }

@@ -12,6 +12,7 @@ use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema, SlopeN
 use crate::detector::refine::{Refined, peak_offset, peak_offset_2d};
 use crate::detector::scale_space::octave::DogTile;
 use crate::detector::search::extrema::{Candidate, beats_all_27};
+use std::ops::Range;
 
 /// A candidate that no slope so far has beaten.
 #[derive(Debug, Clone, Copy)]
@@ -55,13 +56,11 @@ impl OtherSlopes {
     }
 
     /// Running distance from a slope of `grid` to the farthest one that is held with it; `None` for all of them.
-    fn reach(self, grid: &SlopeGrid) -> Option<usize> {
+    pub(in crate::detector) fn reach(self, grid: &SlopeGrid) -> Option<usize> {
         match self {
             Self::Unseen => Some(0),
             Self::Beaten(SlopeNeighbours::All) => None,
-            Self::Seen | Self::Beaten(SlopeNeighbours::Adjacent) => {
-                Some(if grid.v.count > 1 { grid.u.count + 1 } else { 1 })
-            }
+            Self::Seen | Self::Beaten(SlopeNeighbours::Adjacent) => Some(grid.neighbour_distance()),
         }
     }
 }
@@ -71,6 +70,8 @@ impl OtherSlopes {
 pub(in crate::detector) struct SlopeWindow {
     grid: SlopeGrid,
     others: OtherSlopes,
+    /// The slopes that are visited.
+    visited: Range<usize>,
     tiles: Vec<DogTile>,
     /// Candidates of the slope that was made last.
     candidates: Vec<Candidate>,
@@ -88,10 +89,17 @@ impl SlopeWindow {
         Self {
             grid,
             others,
+            visited: 0..grid.len(),
             tiles: (0..capacity).map(|_| DogTile::default()).collect(),
             candidates: Vec::new(),
             undecided: vec![Vec::new(); capacity],
         }
+    }
+
+    /// Begins another tile, at which the slopes `visited` follow one another. Candidates may be given for those only
+    /// whose neighbours are all among them.
+    pub(in crate::detector) fn begin(&mut self, visited: &Range<usize>) {
+        self.visited = visited.clone();
     }
 
     /// The tile and the (emptied) candidates to be filled for slope `index`.
@@ -110,7 +118,7 @@ impl SlopeWindow {
         let (i, j) = self.grid.coordinates(index);
         let reach = self.others.reach(&self.grid);
         let first = reach.map_or(0, |reach| index.saturating_sub(reach));
-        (first..index)
+        (first.max(self.visited.start)..index)
             .map(|other| {
                 let (ii, jj) = self.grid.coordinates(other);
                 (other, (ii as i64 - i as i64, jj as i64 - j as i64))
@@ -166,14 +174,15 @@ impl SlopeWindow {
     }
 
     /// The slopes whose candidates have been compared with all their neighbours once slope `made` has been.
-    pub(in crate::detector) fn decidable(&self, made: usize) -> std::ops::Range<usize> {
-        let last = made + 1 == self.grid.len();
+    pub(in crate::detector) fn decidable(&self, made: usize) -> Range<usize> {
+        let Range { start: first, end } = self.visited;
+        let last = made + 1 == end;
         match self.others.reach(&self.grid) {
-            None if last => 0..self.grid.len(),
+            None if last => first..end,
             None => 0..0,
             Some(reach) => {
-                let start = made.saturating_sub(reach);
-                let end = if last { self.grid.len() } else { (made + 1).saturating_sub(reach) };
+                let start = made.saturating_sub(reach).max(first);
+                let end = if last { end } else { (made + 1).saturating_sub(reach) };
                 start.min(end)..end
             }
         }

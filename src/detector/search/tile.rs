@@ -1,4 +1,4 @@
-//! The search of one tile over all slopes, and what becomes of its candidates.
+//! The search of one tile over its slopes, and what becomes of its candidates.
 
 use super::setup::{HELD, Search, TileScratch};
 use crate::detector::feature::Tally;
@@ -9,11 +9,11 @@ use crate::detector::refine::{Limits, Refined, refine};
 use crate::detector::scale_space::levels::octave_pixel;
 use crate::detector::scale_space::octave::{OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::search::groups::{FirstLevels, SlopeGroup};
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::offsets::coverage;
 use crate::kernel::offset::FrameOffset;
 use crate::monitor::Cancelled;
-use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
 
@@ -25,14 +25,18 @@ pub(crate) struct Octave<'a> {
     pub(crate) octave: i32,
     /// The octave's size.
     pub(crate) size: (usize, usize),
-    pub(crate) bases: &'a [Plane],
+    /// The slopes that are searched, and those that are visited for that.
+    pub(crate) group: &'a SlopeGroup,
+    /// Its first level at the slopes that are visited; none for the first octave.
+    pub(crate) bases: &'a FirstLevels,
     pub(crate) filters: OctaveFilters,
-    /// σ_D by DoG level index and slope, where the noise is least.
+    /// σ_D by DoG level index and slope of the grid, where the noise is least.
     pub(crate) sigma_d: Vec<Vec<f32>>,
 }
 
 impl Search<'_> {
-    /// Searches one tile over all slopes.
+    /// Searches one tile over the slopes of a group. `next` are the tile's parts of the next octave's first level, one
+    /// for each slope that is visited, or none.
     pub(crate) fn tile(
         &self,
         job: &Octave<'_>,
@@ -46,20 +50,25 @@ impl Search<'_> {
         let first = job.octave == self.space.first_octave;
         let together = self.slopes_together();
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
-        for index in 0..self.grid.len() {
+        let SlopeGroup { own, visited } = job.group;
+        scratch.window.begin(visited);
+        for (place, index) in visited.clone().enumerate() {
             self.monitor.check()?;
             let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
-            if first && index % together == 0 {
-                let slopes = &self.offsets[index..(index + together).min(self.offsets.len())];
+            if first && place % together == 0 {
+                let slopes = &self.offsets[index..(index + together).min(visited.end)];
                 stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
             }
             let pixels =
-                if first { Pixels::Stacked(&stacked[index % together]) } else { Pixels::Level(&job.bases[index]) };
+                if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
             let thresholds = self.thresholds(&job.sigma_d, index);
             let (dog, candidates) = window.slot_mut(index);
             // Rows are searched while they are still in the cache, as soon as the row below them is there.
             let mut searched = region.rows.start;
             let mut search = |levels: &[Tile], finished: Range<usize>| {
+                if !own.contains(&index) {
+                    return;
+                }
                 let end = if finished.end == held.rows.end { region.rows.end } else { finished.end - 1 };
                 let rows = searched..end.min(region.rows.end).max(searched);
                 searched = rows.end;
@@ -68,7 +77,7 @@ impl Search<'_> {
             };
             let keep = (!next.is_empty()).then_some(&mut *level);
             dog_tile(&job.filters, pixels, &held, filter, dog, keep, &mut search);
-            if let Some(out) = next.get_mut(index) {
+            if let Some(out) = next.get_mut(place) {
                 let left = region.columns.start - held.columns.start;
                 for (v, row) in out.iter_mut().enumerate() {
                     let from = &level.row(region.rows.start + 2 * v)[left..];

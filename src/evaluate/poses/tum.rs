@@ -5,6 +5,7 @@
 //! then all lines have one. Format: <https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats>.
 
 use super::{Pose, PoseError};
+use crate::files::{MAX_TABLE_BYTES, read_bytes};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::path::Path;
 
@@ -16,7 +17,7 @@ const QUATERNION_TOLERANCE: f64 = 0.05;
 /// # Errors
 /// [`PoseError`] when the file cannot be read, has no pose, or a line is not one.
 pub fn read_tum(path: &Path) -> Result<Vec<Pose>, PoseError> {
-    let bytes = std::fs::read(path).map_err(|e| PoseError::read(path, &e))?;
+    let bytes = read_bytes(path, MAX_TABLE_BYTES).map_err(|e| PoseError::read(path, &e))?;
     parse_tum(&String::from_utf8_lossy(&bytes), path)
 }
 

@@ -126,7 +126,7 @@ impl DatabaseWriter<'_> {
         assert!((1..=self.cameras).contains(&camera_id), "the camera is added first");
         self.keypoints.push(keypoints.len());
         let id = self.keypoints.len() as u32;
-        self.insert("INSERT INTO images VALUES (?, ?, ?)", params![id, name, camera_id])?;
+        self.insert("INSERT INTO images (image_id, name, camera_id) VALUES (?, ?, ?)", params![id, name, camera_id])?;
         // The rig has its camera's id.
         self.insert("INSERT INTO frames VALUES (?, ?)", params![id, camera_id])?;
         self.insert("INSERT INTO frame_data VALUES (?, ?, ?, ?)", params![id, id, camera_id, SENSOR_CAMERA])?;

@@ -2,7 +2,8 @@
 //!
 //! They are those of COLMAP 3.12 and later, of which earlier versions overlook the last four. What newer versions add
 //! (columns for the kind of descriptor and for cameras of pairs, priors of poses) they add by themselves when they open
-//! the file, and set the version number, which is left 0 here. Documentation: <https://colmap.github.io/database.html>.
+//! the file, and set the version number, which is left 0 here. The images' prior_* columns, empty, are those that
+//! versions up to 3.8 ask for; later ones overlook them. Documentation: <https://colmap.github.io/database.html>.
 
 /// Statements that make the tables.
 pub(super) const TABLES: &str = "
@@ -17,6 +18,13 @@ CREATE TABLE images (
     image_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
     name TEXT NOT NULL UNIQUE,
     camera_id INTEGER NOT NULL,
+    prior_qw REAL,
+    prior_qx REAL,
+    prior_qy REAL,
+    prior_qz REAL,
+    prior_tx REAL,
+    prior_ty REAL,
+    prior_tz REAL,
     CONSTRAINT image_id_check CHECK(image_id >= 0 and image_id < 2147483647),
     FOREIGN KEY(camera_id) REFERENCES cameras(camera_id));
 CREATE UNIQUE INDEX index_name ON images(name);

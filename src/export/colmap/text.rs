@@ -8,6 +8,7 @@ use super::keypoint::ColmapKeypoint;
 use crate::detector::{Descriptor, Feature};
 use crate::export::atomic::write_whole;
 use crate::export::error::ExportError;
+use crate::files::{MAX_TABLE_BYTES, read_text};
 use std::io::Write;
 use std::path::Path;
 use std::str::FromStr;
@@ -56,7 +57,7 @@ pub fn write_colmap_keypoints(
 /// be.
 pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
     let read = |e: std::io::Error| ExportError::Read { path: path.into(), reason: e.to_string() };
-    parse_colmap(path, &std::fs::read_to_string(path).map_err(read)?)
+    parse_colmap(path, &read_text(path, MAX_TABLE_BYTES).map_err(read)?)
 }
 
 /// The same for a file whose `text` was read already; `path` is for messages.

@@ -3,16 +3,18 @@
 //! [`FigurePanel`]s say what is shown: pixels, marks of features, a title, what colours mean. [`lay_out`] puts one or
 //! several of them on a sheet of paper, which gives a [`Drawing`]: shapes with places in figure pixels.
 //! [`write_drawing_svg`] writes it as vectors; whoever has letters to draw with can make pixels of the same drawing. So
-//! both show the same.
+//! both show the same. Matches between panels are [`FigureLink`]s, which [`draw_links`] adds.
 //!
 //! A feature is a circle (of the radius at which it is drawn in the window); a tick from its centre to the circle in
 //! the direction of its orientation; and an arrow along the way that it moves. The image's first pixel has its centre
 //! at (0, 0) and covers −0.5 … 0.5.
 
 mod layout;
+mod links;
 mod svg;
 
 pub use layout::lay_out;
+pub use links::{FigureLink, draw_links};
 pub use svg::write_drawing_svg;
 
 use std::sync::Arc;
@@ -159,7 +161,7 @@ pub enum FigureShape {
         points: Vec<[f32; 2]>,
         /// How it is drawn.
         stroke: FigureStroke,
-        /// What it is part of, for those who edit the figure: `orientation`, `motion`, `scale`.
+        /// What it is part of, for those who edit the figure: `orientation`, `motion`, `scale`, `match`.
         class: &'static str,
     },
     /// A line of text.

@@ -1,7 +1,6 @@
 //! Figures of explanations as SVG: readable alone, on light and dark pages, and without colour.
 
 mod probe;
-mod sheet;
 mod spectrum;
 
 pub use probe::probe_svg;

@@ -1,7 +1,7 @@
 //! The figure of a probe: the response over slope and scale, each frame's share, the slice along the motion, and the
 //! tests.
 
-use super::sheet::{Anchor, Area, BLUE, FAINT, GRID, INK, RED, Sheet};
+use crate::export::sheet::{Anchor, Area, BLUE, FAINT, GRID, INK, RED, Sheet};
 use crate::inspect::fate::{Outcome, Side};
 use crate::inspect::response::ResponseMap;
 use crate::inspect::shares::Shares;

@@ -1,6 +1,6 @@
 //! The figure of a burst's slopes: features and evidence at each slope, the range searched, and the advice.
 
-use super::sheet::{Anchor, Area, BLUE, FAINT, GREEN, GRID, INK, RED, Sheet};
+use crate::export::sheet::{Anchor, Area, BLUE, FAINT, GREEN, GRID, INK, RED, Sheet};
 use crate::inspect::spectrum::{SlopeBar, Spectrum};
 use crate::inspect::texture::dirichlet;
 use crate::inspect::words::{counted, number};

@@ -7,7 +7,7 @@
 
 use super::lens::Lens;
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::Plane;
+use crate::plane::{Plane, memory};
 use crate::synth::paint::{OVERSAMPLING, Sheet};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
@@ -50,7 +50,7 @@ impl Texture {
         const N: usize = OVERSAMPLING;
         let (columns, rows) = sheet.size();
         let (width, height) = (columns + 1 - N, rows + 1 - N);
-        let mut samples = vec![[0.0f32; 2]; width * height];
+        let mut samples: Vec<[f32; 2]> = memory::zeroed(width * height);
         let share = 1.0 / (N * N) as f32;
         for (row, out) in samples.chunks_mut(width).enumerate() {
             for below in 0..N {

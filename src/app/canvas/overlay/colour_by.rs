@@ -1,60 +1,10 @@
 //! What the colour of a feature tells, and the legend that says so. The one place where features get their colours.
 
+use crate::app::view::ColourBy;
 use crate::detector::feature::Feature;
 use crate::plane::colour_map::{ColourMap, direction_colour};
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
-use serde::{Deserialize, Serialize};
-
-/// What the colour of a feature tells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ColourBy {
-    /// The apparent motion: hue for its direction, saturation for its length.
-    #[default]
-    SlopeDirection,
-    /// The horizontal part of the apparent motion.
-    SlopeU,
-    /// The vertical part of the apparent motion.
-    SlopeV,
-    /// The scale σ, in logarithmic steps.
-    Scale,
-    /// The DoG value with its sign: bright blobs are negative.
-    Response,
-}
-
-impl ColourBy {
-    /// All choices, in the order of a picker.
-    pub const ALL: [Self; 5] = [Self::SlopeDirection, Self::SlopeU, Self::SlopeV, Self::Scale, Self::Response];
-
-    /// The name that a person reads, in sentence case.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::SlopeDirection => "Slope (direction and magnitude)",
-            Self::SlopeU => "Slope u",
-            Self::SlopeV => "Slope v",
-            Self::Scale => "Scale",
-            Self::Response => "Response",
-        }
-    }
-
-    /// The unit of the numbers at a legend.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::SlopeDirection | Self::SlopeU | Self::SlopeV => "px/frame",
-            Self::Scale => "px",
-            Self::Response => "of full scale",
-        }
-    }
-
-    /// The map and the part of it that is used: ends too dark to be seen over a dark picture are left out.
-    fn map(self) -> (ColourMap, f32, f32) {
-        match self {
-            // Turbo stands out from grey pictures and from the diverging maps of DoG responses alike.
-            Self::SlopeDirection | Self::SlopeU | Self::SlopeV | Self::Response => (ColourMap::Turbo, 0.08, 0.92),
-            Self::Scale => (ColourMap::Magma, 0.45, 1.0),
-        }
-    }
-}
+use std::sync::Arc;
 
 /// A [`ColourBy`] with the range of values that its colours span, so that the same colour means the same until the next
 /// detection.
@@ -68,7 +18,12 @@ pub struct ColourScale {
     pub max: f32,
     /// 256 colours from min to max.
     table: Vec<Color32>,
+    /// For [`ColourBy::Coherence`], that of each feature, as far as it is known.
+    coherences: Option<Arc<Vec<Option<f32>>>>,
 }
+
+/// The colour of a feature of which the quantity is not known.
+const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
     /// The scale that spans `features`: all of them for slopes and σ, ± the largest magnitude for the response.
@@ -83,6 +38,8 @@ impl ColourScale {
             ColourBy::SlopeU => range(|f| f.slope.u).unwrap_or((-1.0, 1.0)),
             ColourBy::SlopeV => range(|f| f.slope.v).unwrap_or((-1.0, 1.0)),
             ColourBy::Scale => range(|f| f.sigma).unwrap_or((1.0, 16.0)),
+            ColourBy::Snr => range(|f| f.snr).unwrap_or((1.0, 100.0)),
+            ColourBy::Limit | ColourBy::Coherence => (0.0, 1.0),
             ColourBy::Response => {
                 let limit = range(|f| f.response.abs()).map_or(0.1, |r| r.1);
                 (-limit, limit)
@@ -94,12 +51,12 @@ impl ColourScale {
     /// A scale over a range of one's own; made usable when it is empty.
     pub fn with_range(by: ColourBy, min: f32, max: f32) -> Self {
         let (min, max) = match by {
-            ColourBy::Scale => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
+            ColourBy::Scale | ColourBy::Snr => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
             ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
             ColourBy::SlopeU | ColourBy::SlopeV if max <= min => (min - 0.5, min + 0.5),
             _ => (min, if max > min { max } else { min + 1e-6 }),
         };
-        let (map, first, last) = by.map();
+        let (map, first, last) = map_of(by);
         let lut = map.lut();
         let table = (0..256)
             .map(|i| {
@@ -108,11 +65,24 @@ impl ColourScale {
                 Color32::from_rgb(r, g, b)
             })
             .collect();
-        Self { by, min, max, table }
+        Self { by, min, max, table, coherences: None }
     }
 
-    /// The colour of `feature`.
-    pub fn colour(&self, feature: &Feature) -> Color32 {
+    /// The same with the coherences of the features, in their order; without them all features are grey where it is the
+    /// coherence that their colour tells.
+    #[must_use]
+    pub fn with_coherences(self, coherences: Option<&Arc<Vec<Option<f32>>>>) -> Self {
+        Self { coherences: coherences.cloned(), ..self }
+    }
+
+    /// Whether some features are grey, because the quantity is not known of them.
+    pub fn has_unknown(&self) -> bool {
+        let is_unknown = |values: &Arc<Vec<Option<f32>>>| values.iter().any(Option::is_none);
+        self.by == ColourBy::Coherence && self.coherences.as_ref().is_none_or(is_unknown)
+    }
+
+    /// The colour of feature `index`, which is `feature`.
+    pub fn colour(&self, index: usize, feature: &Feature) -> Color32 {
         match self.by {
             ColourBy::SlopeDirection => {
                 let slope = feature.slope;
@@ -122,13 +92,24 @@ impl ColourScale {
             ColourBy::SlopeU => self.along(feature.slope.u),
             ColourBy::SlopeV => self.along(feature.slope.v),
             ColourBy::Scale => self.along(feature.sigma),
+            ColourBy::Snr => self.along(feature.snr),
+            ColourBy::Limit => self.along(f32::from(feature.at_slope_limit)),
             ColourBy::Response => self.along(feature.response),
+            ColourBy::Coherence => {
+                let value = self.coherences.as_ref().and_then(|values| *values.get(index)?);
+                value.map_or(UNKNOWN, |value| self.along(value))
+            }
         }
     }
 
+    /// The colour of what is not known.
+    pub fn unknown(&self) -> Color32 {
+        UNKNOWN
+    }
+
     /// The colour of a value on the bar.
-    fn along(&self, value: f32) -> Color32 {
-        let t = if self.by == ColourBy::Scale {
+    pub fn along(&self, value: f32) -> Color32 {
+        let t = if matches!(self.by, ColourBy::Scale | ColourBy::Snr) {
             (value.max(1e-6) / self.min).ln() / (self.max / self.min).ln()
         } else {
             (value - self.min) / (self.max - self.min)
@@ -141,6 +122,7 @@ impl ColourScale {
         let response = if self.by == ColourBy::SlopeDirection { self.wheel_ui(ui) } else { self.bar_ui(ui) };
         let text = match self.by {
             ColourBy::SlopeDirection => format!("Legend: slope up to {} px/frame", super::super::number(self.max, 3)),
+            ColourBy::Limit => "Legend: inside the searched slopes, or at their limit".to_owned(),
             by => format!(
                 "Legend: {} from {} to {} {}",
                 by.name().to_lowercase(),
@@ -208,7 +190,11 @@ impl ColourScale {
         ui.painter().add(Shape::mesh(mesh));
         ui.painter().rect_stroke(bar, 2.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
         let y = bar.bottom() + 3.0;
-        let number = |x| super::super::number(x, 3);
+        let number = |x| match self.by {
+            ColourBy::Limit if x == self.min => "inside".to_owned(),
+            ColourBy::Limit => "at the limit".to_owned(),
+            _ => super::super::number(x, 3),
+        };
         ui.painter().text(pos2(bar.left(), y), egui::Align2::LEFT_TOP, number(self.min), small.clone(), colour);
         ui.painter().text(pos2(bar.right(), y), egui::Align2::RIGHT_TOP, number(self.max), small.clone(), colour);
         let unit = ui.visuals().weak_text_color();
@@ -219,6 +205,20 @@ impl ColourScale {
 
 fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
+}
+
+/// The map and the part of it that is used: ends too dark to be seen over a dark picture are left out.
+fn map_of(by: ColourBy) -> (ColourMap, f32, f32) {
+    match by {
+        // Turbo stands out from grey pictures and from the diverging maps of DoG responses alike.
+        ColourBy::SlopeDirection | ColourBy::SlopeU | ColourBy::SlopeV | ColourBy::Response | ColourBy::Limit => {
+            (ColourMap::Turbo, 0.08, 0.92)
+        }
+        ColourBy::Scale | ColourBy::Snr => (ColourMap::Magma, 0.45, 1.0),
+        // What does not answer evenly is told at a glance, red; most features are at the other end, which is light enough
+        // for a dark picture.
+        ColourBy::Coherence => (ColourMap::Turbo, 0.92, 0.25),
+    }
 }
 
 #[cfg(test)]
@@ -234,12 +234,41 @@ mod tests {
         assert_eq!(ColourScale::of(ColourBy::Response, &features).min, -0.1);
         for by in ColourBy::ALL {
             let scale = ColourScale::of(by, &features);
-            if by == ColourBy::SlopeV {
-                assert_eq!(scale.colour(&features[0]), scale.colour(&features[1]));
+            // Both have this in common.
+            if matches!(by, ColourBy::SlopeV | ColourBy::Snr | ColourBy::Limit | ColourBy::Coherence) {
+                assert_eq!(scale.colour(0, &features[0]), scale.colour(1, &features[1]));
             } else {
-                assert_ne!(scale.colour(&features[0]), scale.colour(&features[1]), "{by:?}");
+                assert_ne!(scale.colour(0, &features[0]), scale.colour(1, &features[1]), "{by:?}");
             }
         }
+    }
+
+    #[test]
+    fn snr_and_limit_tell_features_apart() {
+        let weak = feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1);
+        let strong = Feature { snr: 10.0 * weak.snr, at_slope_limit: !weak.at_slope_limit, ..weak };
+        for by in [ColourBy::Snr, ColourBy::Limit] {
+            let scale = ColourScale::of(by, &[weak, strong]);
+            assert_ne!(scale.colour(0, &weak), scale.colour(1, &strong), "{by:?}");
+        }
+        // Without noise the ratio is infinite, and has a colour all the same.
+        let noiseless = Feature { snr: f32::INFINITY, ..weak };
+        ColourScale::of(ColourBy::Snr, &[noiseless]).colour(0, &noiseless);
+    }
+
+    #[test]
+    fn what_is_not_known_is_grey() {
+        let features = [feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1); 3];
+        let scale = ColourScale::of(ColourBy::Coherence, &features);
+        let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &features[i]));
+        assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
+        let some = scale.clone().with_coherences(Some(&Arc::new(vec![Some(0.2), None, Some(0.9)])));
+        let [low, unknown, high] = colours(&some);
+        assert!(some.has_unknown() && unknown == UNKNOWN);
+        assert!(low != high && low != UNKNOWN && high != UNKNOWN);
+        assert_eq!((low, high), (some.along(0.2), some.along(0.9)));
+        let all = scale.with_coherences(Some(&Arc::new(vec![Some(1.0); 3])));
+        assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Snr, &features).has_unknown());
     }
 
     #[test]
@@ -248,8 +277,8 @@ mod tests {
             let empty = ColourScale::of(by, &[]);
             assert!(empty.max > empty.min, "{by:?}");
             let odd = feature(0.0, 0.0, f32::NAN, (f32::NAN, f32::INFINITY), f32::NAN);
-            empty.colour(&odd);
-            ColourScale::of(by, &[odd]).colour(&odd);
+            empty.colour(0, &odd);
+            ColourScale::of(by, &[odd]).colour(0, &odd);
         }
     }
 }

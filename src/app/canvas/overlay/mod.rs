@@ -11,7 +11,8 @@ mod marks;
 mod match_lines;
 mod strokes;
 
-pub use colour_by::{ColourBy, ColourScale};
+pub use crate::app::view::ColourBy;
+pub use colour_by::ColourScale;
 pub use compared::{ComparedMark, draw_compared, mark_at};
 pub use hit::feature_at;
 pub use marks::{CircleMark, circle_at, draw_marks};
@@ -109,9 +110,9 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
                 let edge = Color32::from_black_alpha(90);
                 draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 3.2, colour: edge });
             }
-            for feature in chunk.iter().map(|&i| &features[i]) {
-                let colour = style.scale.colour(feature).gamma_multiply(opacity);
-                draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 1.4, colour });
+            for &i in chunk {
+                let colour = style.scale.colour(i, &features[i]).gamma_multiply(opacity);
+                draw_one(&mut strokes, output.ui_from_image, &features[i], style, Line { width: 1.4, colour });
             }
             strokes.into_mesh()
         })
@@ -120,11 +121,10 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
     let mut strokes = Strokes::new(pixels_per_point);
     // What is pointed at and what is selected lie above all others.
     for (highlight, width) in [(style.hovered, 2.0), (style.selected, 2.6)] {
-        let Some(feature) = highlight.filter(|&i| is_shown(style.shown, i)).and_then(|i| features.get(i)) else {
-            continue;
-        };
+        let shown = highlight.filter(|&i| is_shown(style.shown, i));
+        let Some((index, feature)) = shown.and_then(|i| Some((i, features.get(i)?))) else { continue };
         for (extra, colour) in
-            [(4.5, Color32::from_black_alpha(150)), (2.4, Color32::WHITE), (0.0, style.scale.colour(feature))]
+            [(4.5, Color32::from_black_alpha(150)), (2.4, Color32::WHITE), (0.0, style.scale.colour(index, feature))]
         {
             draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: width + extra, colour });
         }

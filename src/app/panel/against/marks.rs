@@ -6,7 +6,7 @@ use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
 use crate::app::panel::features::frames_from_middle;
 use crate::app::project::Model;
 use crate::app::project::against::{Kind, Row, Shown};
-use crate::engine::Picture;
+use crate::requests::Picture;
 use egui::{Frame, Margin, RichText, Sense, Ui, UiBuilder, pos2, vec2};
 
 /// The marks of the rows that are drawn, with their rows' indices; in a frame where it is at its time.

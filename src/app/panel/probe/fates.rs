@@ -8,12 +8,12 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::style;
 use crate::detector::Test;
-use crate::engine::Probed;
 use crate::inspect::Fate;
 use crate::inspect::fate::{Outcome, Rival, TestReport};
 use crate::inspect::probe::Wanted;
 use crate::inspect::report::value_text;
 use crate::inspect::words::{counted_from_one, number, slope_text};
+use crate::requests::Probed;
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
 
 /// Height of a row of the list, points.
@@ -71,7 +71,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
 }
 
 /// Where the columns of the list begin, in parts of its width: σ, slope and strength end at theirs, the test begins.
-const COLUMNS: [f32; 4] = [0.15, 0.40, 0.58, 0.61];
+const COLUMNS: [f32; 4] = [0.12, 0.42, 0.58, 0.61];
 
 fn heading_ui(ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());

@@ -14,11 +14,13 @@ pub use texture::PlaneTexture;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::section_ui;
+use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::style;
 use crate::detector::ParamChange;
-use crate::engine::Probed;
 use crate::inspect::words::{counted_from_one, number};
+use crate::requests::Probed;
+use crate::teach::Part;
 use egui::{Label, ProgressBar, RichText, ScrollArea, Ui};
 
 /// What the panel keeps from pass to pass: its pictures as textures.
@@ -42,6 +44,7 @@ pub fn tabs_ui(ui: &mut Ui, model: &mut Model) {
 
 /// Draws the panel.
 pub fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut Queue) {
+    mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
     if let Some(problem) = &model.probe.problem {
@@ -65,8 +68,12 @@ pub fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &
         section_ui(ui, "Candidates here", |ui| fates::fates_ui(ui, model, &answer, queue));
         section_ui(ui, "Response over slope and scale", |ui| {
             response::response_ui(ui, model, &answer, &mut panel.response, &mut panel.plane);
+            mark(ui, Part::Response, ui.min_rect());
         });
-        section_ui(ui, "Each frame's share", |ui| shares::shares_ui(ui, model, &answer, &mut panel.patches));
+        section_ui(ui, "Each frame's share", |ui| {
+            shares::shares_ui(ui, model, &answer, &mut panel.patches);
+            mark(ui, Part::Shares, ui.min_rect());
+        });
     });
 }
 

@@ -9,13 +9,13 @@ use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::detector::Slope;
-use crate::engine::Probed;
 use crate::inspect::Fate;
 use crate::inspect::probe::Wanted;
 use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane};
 use crate::inspect::words::{number, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
+use crate::requests::Probed;
 use egui::{Align2, RichText, TextStyle, Ui, pos2};
 
 /// Height of a scale's row, points.
@@ -55,7 +55,7 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     let (columns, rows) = map.snr.size();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
     let (area, response) = area_ui(ui, height, map.snr.size());
-    texture.draw(ui, area.rect, ("probe response", answer), display_of(&map.snr, map.gate), || map.snr.clone());
+    texture.draw(ui, area.rect, ("probe response", &answer.probe), display_of(&map.snr, map.gate), || map.snr.clone());
     let painter = ui.painter().with_clip_rect(area.rect);
     grid_below(ui, &area, &map.slopes, if map.along_v { "slope v, px/frame" } else { "slope, px/frame" });
     rims(&painter, &area, &map.slopes, false);
@@ -111,7 +111,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     let height = (room * rows as f32 / columns as f32).clamp(60.0, room);
     let (area, response) = area_ui(ui, height, plane.snr.size());
     let gate = answer.probe.response.gate;
-    texture.draw(ui, area.rect, ("probe slopes", answer), display_of(&plane.snr, gate), || plane.snr.clone());
+    texture.draw(ui, area.rect, ("probe slopes", &answer.probe), display_of(&plane.snr, gate), || plane.snr.clone());
     let painter = ui.painter().with_clip_rect(area.rect);
     grid_below(ui, &area, &plane.u, "slope u, px/frame");
     rims(&painter, &area, &plane.u, false);
@@ -120,7 +120,13 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     let font = TextStyle::Small.resolve(ui.style());
     for v in ends(&plane.v.grid) {
         let at = pos2(area.rect.left() - 4.0, area.pos(0.0, column_of(&plane.v, v)).y);
-        ui.painter().text(at, Align2::RIGHT_CENTER, number(v, 2), font.clone(), ui.visuals().weak_text_color());
+        ui.painter().text(
+            at,
+            Align2::RIGHT_CENTER,
+            number(v, 2).replace('-', "−"),
+            font.clone(),
+            ui.visuals().weak_text_color(),
+        );
     }
     let scale = (plane.scale.octave, plane.scale.level);
     let fates = answer.probe.fates.iter().enumerate();

@@ -2,10 +2,10 @@
 
 use super::texture::PlaneTexture;
 use crate::app::project::Model;
-use crate::engine::Probed;
 use crate::inspect::shares::{FrameShare, Shape, Shares};
 use crate::inspect::words::{number, slope_text};
 use crate::plane::Plane;
+use crate::requests::Probed;
 use egui::{Color32, Label, RichText, Sense, Stroke, Ui, vec2};
 use egui_plot::{HLine, Line, Plot, PlotPoints, Points};
 
@@ -45,7 +45,7 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
     let side = (ui.available_width() / columns as f32).min(44.0).floor();
     let (rect, response) = ui.allocate_exact_size(vec2(side * columns as f32, side * rows as f32), Sense::click());
     let display = model.look.ranges.intensity;
-    texture.draw(ui, rect, ("probe patches", answer), display, || montage(&shares.frames, columns, rows));
+    texture.draw(ui, rect, ("probe patches", &answer.probe), display, || montage(&shares.frames, columns, rows));
     let frame_at = |pos: egui::Pos2| {
         let from = pos - rect.min;
         let index = (from.y / side) as usize * columns + ((from.x / side) as usize).min(columns - 1);

@@ -5,9 +5,9 @@ use super::fates::sentence;
 use crate::app::actions::Queue;
 use crate::app::project::Model;
 use crate::app::style;
-use crate::engine::Probed;
 use crate::inspect::suspicion::{Kind, Suspicion};
 use crate::inspect::words::counted_from_one;
+use crate::requests::Probed;
 use egui::{Frame, Label, Margin, RichText, Stroke, Ui};
 
 fn title(kind: Kind) -> (&'static str, &'static str) {

@@ -1,10 +1,9 @@
 //! A float picture as a texture, made anew only for another answer or another display.
 
-use crate::engine::Probed;
-use crate::inspect::Probe;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use egui::{Color32, Rect, TextureHandle, TextureOptions, Ui, pos2};
+use std::any::Any;
 use std::sync::Arc;
 
 /// The texture that was drawn last.
@@ -12,24 +11,28 @@ use std::sync::Arc;
 pub struct PlaneTexture(Option<Made>);
 
 struct Made {
-    of: Arc<Probe>,
+    of: Arc<dyn Any + Send + Sync>,
     display: Display,
     dark: bool,
     texture: TextureHandle,
 }
 
 impl PlaneTexture {
-    /// Draws a picture of `answer` into `rect`: pixels stay squares with sharp edges, NaN is the ground of pictures.
-    pub fn draw(
+    /// Draws a picture of the answer `of` into `rect`: pixels stay squares with sharp edges, NaN is the ground of
+    /// pictures.
+    pub fn draw<T: Any + Send + Sync>(
         &mut self,
         ui: &Ui,
         rect: Rect,
-        (name, answer): (&str, &Probed),
+        (name, of): (&str, &Arc<T>),
         display: Display,
         plane: impl FnOnce() -> Plane,
     ) {
         let dark = ui.visuals().dark_mode;
-        let fits = |made: &Made| Arc::ptr_eq(&made.of, &answer.probe) && made.display == display && made.dark == dark;
+        let of: Arc<dyn Any + Send + Sync> = of.clone();
+        // Kept alive by what was made of it, its address is no other's.
+        let is_same = |made: &Made| std::ptr::addr_eq(Arc::as_ptr(&made.of), Arc::as_ptr(&of));
+        let fits = |made: &Made| is_same(made) && made.display == display && made.dark == dark;
         if !self.0.as_ref().is_some_and(fits) {
             let plane = plane();
             let mut rgba = to_rgba8(&plane, &display);
@@ -42,7 +45,7 @@ impl PlaneTexture {
             let (width, height) = plane.size();
             let image = egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw());
             let texture = ui.ctx().load_texture(name, image, TextureOptions::NEAREST);
-            self.0 = Some(Made { of: answer.probe.clone(), display, dark, texture });
+            self.0 = Some(Made { of, display, dark, texture });
         }
         if let Some(made) = &self.0 {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));

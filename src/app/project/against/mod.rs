@@ -2,18 +2,22 @@
 //! features, what is really there. All three can be there; one of them is on show.
 
 mod rows;
+mod saved;
 
 pub use rows::{Kind, Row};
+pub use saved::SavedAgainst;
 
 use crate::app::project::Model;
-use crate::detector::Detection;
-use crate::engine::{Against as Answered, AgainstRequest, BurstId, ComparedWith, Reference, Running};
+use crate::detector::{Detection, SearchParams};
 use crate::inspect::foreign::ForeignFeature;
+use crate::requests::{Against as Answered, AgainstRequest, BurstId, ComparedWith, Reference, Running};
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// With what features are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum With {
     /// An earlier result.
     Pinned,
@@ -44,7 +48,7 @@ impl With {
                 "Somebody else's features: in both, only in theirs, only in ours. Open them from the Features menu"
             }
             Self::Truth => {
-                "What is really there: found, missed, repeated and false. Synthetic bursts and the demo know it; of a scene it tells some of what is there"
+                "What is really there: found, missed, repeated, and false. Synthetic bursts and the demo know it; of a scene it tells some of what is there, and features elsewhere may be right"
             }
         }
     }
@@ -61,18 +65,16 @@ pub struct Shown {
     pub rows: Vec<Row>,
     /// The counts in a line.
     pub summary: String,
-    /// Whether the truth tells of all that is there, as that of a chart does; a scene's tells of some of it.
+    /// Whether the truth, if it is one, tells of all that is there.
     pub is_whole_truth: bool,
+    /// What rows of ours alone are called.
+    ours: &'static str,
 }
 
 impl Shown {
     /// What rows of `kind` are called.
     pub fn label(&self, kind: Kind) -> &'static str {
-        if kind == Kind::Ours && self.with == With::Truth && !self.is_whole_truth {
-            // There is more in a scene than its truth tells of.
-            return "Elsewhere";
-        }
-        kind.label(self.with)
+        if kind == Kind::Ours { self.ours } else { kind.label(self.with) }
     }
 
     /// How many rows are of `kind`.
@@ -85,7 +87,9 @@ impl Shown {
 #[derive(Debug, Clone)]
 pub struct Pinned {
     burst: BurstId,
-    detection: Arc<Detection>,
+    asked: SearchParams,
+    /// Not there yet after a session was opened: then it is found again.
+    detection: Option<Arc<Detection>>,
 }
 
 /// Features of a file.
@@ -152,7 +156,8 @@ impl Model {
     /// Pins the features on show: what comes later is compared with them.
     pub fn pin_result(&mut self) {
         if let (Some(burst), Some(found)) = (&self.burst, &self.found) {
-            self.against.pinned = Some(Pinned { burst: burst.id, detection: found.detection.clone() });
+            let (asked, detection) = (found.asked.clone(), Some(found.detection.clone()));
+            self.against.pinned = Some(Pinned { burst: burst.id, asked, detection });
             // A new pin, a new comparison.
             self.against.show(None);
             self.against.show(Some(With::Pinned));
@@ -190,7 +195,7 @@ impl Model {
         self.against.pinned.take_if(|pinned| Some(pinned.burst) != open);
         self.against.file.take_if(|file| Some(file.burst) != open);
         if self.against.truth.map(|(burst, _)| burst) != open {
-            self.against.truth = self.burst.as_ref().map(|b| (b.id, crate::inspect::truth::is_known(&b.burst)));
+            self.against.truth = self.burst.as_ref().map(|b| (b.id, b.has_truth()));
         }
         if self.against.with.is_some_and(|with| !self.against.has(with)) {
             self.against.show(None);
@@ -201,7 +206,10 @@ impl Model {
     pub fn wanted_comparison(&self) -> Option<AgainstRequest> {
         let (found, burst) = (self.found.as_ref()?, self.burst.as_ref()?);
         let with = match self.against.with? {
-            With::Pinned => Reference::Earlier(self.against.pinned.as_ref()?.detection.clone()),
+            With::Pinned => {
+                let Pinned { asked, detection, .. } = self.against.pinned.clone()?;
+                Reference::Earlier { burst: burst.clone(), asked, detection }
+            }
             With::File => {
                 let file = self.against.file.as_ref()?;
                 Reference::File { path: file.path.clone(), features: file.features.clone() }
@@ -218,20 +226,22 @@ impl Model {
         if !self.wanted_comparison().is_some_and(|wanted| wanted.same_comparison(&request)) {
             return;
         }
-        if let (Answered::Changes { read: Some(read), .. }, Some(file)) = (&against, &mut self.against.file) {
+        if let (Some(pinned), Some(found)) = (&mut self.against.pinned, against.found_again()) {
+            pinned.detection = Some(found.clone());
+        }
+        if let (Some(file), Some(read)) = (&mut self.against.file, against.read()) {
             file.features = Some(read.clone());
         }
-        let is_whole_truth =
-            !matches!(&against, Answered::Truth { truth, .. } if truth.kind != crate::synth::TruthKind::Chart);
+        let (is_whole_truth, ours) = match &against {
+            Answered::Truth { against, .. } => (against.is_whole_truth, against.name_of_elsewhere()),
+            Answered::Changes { .. } => (true, Kind::Ours.label(with)),
+        };
         if self.against.shown.is_none() && !is_whole_truth {
             self.against.hidden = vec![Kind::Ours];
         }
-        let (rows, mut summary) = rows::of(with, &request.detection, &against);
-        if !is_whole_truth {
-            summary = summary.replace(" false", " elsewhere");
-        }
+        let (rows, summary) = rows::of(with, &request.detection, &against);
         self.against.shown =
-            Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth }));
+            Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth, ours }));
         (self.against.selected, self.against.hovered, self.against.problem) = (None, None, None);
     }
 

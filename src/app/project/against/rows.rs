@@ -2,9 +2,9 @@
 
 use super::With;
 use crate::detector::{Detection, Feature, Slope};
-use crate::engine::Against;
 use crate::inspect::changes::{Changes, Spot};
 use crate::inspect::truth::AgainstTruth;
+use crate::requests::Against;
 use crate::synth::Truth;
 
 /// What became of a feature.
@@ -12,7 +12,7 @@ use crate::synth::Truth;
 pub enum Kind {
     /// Theirs alone: lost, only in the file, missed.
     Theirs,
-    /// Ours alone: gained, not in the file, false.
+    /// Ours alone: gained, not in the file, false or elsewhere.
     Ours,
     /// In both, but not at the same place, scale and slope.
     Moved,
@@ -39,7 +39,7 @@ impl Kind {
             (With::File, Self::Theirs) => "Only theirs",
             (With::File, Self::Ours) => "Only ours",
             (With::Truth, Self::Theirs) => "Missed",
-            (With::Truth, Self::Ours) => "False",
+            (With::Truth, Self::Ours) => "Elsewhere",
             (_, Self::Moved) => "Moved",
             (_, Self::Repeated) => "Repeated",
             (With::Pinned, Self::Same) => "As before",
@@ -148,7 +148,7 @@ fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) ->
         Row { note: format!("{off:.2} px off"), ..ours(Kind::Same, index, f) }
     });
     let repeated = against.repeated.iter().map(|&index| ours(Kind::Repeated, index, &features[index]));
-    let wrong = against.false_features.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
+    let wrong = against.elsewhere.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
     missed.chain(wrong).chain(repeated).chain(found).collect()
 }
 
@@ -157,6 +157,7 @@ mod tests {
     use super::*;
     use crate::inspect::changes::compare;
     use crate::monitor::Monitor;
+    use crate::requests::OthersSource;
     use crate::synth::demo_burst;
     use std::sync::Arc;
 
@@ -176,7 +177,8 @@ mod tests {
         assert_eq!(rows.len(), changes.lost.len() + changes.gained.len() + changes.same.len());
         let moved = rows.iter().find(|row| row.kind == Kind::Moved).expect("one was moved");
         assert!(moved.from_image.is_some() && moved.note.starts_with("by 0.80 px"), "{moved:?}");
-        let answered = Against::Changes { changes, before: Arc::new(before), read: None };
+        let answered =
+            Against::Changes { changes, before: Arc::new(before), source: OthersSource::File(Arc::default()) };
         let (sorted, summary) = of(With::File, &detection, &answered);
         assert!(sorted.is_sorted_by_key(|row| row.kind));
         assert!(summary.contains("1 only theirs") && summary.contains("1 only ours"), "{summary}");

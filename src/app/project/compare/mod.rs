@@ -1,21 +1,19 @@
-//! Several methods on the same burst, as plain values: what each found, what is missing, and how they are laid beside
-//! one another.
+//! Several methods on the same burst, as plain values: what each found, what is missing, and in which panes they are
+//! seen.
 //!
 //! With a second burst open, each method also runs on that one and is matched with itself, so that what counts in the
 //! end, matches, can be compared.
 
-mod layout;
-mod method;
+mod arranging;
+mod look;
 
-pub use layout::{CompareLook, Layout};
-pub use method::Contender;
+pub use crate::app::project::method::Contender;
+pub use look::CompareLook;
 
 use crate::app::project::Model;
 use crate::app::project::pair::{Matches, Side};
 use crate::detector::{Detection, DetectorParams};
-use crate::engine::{BurstId, CompareRequest, DetectRequest, Detected, MatchRequest, OpenBurst, Running};
-use crate::plane::Plane;
-use crate::plane::display::Display;
+use crate::requests::{BurstId, CompareRequest, DetectRequest, Detected, MatchRequest, OpenBurst, Running};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -28,19 +26,8 @@ pub struct MethodFound {
     pub params: DetectorParams,
     /// The features.
     pub detection: Arc<Detection>,
-    /// The image that the method made of the burst, if it made one.
-    pub image: Option<Arc<Plane>>,
     /// How long it took, by the wall clock.
     pub elapsed: Duration,
-}
-
-/// A gold standard's image: it has its own brightness, so its own range.
-#[derive(Debug, Clone)]
-pub struct Gold {
-    /// The image, as a burst of one frame.
-    pub open: OpenBurst,
-    /// Its range and colours.
-    pub display: Display,
 }
 
 /// What is done for a method now.
@@ -68,10 +55,12 @@ pub struct CompareJob {
 pub struct Compare {
     /// Which are shown, and how.
     pub look: CompareLook,
-    /// Sharp images of A's and of B's view.
-    pub gold: [Option<Gold>; 2],
+    /// Sharp images of A's and of B's view, each as a burst of one frame.
+    pub gold: [Option<OpenBurst>; 2],
     /// What runs now.
     pub busy: Option<Busy>,
+    /// The methods for which there are panes.
+    arranged: Vec<Contender>,
     found: [[Option<MethodFound>; 2]; 5],
     matches: [Option<Matches>; 5],
     failed: Vec<(CompareJob, String)>,
@@ -119,8 +108,8 @@ impl Compare {
 
 impl MethodFound {
     /// With what the engine answered.
-    pub fn new(detected: Detected, image: Option<Arc<Plane>>, elapsed: Duration) -> Self {
-        Self { burst: detected.burst, params: detected.params, detection: detected.detection, image, elapsed }
+    pub fn new(detected: Detected, elapsed: Duration) -> Self {
+        Self { burst: detected.burst, params: detected.params, detection: detected.detection, elapsed }
     }
 }
 
@@ -128,7 +117,7 @@ impl Model {
     /// The burst that `method` looks at on `side`: the open one, or the gold standard's image.
     pub fn method_burst(&self, method: Contender, side: Side) -> Option<&OpenBurst> {
         match method {
-            Contender::Gold => self.compare.gold[side as usize].as_ref().map(|gold| &gold.open),
+            Contender::Gold => self.compare.gold[side as usize].as_ref(),
             _ => self.burst_of(side),
         }
     }
@@ -214,12 +203,11 @@ impl Model {
                     continue;
                 }
                 let wanted = self.method_params(method, side);
-                // What a merge was made of is not kept there.
-                let shared = self.found_of(side).filter(|f| f.params == wanted && method != Contender::Merge).cloned();
+                let shared = self.found_of(side).filter(|f| f.params == wanted).cloned();
                 if let (Some(found), Some(open)) = (shared, self.burst_of(side)) {
-                    let (burst, image) = (open.id, None);
                     let (params, detection, elapsed) = (found.params, found.detection, found.elapsed);
-                    self.compare.take_found(method, side, MethodFound { burst, params, detection, image, elapsed });
+                    let found = MethodFound { burst: open.id, params, detection, elapsed };
+                    self.compare.take_found(method, side, found);
                 }
             }
         }

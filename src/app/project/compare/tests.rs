@@ -1,10 +1,13 @@
 //! The comparison's promises: what is missing is done in order and once, what is current counts, what failed is not
 //! tried again as it was.
 
+use crate::app::pane::Direction;
 use crate::app::project::compare::*;
+use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::tests::pair;
 use crate::app::project::tests::open;
 use crate::app::project::workspace::Workspace;
+use crate::requests::PictureKind;
 
 /// A model with two bursts, of which the other workspaces have found the features.
 fn methods() -> Model {
@@ -17,17 +20,17 @@ fn do_job(model: &mut Model, job: &CompareJob) {
         CompareRequest::Detect(request) => {
             let detection = model.found_of(job.side).expect("found").detection.clone();
             let (burst, params) = (request.burst.id, request.params.detector.clone());
-            let found = MethodFound { burst, params, detection, image: None, elapsed: Duration::ZERO };
+            let found = MethodFound { burst, params, detection, elapsed: Duration::ZERO };
             model.compare.take_found(job.method, job.side, found);
         }
         CompareRequest::Match(request) => {
             let monitor = crate::monitor::Monitor::default();
             let result = crate::matching::match_detections(&request.a, &request.b, &request.params, &monitor);
             let result = Arc::new(result.expect("valid"));
-            let matched = crate::engine::Matched { request: request.clone(), result };
+            let matched = crate::requests::Matched { request: request.clone(), result };
             model.compare.take_matches(job.method, Matches::new(matched, Duration::ZERO));
         }
-        CompareRequest::Open(_) => panic!("nobody asked for that"),
+        CompareRequest::Open(..) => panic!("nobody asked for that"),
     }
 }
 
@@ -74,8 +77,7 @@ fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
     model.compare.look.show(Contender::Buff2d, false);
     model.compare.look.show(Contender::Merge, false);
     assert_eq!(model.contenders(), [Contender::Sift, Contender::Buff1d]);
-    let gold = Gold { open: open((64, 48), 1), display: Display::default() };
-    model.compare.gold[0] = Some(gold);
+    model.compare.gold[0] = Some(open((64, 48), 1));
     assert_eq!(model.contenders().last(), Some(&Contender::Gold));
     let done = do_all(&mut model);
     assert!(done.contains(&(Contender::Gold, Side::A)) && !done.contains(&(Contender::Gold, Side::B)));
@@ -108,13 +110,36 @@ fn what_other_rooms_found_is_shared() {
 
 #[test]
 fn the_look_from_a_file_makes_sense() {
-    let look = CompareLook {
-        methods: vec![Contender::Gold, Contender::Sift, Contender::Gold],
-        wipe: f32::NAN,
-        ..CompareLook::default()
-    };
-    let look = look.sanitised();
-    assert_eq!((look.methods.as_slice(), look.wipe), ([Contender::Sift, Contender::Gold].as_slice(), 0.5));
-    assert_eq!(Layout::Matches.next(true), Layout::Panes);
-    assert_eq!((Layout::Flip.next(true), Layout::Flip.next(false)), (Layout::Matches, Layout::Panes));
+    let methods = vec![Contender::Gold, Contender::Sift, Contender::Gold];
+    let look = CompareLook { methods, ..CompareLook::default() }.sanitised();
+    assert_eq!(look.methods, [Contender::Sift, Contender::Gold]);
+}
+
+/// The methods of the panes on the screen, in reading order.
+fn of_panes(model: &Model) -> Vec<Option<Contender>> {
+    model.panes.shown().into_iter().filter_map(|id| model.panes.get(id)).map(|pane| pane.method).collect()
+}
+
+#[test]
+fn each_method_has_a_pane_that_wants_what_the_method_looks_at() {
+    let mut model = methods();
+    model.refresh_workspace();
+    assert_eq!(of_panes(&model), [Contender::Sift, Contender::Merge, Contender::Buff1d, Contender::Buff2d].map(Some));
+    let kinds: Vec<PictureKind> =
+        model.panes.shown().into_iter().filter_map(|id| model.wanted(id)).map(|wanted| wanted.kind).collect();
+    let slope = model.cursor().slope;
+    assert_eq!(kinds[..2], [PictureKind::Frame(2), PictureKind::Merge]);
+    assert_eq!(kinds[2..], [PictureKind::Stack { slope }; 2]);
+    // One that is split shows another picture of the same method.
+    let dog = model.panes.split_with(Direction::Right, |pane| pane.show(ViewKind::Dog)).expect("there is room");
+    let wanted = model.wanted(dog).expect("open");
+    assert!(matches!(wanted.kind, PictureKind::Dog { .. }) && wanted.params.method == crate::detector::Method::Sift);
+    model.compare.look.show(Contender::Merge, false);
+    model.compare.gold[0] = Some(open((32, 24), 1));
+    model.refresh_workspace();
+    let left = [Contender::Sift, Contender::Sift, Contender::Buff1d, Contender::Buff2d, Contender::Gold].map(Some);
+    assert_eq!(of_panes(&model), left);
+    let gold = model.panes.shown()[4];
+    assert_eq!(model.wanted(gold).map(|wanted| wanted.burst.burst.size()), Some((32, 24)));
+    assert!(model.panes.get(gold).is_some_and(|pane| pane.own_ranges.is_some()), "it was taken with another light");
 }

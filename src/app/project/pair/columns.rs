@@ -1,7 +1,7 @@
 //! The columns of the table of matches.
 
-use crate::app::canvas::number;
 use crate::app::project::pair::MatchRow;
+use crate::app::view::number;
 use serde::{Deserialize, Serialize};
 
 /// The columns of the table of matches.

@@ -3,8 +3,8 @@
 use crate::app::project::order::Order;
 use crate::app::project::pair::{MatchColumn, MatchLook, Side};
 use crate::detector::{Detection, Feature};
-use crate::engine::{MatchRequest, Matched};
 use crate::matching::{Match, MatchResult, TwoViewModel};
+use crate::requests::{MatchRequest, Matched};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;

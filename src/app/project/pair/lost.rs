@@ -3,8 +3,8 @@
 
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
-use crate::engine::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, Running};
 use crate::inspect::unmatched::{Losses, Lost, Unmatched};
+use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, Running};
 use std::sync::Arc;
 
 /// Candidates of a feature that are listed.
@@ -113,6 +113,15 @@ impl Model {
         self.pair.lost.why = why;
     }
 
+    /// Where the geometry puts the feature that is asked about in B, pixels at mid-burst: of a line the point nearest
+    /// to its place in A, as what is seen mostly moves little from burst to burst. `None` where no geometry is known,
+    /// and where it lies outside B.
+    pub fn expected_place(&self) -> Option<[f32; 2]> {
+        let (why, found) = self.pair.lost.why.as_ref().zip(self.losses())?;
+        let own = MatchSides::of(found).a.features.get(why.feature)?;
+        nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
+    }
+
     /// The motion-stack images from which the patches of the feature that is asked about and of its candidates are cut.
     pub fn wanted_candidate_pictures(&self) -> Vec<PictureRequest> {
         let Some((why, found)) = self.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
@@ -142,5 +151,36 @@ impl<'a> MatchSides<'a> {
     /// Those of `found`.
     pub fn of(found: &'a FoundLosses) -> Self {
         Self { a: &found.request.request.a, b: &found.request.request.b }
+    }
+}
+
+/// The point of a line through `points` that is nearest to a place; of one point that one.
+fn nearest_on(points: &[[f64; 2]], [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+    let on_part = |part: &[[f64; 2]]| {
+        let ([from_u, from_v], [to_u, to_v]) = (part[0], part[1]);
+        let (du, dv) = (to_u - from_u, to_v - from_v);
+        let length2 = du * du + dv * dv;
+        let along = if length2 > 0.0 { ((u - from_u) * du + (v - from_v) * dv) / length2 } else { 0.0 };
+        let along = along.clamp(0.0, 1.0);
+        [from_u + along * du, from_v + along * dv]
+    };
+    let apart = |point: &[f64; 2]| (point[0] - u).hypot(point[1] - v);
+    let on_line = points.windows(2).map(on_part);
+    points.first().copied().into_iter().chain(on_line).min_by(|a, b| apart(a).total_cmp(&apart(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_line_the_nearest_point_is_taken() {
+        assert_eq!(nearest_on(&[], [1.0, 2.0]), None);
+        assert_eq!(nearest_on(&[[7.0, 8.0]], [1.0, 2.0]), Some([7.0, 8.0]));
+        let line = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]];
+        assert_eq!(nearest_on(&line, [4.0, 3.0]), Some([4.0, 0.0]));
+        assert_eq!(nearest_on(&line, [12.0, 7.0]), Some([10.0, 7.0]));
+        assert_eq!(nearest_on(&line, [-3.0, -3.0]), Some([0.0, 0.0]));
+        assert_eq!(nearest_on(&[[2.0, 2.0], [2.0, 2.0]], [0.0, 0.0]), Some([2.0, 2.0]));
     }
 }

@@ -5,21 +5,21 @@ mod columns;
 mod found;
 mod look;
 mod lost;
+mod sides;
 
 pub use columns::MatchColumn;
 pub use found::{MatchRow, Matches, SavedMatch};
 pub use look::MatchLook;
 pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
+pub use sides::Links;
 
-use crate::app::pane::{Content, Link, PaneId};
+use crate::app::pane::{Content, Pane};
 use crate::app::project::cursor::Cursor;
-use crate::app::project::look::Ranges;
 use crate::app::project::order::Order;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
-use crate::engine::{Detected, MatchRequest, OpenBurst, PatchesRequest, Picture, PictureKind, PictureRequest, Running};
 use crate::matching::MatchParams;
-use serde::{Deserialize, Serialize};
+use crate::requests::{Detected, MatchRequest, OpenBurst, PatchesRequest, PictureKind, PictureRequest, Running};
 use std::time::Duration;
 
 pub use crate::app::project::side::Side;
@@ -35,25 +35,6 @@ pub struct SecondBurst {
     pub param_error: Option<ParamError>,
     /// Its features.
     pub found: Option<FoundFeatures>,
-}
-
-/// What moves together in A and B.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Links {
-    /// Pan and zoom.
-    pub views: bool,
-    /// Kind of picture, frame, slope, octave and level.
-    #[serde(alias = "cursors")]
-    pub cursor: bool,
-    /// Value ranges and colour maps.
-    pub ranges: bool,
-}
-
-impl Default for Links {
-    fn default() -> Self {
-        Self { views: true, cursor: true, ranges: true }
-    }
 }
 
 /// What the engine is doing for the pair, as of this pass.
@@ -72,10 +53,6 @@ pub struct PairBusy {
 pub struct PairState {
     /// The second burst.
     pub b: SecondBurst,
-    /// Whose slope and scale the cursor moves.
-    pub active: Side,
-    /// What moves together.
-    pub links: Links,
     /// The parameters of matching, as they are being edited.
     pub params: MatchParams,
     /// Why they make no sense.
@@ -105,6 +82,16 @@ impl PairState {
     /// The match that is looked at: the selected one, or while none is, the one that is pointed at.
     pub fn focus(&self) -> Option<usize> {
         self.selected.or(self.hovered)
+    }
+
+    /// Indices of the matches that are drawn: those that are listed, or the selected one alone. One that is selected
+    /// stays, even where its kind is hidden.
+    pub fn drawn(&self) -> Vec<usize> {
+        match self.selected {
+            Some(one) if self.look.alone => vec![one],
+            Some(one) if !self.listed.contains(&one) => self.listed.iter().copied().chain([one]).collect(),
+            _ => self.listed.clone(),
+        }
     }
 
     /// Takes newly made matches. The selection is kept where the same pair of features was matched again.
@@ -194,41 +181,6 @@ impl Model {
         SearchParams { detector, slopes: self.slopes }
     }
 
-    /// Whose slope and scale the cursor moves now.
-    pub fn active_side(&self) -> Side {
-        let both = self.workspace == crate::app::project::workspace::Workspace::Pair && self.pair.b.burst.is_some();
-        if both { self.pair.active } else { Side::A }
-    }
-
-    /// Where the cursor of `side` is.
-    pub fn cursor_of(&self, side: Side) -> &Cursor {
-        &self.panes.of(side).cursor
-    }
-
-    /// The picture on show of `side`.
-    pub fn picture_of(&self, side: Side) -> Option<&Picture> {
-        self.panes.of(side).picture.as_ref()
-    }
-
-    /// The value ranges of the pictures of `side`.
-    pub fn ranges_of_side(&self, side: Side) -> &Ranges {
-        self.ranges_of(self.panes.of(side))
-    }
-
-    /// Shows A and B in one range, or each in its own.
-    pub fn link_ranges(&mut self, linked: bool) {
-        self.pair.links.ranges = linked;
-        self.set_link(PaneId::of(Side::B), Link::Display, linked);
-        if linked {
-            self.set_link(PaneId::of(Side::A), Link::Display, true);
-        }
-    }
-
-    /// Whether A and B are shown in one range.
-    pub fn ranges_are_linked(&self) -> bool {
-        Side::BOTH.into_iter().all(|side| self.panes.of(side).links.display)
-    }
-
     /// Whether a detection in B with the present parameters is missing and could be made.
     pub fn needs_second_detection(&self) -> bool {
         let b = &self.pair.b;
@@ -251,44 +203,17 @@ impl Model {
         self.pair.b = SecondBurst { burst: Some(burst), ..SecondBurst::default() };
         self.pair.forget_matches();
         self.compare.gold[1] = None;
-        let (links, first) = (self.pair.links, self.panes.of(Side::A).clone());
-        let cursor = first.cursor;
+        let Pane { cursor, view, .. } = *self.panes.of(Side::A);
+        let linked = self.panes.of(Side::B).links.cursor;
         self.start_panes(Side::B, |_| {
-            if links.cursor { cursor } else { Cursor { frame: middle, kind: cursor.kind, ..Cursor::default() } }
+            if linked { cursor } else { Cursor { frame: middle, kind: cursor.kind, ..Cursor::default() } }
         });
         let pane = self.panes.of_mut(Side::B);
-        pane.slope_chosen = links.cursor;
+        pane.slope_chosen = linked;
         pane.content = Content::Cursor;
-        if links.views {
-            pane.view = first.view;
+        if pane.links.view {
+            pane.view = view;
         }
-        self.check_pair();
-    }
-
-    /// Puts the cursor that does not move to where the moving one is.
-    pub fn bring_hands_together(&mut self) {
-        let side = self.active_side();
-        let cursor = *self.cursor_of(side);
-        self.panes.of_mut(side.other()).cursor = cursor;
-        self.panes.of_mut(Side::B).slope_chosen = true;
-        self.check_params();
-        self.check_pair();
-    }
-
-    /// Lets the other cursor follow the one that was moved since both were as in `before`, where they are linked. What
-    /// was not moved stays as it is.
-    pub fn follow_cursor(&mut self, before: [Cursor; 2]) {
-        if !self.pair.links.cursor || self.pair.b.burst.is_none() {
-            return;
-        }
-        let [a, b] = Side::BOTH.map(|side| (before[side as usize], *self.cursor_of(side)));
-        // Where both were moved on purpose, each to its own place, neither follows.
-        match (a.1 != a.0, b.1 != b.0) {
-            (true, false) => self.panes.of_mut(Side::B).cursor = followed(b.1, a.0, a.1),
-            (false, true) => self.panes.of_mut(Side::A).cursor = followed(a.1, b.0, b.1),
-            _ => return,
-        }
-        self.check_params();
         self.check_pair();
     }
 
@@ -331,20 +256,6 @@ impl Model {
             return Some("Stale matches: the detector's parameters changed");
         }
         (matches.request.params != self.pair.params).then_some("Stale matches: the parameters of matching changed")
-    }
-}
-
-/// `cursor` with everything that changed from `before` to `after`.
-fn followed(cursor: Cursor, before: Cursor, after: Cursor) -> Cursor {
-    fn pick<T: PartialEq>(mine: T, before: T, after: T) -> T {
-        if before == after { mine } else { after }
-    }
-    Cursor {
-        kind: pick(cursor.kind, before.kind, after.kind),
-        frame: pick(cursor.frame, before.frame, after.frame),
-        slope: pick(cursor.slope, before.slope, after.slope),
-        octave: pick(cursor.octave, before.octave, after.octave),
-        level: pick(cursor.level, before.level, after.level),
     }
 }
 

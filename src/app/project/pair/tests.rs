@@ -1,13 +1,14 @@
 //! The pair's promises: B can be worked on as A is, cursors follow where they are linked, matches are wanted, stale and
 //! found again as they should be.
 
+use crate::app::pane::{Link, PaneId};
 use crate::app::project::pair::*;
 use crate::app::project::tests::{detected, feature, open};
 use crate::app::project::workspace::Workspace;
-use crate::detector::{Detection, FrameRange, Slope};
-use crate::engine::Matched;
+use crate::detector::{Detection, FrameRange};
 use crate::matching::match_detections;
 use crate::monitor::Monitor;
+use crate::requests::Matched;
 use std::sync::Arc;
 
 /// A model with two bursts and the features of both; B's are A's, moved by (2, 0).
@@ -41,32 +42,26 @@ fn matched(model: &Model) -> Matches {
     Matches::new(Matched { request, result: Arc::new(result) }, Duration::ZERO)
 }
 
-fn cursors(model: &Model) -> [Cursor; 2] {
-    Side::BOTH.map(|side| *model.cursor_of(side))
-}
-
 #[test]
-fn linked_hands_follow_in_what_was_moved_and_in_nothing_else() {
+fn linked_cursors_follow_and_are_brought_together() {
     let mut model = pair();
-    model.panes.of_mut(Side::A).cursor.slope = Slope::new(1.0, 0.0);
-    model.panes.of_mut(Side::B).cursor.slope = Slope::new(-2.0, 0.0);
-    let before = cursors(&model);
-    model.panes.of_mut(Side::B).cursor.level = 2;
-    model.follow_cursor(before);
-    assert_eq!(
-        (model.cursor_of(Side::A).level, model.cursor_of(Side::A).slope),
-        (2, Slope::new(1.0, 0.0)),
-        "the slopes were not moved"
-    );
-    let before = cursors(&model);
-    model.panes.of_mut(Side::A).cursor.slope = Slope::new(0.5, 0.0);
-    model.follow_cursor(before);
-    assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.5, 0.0));
-    model.pair.links.cursor = false;
-    let before = cursors(&model);
-    model.panes.of_mut(Side::A).cursor.slope = Slope::new(2.0, 0.0);
-    model.follow_cursor(before);
-    assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.5, 0.0));
+    model.open_workspace(Workspace::Pair);
+    let slopes = |model: &Model| Side::BOTH.map(|side| model.cursor_of(side).slope.u);
+    assert_eq!(slopes(&model)[0], slopes(&model)[1], "B begins where A is");
+    let move_a = |model: &mut Model, by: f32| {
+        let before = *model.cursor_of(Side::A);
+        model.panes.of_mut(Side::A).cursor.slope.u += by;
+        model.panes.follow_cursor(PaneId::of(Side::A), before);
+    };
+    move_a(&mut model, 0.5);
+    assert_eq!(slopes(&model)[0], slopes(&model)[1]);
+    model.link_pair(Link::Cursor, false);
+    assert!(!model.pair_links().cursor && model.pair_links().views);
+    move_a(&mut model, 0.25);
+    assert_eq!(slopes(&model)[0], slopes(&model)[1] + 0.25);
+    model.panes.set_focus(PaneId::of(Side::B));
+    model.toggle_link(Link::Cursor);
+    assert_eq!(slopes(&model)[0], slopes(&model)[1], "A comes to B, which the sliders move");
 }
 
 #[test]

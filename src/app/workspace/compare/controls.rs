@@ -1,19 +1,21 @@
 //! Which methods are compared, and how they are laid beside one another.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::inspector::Change;
+use crate::app::pane::{MethodsPreset, Over};
 use crate::app::panel::widgets::{progress_text, section_ui};
 use crate::app::project::Model;
-use crate::app::project::compare::{Contender, Layout};
+use crate::app::project::compare::Contender;
 use crate::app::project::pair::Side;
 use egui::{ProgressBar, Ui};
 
-/// Draws the section.
-pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+/// Draws the section. Answers the layout that is asked for.
+pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<Change> {
+    let mut change = None;
     section_ui(ui, "Compare", |ui| {
-        layout_ui(ui, model);
-        match model.compare.look.layout {
-            Layout::Wipe | Layout::Flip => two_ui(ui, model, queue),
-            Layout::Panes | Layout::Matches => {}
+        change = layout_ui(ui, model);
+        if let Some(over) = model.panes.over(model.focus()) {
+            two_ui(ui, model, over, queue);
         }
         ui.checkbox(&mut model.compare.look.features, "Features").on_hover_text("Draw what each method found  (O)");
         gold_ui(ui, model, queue);
@@ -26,46 +28,51 @@ pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));
         }
     });
+    change
 }
 
-fn layout_ui(ui: &mut Ui, model: &mut Model) {
+/// Lays all panes out anew.
+fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
     let has_second = model.burst_of(Side::B).is_some();
+    let mut change = None;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for layout in Layout::ALL {
-            let on = model.compare.look.layout == layout;
-            let enabled = layout != Layout::Matches || has_second;
-            let button = egui::Button::selectable(on, layout.label()).frame_when_inactive(true);
+        for preset in MethodsPreset::ALL {
+            let enabled = preset != MethodsPreset::Matches || has_second;
             let response = ui
-                .add_enabled(enabled, button)
-                .on_hover_text(format!("{}  (W: the next one)", layout.help()))
+                .add_enabled(enabled, egui::Button::new(preset.label()))
+                .on_hover_text(preset.help())
                 .on_disabled_hover_text("Matches need a second burst: open one as B");
             if response.clicked() {
-                model.compare.look.layout = layout;
+                change = Some(Change::LayOutMethods(preset));
             }
         }
     });
+    change
 }
 
-fn two_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+/// Which methods lie over one another in the pane in focus.
+fn two_ui(ui: &mut Ui, model: &mut Model, over: Over, queue: &mut Queue) {
     let contenders = model.contenders();
-    for (place, name) in ["Left", "Right"].into_iter().enumerate() {
+    for (id, name) in [(model.focus(), "Left"), (over.other(), "Right")] {
+        let Some(pane) = model.panes.get_mut(id) else { continue };
+        let Some(mut chosen) = pane.method else { continue };
         ui.horizontal(|ui| {
             let label = crate::app::panel::widgets::label_ui(ui, name, 52.0);
-            let chosen = &mut model.compare.look.two[place];
-            egui::ComboBox::from_id_salt(("method", place))
+            egui::ComboBox::from_id_salt(("method", name))
                 .selected_text(chosen.label())
                 .width(ui.available_width() - 8.0)
                 .show_ui(ui, |ui| {
                     for method in &contenders {
-                        ui.selectable_value(chosen, *method, method.label()).on_hover_text(method.help());
+                        ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.help());
                     }
                 })
                 .response
                 .labelled_by(label.id);
         });
+        pane.show_method(Some(chosen));
     }
-    if model.compare.look.layout == Layout::Flip {
+    if matches!(over, Over::Flip { .. }) {
         button_ui(ui, model, queue, ActionId::Flip, None);
     }
 }

@@ -1,52 +1,52 @@
-//! Several methods on the same burst: which of them and how they are laid out left, their pictures in the middle, the
-//! table of their numbers below.
+//! Several methods on the same burst: which of them and how they are laid out left, a pane for each or any other
+//! arrangement of what they look at in the middle, the table of their numbers below.
 
 mod controls;
-mod layouts;
-mod matches;
-mod pane;
-mod pictures;
+mod lines;
 mod table;
 
-use crate::app::actions::Queue;
+use crate::app::inspector::{Change, inspector_ui};
 use crate::app::panel;
-use crate::app::window::BurstscopeApp;
-use crate::app::workspace::{bottom_frame, side_frame, side_width};
-use egui::{CentralPanel, Frame, Panel, ScrollArea};
-pub use pictures::ComparePictures;
+use crate::app::workspace::{WorkspaceParts, bottom_frame, side_frame, side_width};
+use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui};
 
-/// Draws the workspace.
-pub fn compare_workspace_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) {
+/// Draws the workspace. Answers what panes asked for.
+pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
+    let WorkspaceParts { model, widgets, queue, .. } = parts;
     let width = side_width(ui);
-    if app.model.panels.left {
-        Panel::left("compare left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(
-            ui,
-            |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    controls::controls_ui(ui, &mut app.model, queue);
-                    panel::cursor::cursor_ui(ui, &mut app.model, queue);
-                    panel::parameters::parameters_ui(ui, &mut app.model, queue);
-                });
-            },
-        );
+    let mut changes = Vec::new();
+    if model.panels.left {
+        let panel = Panel::left("compare left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0);
+        panel.show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                changes.extend(controls::controls_ui(ui, model, queue));
+                panel::cursor::cursor_ui(ui, model, queue);
+                panel::parameters::parameters_ui(ui, model, queue);
+            });
+        });
     }
-    if app.model.panels.right {
-        Panel::right("compare right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(
-            ui,
-            |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    panel::display::ranges_ui(ui, &mut app.model, &mut app.widgets);
-                });
-            },
-        );
+    if model.panels.right {
+        let panel = Panel::right("compare right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0);
+        panel.show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| panel::display::ranges_ui(ui, model, widgets));
+        });
     }
-    if app.model.panels.bottom {
+    if model.panels.bottom {
         Panel::bottom("compare bottom")
             .frame(bottom_frame(ui))
             .resizable(true)
             .default_size(160.0)
             .size_range(90.0..=400.0)
-            .show(ui, |ui| table::table_ui(ui, &mut app.model));
+            .show(ui, |ui| table::table_ui(ui, model));
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| layouts::layouts_ui(ui, app));
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+        if model.contenders().is_empty() {
+            ui.centered_and_justified(|ui| ui.weak("Choose methods in the table below"));
+            return;
+        }
+        let inspected = inspector_ui(ui, model, widgets, queue);
+        lines::lines_ui(ui, model, &inspected.drawn);
+        changes.extend(inspected.changes);
+    });
+    changes
 }

@@ -10,8 +10,8 @@ use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchRow, Matches, Side};
 use crate::detector::Feature;
-use crate::engine::{Patches, PictureKind};
 use crate::matching::TwoViewModel;
+use crate::requests::{Patches, PictureKind};
 use egui::{RichText, Sense, Ui, Vec2};
 
 /// Draws the section.

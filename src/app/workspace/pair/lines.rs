@@ -1,115 +1,88 @@
-//! The matches over the two pictures: drawn, pointed at, chosen, and where a point can be in the other picture.
+//! The matches over the pictures of two bursts: drawn, pointed at, chosen, and where a point can be in the other
+//! picture.
 
-use crate::app::actions::{ActionId, Queue};
+use super::views::{Canvases, MatchView, MatchViews};
 use crate::app::canvas::CanvasOutput;
-use crate::app::canvas::overlay::{self, MatchLine, MatchLineStyle, Pane};
-use crate::app::panel::features::{at_time, frames_from_middle};
+use crate::app::canvas::overlay::{self, MatchLine, MatchLineStyle};
+use crate::app::inspector::Drawn;
+use crate::app::pane::PaneId;
+use crate::app::panel::features::at_time;
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchRow, Matches, Side};
-use crate::app::workspace::pair::table::match_menu_ui;
 use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, RichText, Shape, Stroke, Ui, pos2};
+use std::sync::Arc;
 
-/// Draws the matches over the canvases of A and B and lets the pointer choose among them. Answers which one it is over;
-/// `None` while it is over neither canvas.
-pub fn lines_ui(ui: &Ui, model: &mut Model, outputs: &[CanvasOutput; 2], queue: &mut Queue) -> Option<Option<usize>> {
-    let pointer = outputs.iter().find_map(|output| output.pointer_ui);
+/// Draws the matches over what was drawn of A and B and lets the pointer choose among them. Answers which one it is
+/// over; `None` while it is over no picture.
+pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option<Option<usize>> {
+    let views = MatchViews::of(model, drawn, None);
+    let pointer = views.pointed();
     let Some(matches) = model.pair.matches.clone() else {
         return pointer.map(|_| None);
     };
-    let panes = [0, 1].map(|i| Pane { ui_from_image: outputs[i].ui_from_image, rect_ui: outputs[i].response.rect });
-    let shifts = Side::BOTH.map(|side| shift(model, &matches, side));
     let look = model.pair.look;
-    let alone = model.pair.selected.filter(|_| look.alone);
-    let drawn: Vec<MatchLine> = model
-        .pair
-        .listed
-        .iter()
-        .copied()
-        .filter(|index| alone.is_none_or(|one| one == *index))
-        // A match that is selected stays, even where its kind is hidden.
-        .chain(model.pair.selected.filter(|s| !model.pair.listed.contains(s)))
-        .filter_map(|index| Some(line_of(&matches.row(index)?, shifts)))
+    let rows: Vec<MatchRow<'_>> = model.pair.drawn().into_iter().filter_map(|index| matches.row(index)).collect();
+    let lines: Vec<(Canvases, Vec<MatchLine>)> = views
+        .canvases()
+        .into_iter()
+        .map(|canvases| {
+            let lines = rows.iter().map(|row| line_of(row, canvases.shifts)).collect();
+            (canvases, lines)
+        })
         .collect();
-    let pointed = pointer.and_then(|pos| overlay::match_at(&drawn, &panes, pos));
-    let dragged = outputs.iter().any(|output| output.response.dragged());
+    let at = |pos| lines.iter().rev().find_map(|(canvases, lines)| overlay::match_at(lines, &canvases.panes, pos));
+    let pointed = pointer.and_then(|(_, pos)| at(pos));
+    let dragged = views.views.iter().any(|view| view.output.response.dragged());
     let hovered = if pointer.is_some() { pointed } else { model.pair.hovered };
     let focus = model.pair.selected.or(hovered);
-    let painter = ui.painter_at(panes[0].rect_ui.union(panes[1].rect_ui));
     if look.geometry
         && let Some(row) = focus.and_then(|index| matches.row(index))
     {
-        locus_ui(&painter, model, &matches, &row, outputs);
+        locus_ui(model, &matches, &row, &views);
     }
     let style =
         MatchLineStyle { opacity: look.opacity, selected: model.pair.selected, hovered, others_faint: focus.is_some() };
-    overlay::draw_match_lines(&painter, &panes, &drawn, &style);
+    for (canvases, lines) in &lines {
+        overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, lines, &style);
+    }
     if let Some(row) = focus.and_then(|index| matches.row(index)) {
-        for (side, output) in Side::BOTH.into_iter().zip(outputs) {
-            let feature = if side == Side::A { row.a } else { row.b };
-            circle_ui(model, &matches, side, at_time(feature, shifts[side as usize]), output);
+        for view in &views.views {
+            let feature = if view.side == Side::A { row.a } else { row.b };
+            circle_ui(model, &matches, view.side, at_time(feature, view.shift), view.output);
         }
     }
-    for (side, output) in Side::BOTH.into_iter().zip(outputs) {
-        if output.response.clicked() {
-            model.pair.selected = pointed;
-            model.pair.active = side;
-            // Where there is no line, a feature of A can be asked about.
-            model.pair.lost.selected = None;
-            if pointed.is_none() && side == Side::A {
-                let feature = output
-                    .response
-                    .interact_pointer_pos()
-                    .and_then(|pos| feature_of_a(&matches, shifts[0], output, pos));
-                model.ask_feature(feature);
-            }
+    for view in views.views.iter().filter(|view| view.output.response.clicked()) {
+        model.pair.selected = pointed;
+        // Where there is no line, a feature of A can be asked about.
+        model.pair.lost.selected = None;
+        if pointed.is_none() && view.side == Side::A {
+            let pos = view.output.response.interact_pointer_pos();
+            let feature = pos.and_then(|pos| feature_of_a(&matches, view, pos));
+            model.ask_feature(feature);
         }
     }
-    menus_ui(ui, model, &matches, outputs, pointed, queue);
+    super::why::marks_ui(model, &views);
     if let Some(row) = pointed.filter(|_| !dragged).and_then(|index| matches.row(index)) {
         tip_ui(ui, &row);
     }
     pointer.map(|_| pointed)
 }
 
+/// A painter that reaches over both canvases of a pair.
+pub(in crate::app::workspace) fn painter_over(ui: &Ui, views: &MatchViews<'_>, canvases: &Canvases) -> Painter {
+    let rects = canvases.places.iter().flatten().map(|place| views.views[*place].output.response.rect);
+    ui.painter_at(rects.fold(egui::Rect::NOTHING, egui::Rect::union))
+}
+
 /// The feature of A at `pos`, in points.
-fn feature_of_a(matches: &Matches, shift: f32, output: &CanvasOutput, pos: Pos2) -> Option<usize> {
-    let placed: Vec<Feature> = matches.detection(Side::A).features.iter().map(|f| at_time(f, shift)).collect();
-    overlay::feature_at(&placed, None, output.ui_from_image, pos)
+fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<usize> {
+    let placed: Vec<Feature> = matches.detection(Side::A).features.iter().map(|f| at_time(f, view.shift)).collect();
+    overlay::feature_at(&placed, None, view.output.ui_from_image, pos)
 }
 
-/// What a click with the second button on a line shows.
-fn menus_ui(
-    ui: &Ui,
-    model: &mut Model,
-    matches: &Matches,
-    outputs: &[CanvasOutput; 2],
-    pointed: Option<usize>,
-    queue: &mut Queue,
-) {
-    for output in outputs {
-        // The match that the menu is about is the one that was under the pointer when it was opened.
-        let key = output.response.id.with("menu of match");
-        if output.response.secondary_clicked() {
-            ui.data_mut(|data| data.insert_temp(key, pointed));
-        }
-        let about: Option<usize> = ui.data(|data| data.get_temp(key)).flatten();
-        let Some(row) = about.and_then(|index| matches.row(index)) else { continue };
-        output.response.context_menu(|ui| {
-            if match_menu_ui(ui, &row) {
-                model.pair.selected = Some(row.index);
-                queue.push(ActionId::GoToFeature);
-            }
-        });
-    }
-}
-
-/// How many frames the frame on show is after mid-burst, 0 where no frame is on show.
-fn shift(model: &Model, matches: &Matches, side: Side) -> f32 {
-    frames_from_middle(model.picture_of(side), matches.detection(side)).unwrap_or(0.0)
-}
-
-fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -> MatchLine {
+/// A match between two pictures, `shifts` frames after mid-burst.
+pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -> MatchLine {
     let place = |f: &Feature, dt: f32| {
         let f = at_time(f, dt);
         pos2(f.u, f.v)
@@ -125,7 +98,14 @@ fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -> MatchLine {
 /// The feature of the match that is looked at, as it is drawn everywhere else.
 fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, output: &CanvasOutput) {
     let detection = matches.detection(side);
-    let scale = overlay::ColourScale::of(model.colour_by, &detection.features);
+    let coherence = model.found_of(side).and_then(|found| {
+        // Its place is that at another time.
+        let same = |f: &Feature| Feature { u: feature.u, v: feature.v, ..*f } == feature;
+        let index = found.detection.features.iter().position(same)?;
+        model.coherence.of(&found.detection)?.get(index).copied()
+    });
+    let scale = overlay::ColourScale::of(model.colour_by, &detection.features)
+        .with_coherences(coherence.map(|value| Arc::new(vec![value])).as_ref());
     let style = overlay::OverlayStyle {
         selected: Some(0),
         motion: model.look.motion_vectors,
@@ -135,18 +115,18 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
 }
 
 /// Where in each picture the other picture's point can be.
-fn locus_ui(painter: &Painter, model: &Model, matches: &Matches, row: &MatchRow<'_>, outputs: &[CanvasOutput; 2]) {
+fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchViews<'_>) {
     let Some(geometry) = matches.model() else { return };
     let place = |f: &Feature| [f64::from(f.u), f64::from(f.v)];
-    for (side, output) in Side::BOTH.into_iter().zip(outputs) {
-        let Some(size) = model.burst_of(side).map(|open| open.burst.size()) else { continue };
+    for MatchView { side, output, .. } in &views.views {
+        let Some(size) = model.burst_of(*side).map(|open| open.burst.size()) else { continue };
         let locus = match side {
             Side::A => geometry.locus_in_a(place(row.b), size),
             Side::B => geometry.locus_in_b(place(row.a), size),
         };
         let points: Vec<Pos2> =
             locus.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect();
-        let painter = painter.with_clip_rect(output.response.rect);
+        let painter = output.painter.with_clip_rect(output.response.rect);
         for (width, colour) in [(3.0, Color32::from_black_alpha(130)), (1.2, Color32::from_white_alpha(210))] {
             let stroke = Stroke::new(width, colour);
             match points.as_slice() {

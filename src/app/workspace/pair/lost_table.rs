@@ -1,7 +1,7 @@
 //! The features of A without a match that holds: where each was lost, and how many were lost where.
 
 use crate::app::panel::sorted_table::ROW_HEIGHT;
-use crate::app::panel::widgets::progress_text;
+use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::project::Model;
 use crate::app::project::pair::lost_label;
 use crate::inspect::unmatched::Lost;
@@ -26,6 +26,9 @@ pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
         for lost in Lost::ALL.into_iter().filter(|lost| *lost != Lost::Not) {
             let text = format!("{} {}", lost_label(lost), model.pair.lost.count(lost));
             let mut on = !model.pair.lost.hidden.contains(&lost);
+            let spacing = ui.spacing();
+            let mark = spacing.icon_width + spacing.icon_spacing;
+            make_room(ui, mark + text_width(ui, &text));
             if ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed() {
                 model.pair.lost.hidden.retain(|hidden| *hidden != lost);
                 if !on {

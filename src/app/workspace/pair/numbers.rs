@@ -1,11 +1,15 @@
 //! The numbers of the paper's table for the pair on show, or what is missing for them.
 
+use crate::app::panel::widgets::{make_room, text_width};
 use crate::app::project::Model;
 use crate::app::project::pair::{Matches, Side};
 use crate::matching::{Geometry, MatchCounts};
 use egui::{Label, RichText, Ui};
 
-/// Draws the line.
+/// Points between a number and its name.
+const NAME_GAP: f32 = 4.0;
+
+/// Draws the line, or several where there is little room.
 pub fn numbers_ui(ui: &mut Ui, model: &Model) {
     ui.horizontal_wrapped(|ui| {
         let Some(matches) = &model.pair.matches else {
@@ -15,11 +19,13 @@ pub fn numbers_ui(ui: &mut Ui, model: &Model) {
         ui.spacing_mut().item_spacing.x = 10.0;
         for (name, help, value) in rows(&matches.result.counts) {
             let text = format!("{name} {value}");
+            let (name, value) = (RichText::new(name).small().weak(), RichText::new(value).strong().monospace());
+            make_room(ui, text_width(ui, name.clone()) + NAME_GAP + text_width(ui, value.clone()));
             let response = ui
                 .horizontal(|ui| {
-                    ui.spacing_mut().item_spacing.x = 4.0;
-                    ui.add(Label::new(RichText::new(name).small().weak()).selectable(false));
-                    ui.add(Label::new(RichText::new(value).strong().monospace()));
+                    ui.spacing_mut().item_spacing.x = NAME_GAP;
+                    ui.add(Label::new(name).selectable(false));
+                    ui.add(Label::new(value));
                 })
                 .response;
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));

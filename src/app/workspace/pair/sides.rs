@@ -1,6 +1,6 @@
 //! Whose cursor moves, and what moves together.
 
-use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::actions::{ActionId, Queue, button_ui, menu::item_ui};
 use crate::app::panel::widgets::{label_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
@@ -23,13 +23,14 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
                     let name = format!("Cursor of {}", side.name());
                     response
                         .widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, both, active == side, &name));
-                    if response.clicked() {
-                        model.pair.active = side;
+                    if response.clicked() && active != side {
+                        model.focus_other_side();
                     }
                 }
                 button_ui(ui, model, queue, ActionId::SwapSides, Some("Swap"));
             });
         });
+        open_menu_ui(ui, model, queue);
         let links = [
             (ActionId::LinkCursors, "Slope and scale together"),
             (ActionId::LinkViews, "Zoom and pan together"),
@@ -47,5 +48,17 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             let text = egui::RichText::new(text).small().color(ui.visuals().error_fg_color);
             ui.add(egui::Label::new(text).wrap());
         }
+    });
+}
+
+/// Opens another second burst.
+fn open_menu_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.menu_button("Open B…", |ui| {
+        ui.set_min_width(180.0);
+        for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
+            item_ui(ui, model, queue, id);
+        }
+        ui.separator();
+        item_ui(ui, model, queue, ActionId::CloseB);
     });
 }

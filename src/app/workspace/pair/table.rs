@@ -1,12 +1,11 @@
 //! The table of matches.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::clipboard::match_text;
-use crate::app::inspector::copy_ui;
+use crate::app::inspector::match_menu_ui;
 use crate::app::panel::sorted_table::{Listed, SortedColumn, sorted_table_ui};
 use crate::app::project::Model;
-use crate::app::project::pair::{MatchColumn, MatchRow};
-use egui::{RichText, Ui};
+use crate::app::project::pair::MatchColumn;
+use egui::Ui;
 
 impl SortedColumn for MatchColumn {
     const COLUMNS: &'static [Self] = &Self::ALL;
@@ -19,21 +18,21 @@ impl SortedColumn for MatchColumn {
         Self::help(self)
     }
 
+    fn word(self) -> Option<&'static str> {
+        match self {
+            Self::Number | Self::UA | Self::VA | Self::UB | Self::VB => None,
+            Self::SigmaA | Self::SigmaB => Some("scale"),
+            Self::SlopeA | Self::SlopeB => Some("slope"),
+            Self::Distance => Some("descriptor"),
+            Self::Ratio => Some("ratio-test"),
+            Self::Error => Some("epipolar-line"),
+            Self::Inlier => Some("inlier"),
+        }
+    }
+
     fn width(self) -> f32 {
         if self == Self::Number { 36.0 } else { 47.0 }
     }
-}
-
-/// What can be done with one match; answers whether it is to be gone to.
-pub(crate) fn match_menu_ui(ui: &mut Ui, row: &MatchRow<'_>) -> bool {
-    ui.set_min_width(150.0);
-    ui.label(RichText::new(format!("Match {}", row.index + 1)).small().weak());
-    let go = ui
-        .button("Go to match")
-        .on_hover_text("Show both features, each in the motion stack at its own slope")
-        .clicked();
-    copy_ui(ui, "Copy row", || match_text(row));
-    go
 }
 
 /// Draws the table; answers the match whose row is pointed at.

@@ -8,9 +8,10 @@ use crate::app::panel::patch::{PatchTexture, PatchView};
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchSides, PATCHES, Side, lost_label};
+use crate::app::workspace::pair::views::MatchViews;
 use crate::detector::Feature;
-use crate::engine::{FoundLosses, PictureKind};
 use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
+use crate::requests::{FoundLosses, PictureKind};
 use egui::{Color32, Grid, Label, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
 
 /// The colour of candidates in B, from the nearest descriptor on.
@@ -46,6 +47,9 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         patches_ui(ui, model, own, unmatched, &sides, textures);
         candidates_ui(ui, unmatched, found);
         ui.add(Label::new(RichText::new(expected_words(unmatched, found)).weak()).wrap());
+        if !unmatched.expected.is_empty() {
+            button_ui(ui, model, queue, ActionId::ProbeExpected, None);
+        }
         if model.pair.selected.is_none() {
             button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
         }
@@ -199,7 +203,7 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
 }
 
 /// Marks the feature that is asked about in A, and its candidates and where it is expected in B.
-pub fn marks_ui(model: &Model, outputs: &[CanvasOutput; 2]) {
+pub fn marks_ui(model: &Model, views: &MatchViews<'_>) {
     let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
     // A match draws its own circles.
     if model.pair.selected.is_some() {
@@ -214,18 +218,29 @@ pub fn marks_ui(model: &Model, outputs: &[CanvasOutput; 2]) {
         colour,
         dashed,
     };
-    draw_compared(&outputs[0], &[mark(own, Color32::WHITE, false)], Some(0));
+    for view in views.on(Side::A) {
+        draw_compared(view.output, &[mark(own, Color32::WHITE, false)], Some(0));
+    }
     let candidates = why.unmatched.candidates.iter().zip(CANDIDATE_COLOURS);
     let marks: Vec<ComparedMark> =
         candidates.filter_map(|(c, colour)| Some(mark(sides.b.features.get(c.feature)?, colour, true))).collect();
-    draw_compared(&outputs[1], &marks, None);
-    let b = &outputs[1];
-    let points: Vec<egui::Pos2> =
-        why.unmatched.expected.iter().map(|p| b.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect();
-    let painter = b.painter.with_clip_rect(b.response.rect);
+    for view in views.on(Side::B) {
+        draw_compared(view.output, &marks, None);
+        expected_ui(view.output, expected_points(&why.unmatched, view.output).as_slice());
+    }
+}
+
+/// Where the geometry expects the feature, in points.
+fn expected_points(unmatched: &Unmatched, output: &CanvasOutput) -> Vec<egui::Pos2> {
+    unmatched.expected.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect()
+}
+
+/// Marks where the geometry expects the feature: a cross, or a line.
+fn expected_ui(output: &CanvasOutput, points: &[egui::Pos2]) {
+    let painter = output.painter.with_clip_rect(output.response.rect);
     for (width, colour) in [(3.0, Color32::from_black_alpha(130)), (1.2, Color32::from_white_alpha(210))] {
         let stroke = Stroke::new(width, colour);
-        match points.as_slice() {
+        match points {
             [] => {}
             [one] => {
                 for diagonal in [vec2(6.0, 6.0), vec2(6.0, -6.0)] {
@@ -233,7 +248,7 @@ pub fn marks_ui(model: &Model, outputs: &[CanvasOutput; 2]) {
                 }
             }
             _ => {
-                painter.add(egui::Shape::line(points.clone(), stroke));
+                painter.add(egui::Shape::line(points.to_vec(), stroke));
             }
         }
     }

@@ -1,0 +1,115 @@
+//! The field to type a path into, where the system has no dialog or a person prefers to type.
+
+use super::Purpose;
+use std::path::PathBuf;
+
+/// The field to type a path into.
+#[derive(Debug, Clone)]
+pub struct PathField {
+    /// What for.
+    pub purpose: Purpose,
+    /// What was typed.
+    pub text: String,
+    /// Whether it stands in for a dialog that the system does not have.
+    pub instead_of_dialog: bool,
+    fresh: bool,
+}
+
+impl PathField {
+    /// An open field that holds `text`.
+    pub fn new(purpose: Purpose, text: String, instead_of_dialog: bool) -> Self {
+        Self { purpose, text, instead_of_dialog, fresh: true }
+    }
+
+    /// Draws it. Answers the path when it was accepted, and whether it is to stay open.
+    pub fn ui(&mut self, ctx: &egui::Context) -> (Option<PathBuf>, bool) {
+        let mut accepted = None;
+        let modal = egui::Modal::new(egui::Id::unique("path field")).show(ctx, |ui| {
+            ui.set_width(480.0);
+            ui.heading(self.purpose.title());
+            if self.instead_of_dialog {
+                ui.weak("This system shows no file dialog, so please type the path.");
+            }
+            ui.add_space(4.0);
+            let edit = ui.add(
+                egui::TextEdit::singleline(&mut self.text).hint_text(self.purpose.hint()).desired_width(f32::INFINITY),
+            );
+            crate::app::panel::widgets::name_field(&edit, "Path", &self.text);
+            if std::mem::take(&mut self.fresh) {
+                edit.request_focus();
+                select_stem(ctx, edit.id, &self.text);
+            }
+            if let Some(folder) = self.purpose.saves().then(|| new_folder(&path_from_text(&self.text))).flatten() {
+                ui.weak(format!("The folder {} will be made.", folder.display()));
+            }
+            ui.add_space(6.0);
+            let entered = edit.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let verb = if self.purpose.saves() { "Save" } else { "Open" };
+                let ready = !self.text.trim().is_empty();
+                if (ui.add_enabled(ready, egui::Button::new(verb)).clicked() || entered) && ready {
+                    accepted = Some(path_from_text(&self.text));
+                }
+                if ui.button("Cancel").clicked() {
+                    ui.close();
+                }
+            });
+        });
+        let stay = accepted.is_none() && !modal.should_close();
+        (accepted, stay)
+    }
+}
+
+/// Selects the name without its extension, so that typing gives another one and the kind of file stays.
+fn select_stem(ctx: &egui::Context, id: egui::Id, text: &str) {
+    let letters = |part: &str| part.chars().count();
+    let name = text.rfind('/').map_or(0, |slash| slash + 1);
+    // What has two extensions keeps both.
+    let end = text[name..].find('.').filter(|dot| *dot > 0).map_or(text.len(), |dot| name + dot);
+    let mut state = egui::TextEdit::load_state(ctx, id).unwrap_or_default();
+    let at = |place: usize| egui::text::CCursor::new(letters(&text[..place]));
+    state.cursor.set_char_range(Some(egui::text::CCursorRange::two(at(name), at(end))));
+    egui::TextEdit::store_state(ctx, id, state);
+}
+
+/// The folder that has to be made for a file at `path`; `None` where it is there.
+fn new_folder(path: &std::path::Path) -> Option<PathBuf> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
+    (!folder.exists()).then(|| folder.to_path_buf())
+}
+
+/// The path that a person typed or pasted: without blanks around it, quotes, or a `file://` in front; `~` is the home
+/// folder.
+pub fn path_from_text(text: &str) -> PathBuf {
+    let text = text.trim();
+    let unquoted = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q)).unwrap_or(text);
+    let plain = unquoted.strip_prefix("file://").unwrap_or(unquoted);
+    match (plain.strip_prefix("~/"), std::env::home_dir()) {
+        (Some(rest), Some(home)) => home.join(rest),
+        _ => PathBuf::from(plain),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pasted_paths_are_understood() {
+        assert_eq!(path_from_text("  /data/night "), PathBuf::from("/data/night"));
+        assert_eq!(path_from_text("'/data/a b.tiff'"), PathBuf::from("/data/a b.tiff"));
+        assert_eq!(path_from_text("\"/data/x\""), PathBuf::from("/data/x"));
+        assert_eq!(path_from_text("file:///data/x.npy"), PathBuf::from("/data/x.npy"));
+        if let Some(home) = std::env::home_dir() {
+            assert_eq!(path_from_text("~/bursts"), home.join("bursts"));
+        }
+    }
+
+    #[test]
+    fn a_folder_that_is_to_be_made_is_known_before() {
+        let home = tempfile::tempdir().expect("a folder");
+        assert_eq!(new_folder(&home.path().join("a.csv")), None);
+        assert_eq!(new_folder(&home.path().join("new/a.csv")), Some(home.path().join("new")));
+        assert_eq!(new_folder(std::path::Path::new("a.csv")), None);
+    }
+}

@@ -1,0 +1,219 @@
+//! Opening, going through and leaving a lesson.
+
+use crate::app::lesson::state::Kept;
+use crate::app::lesson::{OpenLesson, Wish, looking, setting_up};
+use crate::app::parts;
+use crate::app::project::Model;
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
+use crate::app::window::BurstscopeApp;
+use crate::engine::BurstJobs;
+use crate::requests::{BurstSource, OpenBurst};
+use crate::teach::{Lesson, lessons_at};
+use std::path::Path;
+use std::sync::Arc;
+
+impl BurstscopeApp {
+    /// Opens a lesson where it was left last. What is open is kept aside, and comes back when the lesson is left.
+    pub fn start_lesson(&mut self, lesson: Arc<Lesson>) {
+        self.leave_lesson();
+        self.lessons.list_is_open = false;
+        let opening = self.model.busy.opening.and(self.asked.opening.take()).map(|(_, source)| source);
+        let mut model = Model::default();
+        (model.theme, model.figure, model.in_lesson) = (self.model.theme, self.model.figure, true);
+        if opening.is_some() {
+            self.engine.cancel(BurstJobs::Open);
+        }
+        let mut kept = std::mem::replace(&mut self.model, model);
+        hand_over(&mut kept, &mut self.model);
+        self.model.messages.forget_note();
+        self.forget_what_is_drawn();
+        let progress = self.lessons.progress_in(&lesson);
+        self.lessons.open = Some(OpenLesson {
+            lesson,
+            step: progress.step,
+            done: progress.done,
+            is_ready: false,
+            selects: false,
+            opens: Vec::new(),
+            snr: Default::default(),
+            kept: Box::new(Kept { model: kept, opening }),
+        });
+        self.begin_step();
+    }
+
+    /// Leaves the lesson, if one is open, and puts back what was open before it.
+    pub fn leave_lesson(&mut self) {
+        self.lessons.remember();
+        let Some(open) = self.lessons.open.take() else { return };
+        let Kept { model, opening } = *open.kept;
+        let mut lesson = std::mem::replace(&mut self.model, model);
+        hand_over(&mut lesson, &mut self.model);
+        self.model.messages.forget_note();
+        self.model.theme = lesson.theme;
+        self.forget_what_is_drawn();
+        if let Some(source) = opening {
+            self.open(source);
+        }
+    }
+
+    /// Opens the lessons of a folder or a file, or says what is wrong with them.
+    pub fn open_lessons(&mut self, path: &Path) {
+        const WHAT: &str = "Open lessons";
+        match lessons_at(path) {
+            Ok(lessons) => {
+                self.model.messages.resolved(WHAT);
+                self.lessons.add(lessons);
+                self.lessons.list_is_open = true;
+            }
+            Err(errors) => {
+                let text: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                self.model.messages.error(WHAT, text.join("\n"));
+            }
+        }
+    }
+
+    /// Does what was asked of the open lesson, sets its step up once its bursts are there, and notices what was done.
+    pub(in crate::app) fn go_on_with_lesson(&mut self, ctx: &egui::Context, wish: Option<Wish>) {
+        match wish {
+            Some(Wish::Leave) => self.leave_lesson(),
+            Some(Wish::Step(step)) => {
+                if let Some(open) = &mut self.lessons.open {
+                    open.step = step.min(open.lesson.steps.len() - 1);
+                }
+                self.begin_step();
+            }
+            Some(Wish::Again) => self.begin_step(),
+            None => {}
+        }
+        self.leave_for_what_was_opened();
+        let Some(open) = &mut self.lessons.open else {
+            parts::want(ctx, &[]);
+            return;
+        };
+        let is_other = self.model.burst.as_ref().is_some_and(|burst| burst.source != open.step().state.burst());
+        if open.is_ready && is_other {
+            // What was still being opened for another step has come.
+            self.begin_step();
+        } else if open.is_ready {
+            select_first(open, &mut self.model);
+            let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&looking::seen(&self.model)));
+            if is_met && open.done.insert(open.step) {
+                self.lessons.remember();
+            }
+        } else {
+            self.set_step_up();
+        }
+        let highlight = self.lessons.open.as_ref().map_or(&[][..], |open| &open.step().highlight);
+        parts::want(ctx, highlight);
+    }
+
+    /// Whether the open lesson has nothing to wait for.
+    pub(in crate::app) fn lesson_is_settled(&self) -> bool {
+        let failed = !self.model.messages.errors().is_empty();
+        self.lessons.open.as_ref().is_none_or(|open| open.is_ready || failed)
+    }
+
+    /// Begins the open step: asks for its bursts where others are open.
+    fn begin_step(&mut self) {
+        let Some(open) = &mut self.lessons.open else { return };
+        self.asked.opening = None;
+        let (first, second) = (open.step().state.burst(), open.step().state.second.clone());
+        (open.is_ready, open.opens) = (false, Vec::new());
+        open.snr.clear();
+        let mut wanted = Vec::new();
+        for (side, source) in [(Side::A, Some(first)), (Side::B, second)] {
+            let is_open = self.model.burst_of(side).is_some_and(|burst| Some(&burst.source) == source.as_ref());
+            if let Some(source) = source.filter(|_| !is_open) {
+                wanted.push((side, source));
+            }
+        }
+        open.opens = wanted.iter().map(|(_, source)| source.clone()).collect();
+        for (side, source) in wanted {
+            match (side, self.burst_that_is_kept(&source)) {
+                (Side::A, Some(burst)) => {
+                    self.model.take_burst(burst);
+                    self.forget_asked();
+                }
+                (Side::A, None) => self.open(source),
+                (Side::B, _) => self.open_second(source),
+            }
+        }
+        self.lessons.remember();
+        self.set_step_up();
+    }
+
+    /// The burst, if it was open before the lesson: it need not be opened again.
+    fn burst_that_is_kept(&self, source: &BurstSource) -> Option<OpenBurst> {
+        let kept = self.lessons.open.as_ref()?.before().burst.as_ref()?;
+        (kept.source == *source).then(|| kept.clone())
+    }
+
+    /// Sets the open step up, if its bursts are there.
+    fn set_step_up(&mut self) {
+        let Some(open) = &mut self.lessons.open else { return };
+        let state = open.step().state.clone();
+        let is_open = |side, source: &BurstSource| self.model.burst_of(side).is_some_and(|b| b.source == *source);
+        let second = state.second.as_ref().is_none_or(|source| is_open(Side::B, source));
+        if !(is_open(Side::A, &state.burst()) && second) {
+            return;
+        }
+        (open.is_ready, open.selects) = (true, state.select == Some(true));
+        self.forget_probe();
+        setting_up::set_up(&mut self.model, &state);
+        self.forget_closed_panes();
+        (self.cursors_set, self.history_set) = (true, true);
+    }
+
+    /// Leaves the lesson when something else was opened in it: that is what is wanted now, beside what was open before.
+    fn leave_for_what_was_opened(&mut self) {
+        let Some(open) = &self.lessons.open else { return };
+        let is_own = |source: &BurstSource| *source == open.step().state.burst() || open.opens.contains(source);
+        let other = match (&self.asked.opening, self.asked.restoring.is_some()) {
+            (_, true) => true,
+            (Some((_, source)), _) => !is_own(source),
+            (None, _) => false,
+        };
+        if other {
+            let (opening, restoring) = (self.asked.opening.take(), self.asked.restoring.take());
+            self.leave_lesson();
+            (self.asked.opening, self.asked.restoring) = (opening, restoring);
+        }
+    }
+
+    /// Forgets what was drawn and asked for: another model is shown from now on.
+    fn forget_what_is_drawn(&mut self) {
+        let shown: Vec<_> = self.asked.pictures.keys().copied().collect();
+        shown.into_iter().for_each(|id| self.engine.forget_picture(id.slot()));
+        self.forget_probe();
+        self.widgets = Default::default();
+        self.pair_panels = Default::default();
+        (self.selection, self.probe, self.regions) = Default::default();
+        (self.asked, self.play) = Default::default();
+        (self.pair_asked, self.compare_asked, self.explain_asked) = Default::default();
+        self.coherence_asked = Default::default();
+        (self.against_asked, self.losses_asked) = Default::default();
+        (self.cursors_set, self.history_set) = (true, true);
+    }
+}
+
+/// Selects the first feature or match once there is one, where the step begins so.
+fn select_first(open: &mut OpenLesson, model: &mut Model) {
+    if !open.selects {
+        return;
+    }
+    if model.workspace == Workspace::Pair {
+        model.pair.selected = model.pair.listed.first().copied();
+    } else if model.stale().is_none() {
+        model.selected = model.listed.first().copied();
+    }
+    open.selects = model.pair.selected.is_none() && model.selected.is_none();
+}
+
+/// What goes on in the background goes on, whatever is shown.
+fn hand_over(from: &mut Model, to: &mut Model) {
+    std::mem::swap(&mut from.datasets, &mut to.datasets);
+    std::mem::swap(&mut from.trajectories, &mut to.trajectories);
+    std::mem::swap(&mut from.lab, &mut to.lab);
+    std::mem::swap(&mut from.messages, &mut to.messages);
+}

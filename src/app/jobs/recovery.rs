@@ -1,0 +1,87 @@
+//! Saving the session by itself, and restoring what a window left that did not end in the ordinary way.
+
+use crate::app::panel::recovery::RecoveryChoice;
+use crate::app::recovery::{KeptIn, Offer, Recovery};
+use crate::app::session::Session;
+use crate::app::window::BurstscopeApp;
+use crate::engine::{BurstJobs, PairJobs, TaskDone};
+use crate::files::written_by;
+
+/// What it is called in messages.
+const TITLE: &str = "Save the session by itself";
+
+impl BurstscopeApp {
+    /// Begins to keep the session, if it is to be kept somewhere.
+    pub(in crate::app) fn begin_keeping_session(&mut self, kept: Option<&KeptIn>) {
+        let Some(kept) = kept else { return };
+        match Recovery::new(kept) {
+            Ok(recovery) => self.recovery = Some(recovery),
+            Err(error) => {
+                let text =
+                    format!("{error}: {}; until it can, nothing is restored after a crash", kept.folder.display());
+                self.model.messages.error(TITLE, text);
+            }
+        }
+    }
+
+    /// The text of the session of what is open; what a lesson shows is nobody's.
+    fn session_text(&self) -> Option<String> {
+        let model = self.lessons.open.as_ref().map_or(&self.model, |open| open.before());
+        Some(written_by() + &Session::of(model)?.to_toml())
+    }
+
+    /// Saves the session in the background, if it is time to and something has changed.
+    pub(in crate::app) fn keep_session(&mut self, ctx: &egui::Context) {
+        // What is being opened would be missing; when it is there another pass comes.
+        let opens = self.engine.running(BurstJobs::Open).is_some();
+        if opens || self.engine.pair().running(PairJobs::Open).is_some() {
+            return;
+        }
+        let Some(mut recovery) = self.recovery.take() else { return };
+        match recovery.due(|| self.session_text()) {
+            Ok((record, text)) => {
+                recovery.begun(self.engine.task(TITLE, move || record.write(&text).map(|()| String::new())));
+            }
+            Err(Some(rest)) => ctx.request_repaint_after(rest),
+            Err(None) => {}
+        }
+        self.recovery = Some(recovery);
+    }
+
+    /// Saves the session at once: the window goes on in another one, and should that fail it is offered later.
+    pub(in crate::app) fn keep_session_now(&mut self) {
+        if let (Some(recovery), Some(text)) = (&self.recovery, self.session_text())
+            && let Err(error) = recovery.write_now(&text)
+        {
+            self.model.messages.error(TITLE, error);
+        }
+    }
+
+    /// Whether the task that ended was the saving of the session, which needs no note unless it failed.
+    pub(in crate::app) fn has_kept_session(&mut self, done: &TaskDone) -> bool {
+        self.recovery.as_mut().is_some_and(|recovery| recovery.has_ended(done.id)) && done.result.is_ok()
+    }
+
+    /// The session that is offered.
+    pub(in crate::app) fn offered_session(&self) -> Option<Offer> {
+        self.recovery.as_ref()?.offer()
+    }
+
+    /// Does with the session that is offered what was chosen.
+    pub(in crate::app) fn settle_offer(&mut self, choice: RecoveryChoice) {
+        let Some(recovery) = &mut self.recovery else { return };
+        match choice {
+            RecoveryChoice::Forget => {
+                recovery.forget();
+                self.model.messages.note("Removed the saved session");
+            }
+            RecoveryChoice::Restore => {
+                let Some(path) = recovery.offered().map(ToOwned::to_owned) else { return };
+                let request = self.restore_session(&path);
+                if let (Some(recovery), Some(request)) = (&mut self.recovery, request) {
+                    recovery.is_restored_by(request);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! The signal-to-noise ratio of a spot, measured in the picture on show, while frames are added one by one.
+
+use crate::app::pane::Content;
+use crate::app::panel::widgets::CursorRow;
+use crate::app::parts;
+use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
+use crate::detector::{FrameRange, Slope};
+use crate::inspect::spot::{SpotSnr, spot_snr};
+use crate::requests::PictureKind;
+use crate::teach::{Part, Spot};
+use egui::{Color32, RichText, Ui};
+use egui_plot::{Line, Plot, PlotPoints, Points};
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+/// Pauses between frames while they are added one by one.
+const EVERY: Duration = Duration::from_millis(450);
+/// The height of the plot, points.
+const HEIGHT: f32 = 130.0;
+
+/// What was measured so far at one slope.
+#[derive(Debug, Default)]
+pub(in crate::app) struct SnrTrace {
+    slope: Option<Slope>,
+    /// By the number of frames.
+    measured: BTreeMap<usize, f32>,
+    /// The largest ratio at any slope, which stays on the axis so that a smaller one is seen to be small.
+    largest: f32,
+    /// When the next frame is added, while they are.
+    next: Option<Instant>,
+}
+
+impl SnrTrace {
+    /// Forgets what was measured.
+    pub(in crate::app) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    fn take(&mut self, slope: Slope, frames: usize, ratio: f32) {
+        if self.slope != Some(slope) {
+            (self.slope, self.measured) = (Some(slope), BTreeMap::new());
+        }
+        self.measured.insert(frames, ratio);
+        self.largest = self.largest.max(ratio);
+    }
+
+    /// c of the law c·√N that fits what was measured best.
+    fn of_one_frame(&self) -> Option<f64> {
+        let weights: f64 = self.measured.keys().map(|n| *n as f64).sum();
+        let sum: f64 = self.measured.iter().map(|(n, ratio)| f64::from(*ratio) * (*n as f64).sqrt()).sum();
+        (weights > 0.0).then(|| sum / weights)
+    }
+}
+
+/// What is measured in the picture on show, and of how many frames it is made.
+fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)> {
+    let picture = model.picture().filter(|_| model.picture_is_current())?;
+    let used = picture.request.params.used_frames(model.frame_count());
+    // The time that the picture is of, in frames after mid-burst of the whole burst.
+    let middle = 0.5 * (model.frame_count() as f32 - 1.0);
+    let (frames, after) = match picture.request.kind {
+        PictureKind::Frame(t) => (1, t as f32 - middle),
+        PictureKind::Stack { .. } => (used.len(), 0.5 * (used.start + used.end.max(1) - 1) as f32 - middle),
+        _ => return None,
+    };
+    let place = [spot.place[0] + after * slope.u, spot.place[1] + after * slope.v];
+    Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
+}
+
+/// Draws how many frames are added, and the ratio that is measured beside the law of √N. `slope` is the spot's own.
+pub(super) fn snr_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace, spot: Spot, slope: Slope) {
+    let top = ui.cursor().min;
+    frames_ui(ui, model, trace);
+    let rect = egui::Rect::from_min_max(top, egui::pos2(ui.max_rect().right(), ui.min_rect().bottom()));
+    parts::mark(ui, Part::FramesAdded, rect);
+    ui.add_space(4.0);
+    let top = ui.cursor().min;
+    let now = measured(model, spot, slope);
+    if let Some((frames, snr)) = now {
+        let at = if frames == 1 { trace.slope.unwrap_or(model.cursor().slope) } else { model.cursor().slope };
+        trace.take(at, frames, snr.ratio());
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new(format!("SNR {:.2}", snr.ratio())).strong());
+            let plural = if frames == 1 { "frame" } else { "frames" };
+            ui.weak(format!("measured with {frames} {plural}; √{frames} = {:.2}", (frames as f32).sqrt()));
+        })
+        .response
+        .on_hover_text(format!(
+            "The spot is {:.4} of full scale above the ground around it; a pixel's noise is {:.4}",
+            snr.signal, snr.noise
+        ));
+    } else {
+        ui.weak("SNR: show a frame or the motion stack to measure it");
+    }
+    plot_ui(ui, model.frame_count(), trace, now.map(|(frames, _)| frames));
+    let rect = egui::Rect::from_min_max(top, egui::pos2(ui.max_rect().right(), ui.min_rect().bottom()));
+    parts::mark(ui, Part::Snr, rect);
+}
+
+/// How many frames the picture is made of now, 1 for a frame alone.
+fn frames_shown(model: &Model) -> usize {
+    let pane = model.focused();
+    match pane.content {
+        Content::Cursor if pane.cursor.kind == ViewKind::Frame => 1,
+        _ => model.params.used_frames(model.frame_count()).len(),
+    }
+}
+
+/// Shows the first `count` frames, added up along the slope.
+fn show_frames(model: &mut Model, count: usize) {
+    let all = model.frame_count();
+    let count = count.clamp(1, all.max(1));
+    if count == 1 {
+        // One frame has no motion to follow.
+        let pane = model.focused_mut();
+        pane.cursor.frame = 0;
+        pane.show(ViewKind::Frame);
+        return;
+    }
+    model.params.frames = (count < all).then_some(FrameRange { start: 0, end: count });
+    let pane = model.focused_mut();
+    if pane.cursor.kind == ViewKind::Frame {
+        pane.show(ViewKind::Stack);
+    }
+    model.check_params();
+}
+
+fn frames_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace) {
+    let all = model.frame_count();
+    let mut count = frames_shown(model) as f32;
+    let row = CursorRow {
+        label: "Frames",
+        help: "How many frames are shifted and added, from the first one on",
+        range: 1.0..=all.max(1) as f32,
+        marks: &[],
+        whole: true,
+        suffix: "",
+    };
+    if row.ui(ui, &mut count) {
+        trace.next = None;
+        show_frames(model, count as usize);
+    }
+    let is_playing = trace.next.is_some();
+    let label = if is_playing { "⏸ Stop" } else { "▶ Add one by one" };
+    if ui.button(label).on_hover_text("Begin with one frame and add the next ones, one after the other").clicked() {
+        trace.next = (!is_playing).then(|| Instant::now() + EVERY);
+        if !is_playing {
+            show_frames(model, 1);
+        }
+    }
+    let Some(next) = trace.next else { return };
+    // The next frame waits for the picture of this one.
+    if Instant::now() >= next && model.picture_is_current() {
+        let shown = frames_shown(model);
+        show_frames(model, shown + 1);
+        trace.next = (shown + 1 < all).then(|| Instant::now() + EVERY);
+    }
+    ui.ctx().request_repaint_after(EVERY / 4);
+}
+
+fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
+    let law = ui.visuals().weak_text_color();
+    let points: Vec<[f64; 2]> = trace.measured.iter().map(|(n, ratio)| [*n as f64, f64::from(*ratio)]).collect();
+    let highest = f64::from(trace.largest).max(0.1);
+    let one = trace.of_one_frame().unwrap_or(0.0);
+    let top = 1.15 * highest.max(one * (all as f64).sqrt());
+    Plot::new("snr over frames")
+        .height(HEIGHT)
+        .show_x(false)
+        .show_y(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .x_axis_label("frames N")
+        .y_axis_label("SNR")
+        .include_x(0.0)
+        .include_x(all as f64 + 0.5)
+        .include_y(0.0)
+        .include_y(top)
+        .show(ui, |plot| {
+            let curve: Vec<[f64; 2]> =
+                (0..=20 * all).map(|i| f64::from(i as u32) / 20.0).map(|n| [n, one * n.sqrt()]).collect();
+            plot.line(Line::new("√N", PlotPoints::from(curve)).color(law).width(1.5));
+            let here = points.iter().copied().filter(|point| Some(point[0] as usize) == now).collect::<Vec<_>>();
+            plot.points(Points::new("measured", PlotPoints::from(points)).color(crate::app::style::ACCENT).radius(4.0));
+            plot.points(Points::new("now", PlotPoints::from(here)).color(Color32::from_rgb(255, 200, 60)).radius(5.5));
+        });
+    ui.weak("dots: measured    line: a law c·√N");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_law_goes_through_what_follows_it() {
+        let mut trace = SnrTrace::default();
+        assert_eq!(trace.of_one_frame(), None);
+        for n in [1usize, 4, 9] {
+            trace.take(Slope::new(1.0, 0.0), n, 0.7 * (n as f32).sqrt());
+        }
+        assert!((trace.of_one_frame().expect("measured") - 0.7).abs() < 1e-6);
+        trace.take(Slope::new(2.0, 0.0), 4, 9.0);
+        assert_eq!(trace.measured.len(), 1, "of another slope everything is measured anew");
+        trace.take(Slope::new(1.0, 0.0), 4, 0.5);
+        assert_eq!(trace.largest, 9.0, "the axis keeps what was largest");
+    }
+}

@@ -1,0 +1,30 @@
+//! Why nothing could be drawn.
+
+/// Why nothing could be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum OffscreenError {
+    /// There is no adapter.
+    #[error(
+        "there is no graphics adapter to draw with ({0}); install a software one (on Debian and Ubuntu: apt install mesa-vulkan-drivers), \
+         or use a machine with a Vulkan driver"
+    )]
+    NoAdapter(String),
+    /// The adapter gave no device.
+    #[error("the graphics adapter cannot be used: {0}")]
+    NoDevice(String),
+    /// A picture of this size cannot be drawn.
+    #[error(
+        "a window of {width} × {height} pixels cannot be drawn; this graphics adapter draws 1 to {limit} pixels a side"
+    )]
+    Size {
+        /// Columns asked for.
+        width: f32,
+        /// Rows asked for.
+        height: f32,
+        /// The adapter's limit.
+        limit: u32,
+    },
+    /// The card failed while drawing or answering.
+    #[error("the graphics adapter failed while drawing: {0}")]
+    Card(String),
+}

@@ -1,0 +1,327 @@
+//! The window without a display: frames are run as a window would run them, and the last one is drawn into a picture in
+//! memory.
+//!
+//! This is what `burstscope render` uses, and what the tests of the card's pictures use. It needs a graphics adapter
+//! that Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough. A device that is lost on the way is set up
+//! again, once for each picture.
+
+mod error;
+mod read_back;
+
+pub use error::OffscreenError;
+
+use super::gpu::{self, AdapterChoice};
+use crate::monitor::Monitor;
+use egui_wgpu::{RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, WgpuSetup};
+use image::RgbaImage;
+use read_back::read_back;
+use std::time::{Duration, Instant};
+
+/// Frames that are run at least, so that everything that measures itself in one frame and is placed in the next has
+/// settled.
+const MIN_FRAMES: usize = 3;
+
+/// A window that exists only in memory.
+pub struct Offscreen {
+    context: egui::Context,
+    setup: WgpuSetup,
+    render_state: RenderState,
+    size_points: egui::Vec2,
+    pixels_per_point: f32,
+    size_px: [u32; 2],
+    start: Instant,
+    shapes: Vec<egui::epaint::ClippedShape>,
+}
+
+/// What [`render_offscreen`] drew.
+#[derive(Debug)]
+pub struct Rendered {
+    /// The window's pixels.
+    pub image: RgbaImage,
+    /// Whether the window had come to rest; `false` when the time ran out first, and the picture shows the state at
+    /// that moment.
+    pub settled: bool,
+}
+
+impl Offscreen {
+    /// A window of `size_points` at `pixels_per_point`, ready for canvases.
+    ///
+    /// # Errors
+    /// When there is no adapter, it cannot be used, or the size is beyond it.
+    pub fn new(size_points: egui::Vec2, pixels_per_point: f32, choice: AdapterChoice) -> Result<Self, OffscreenError> {
+        Self::with_setup(size_points, pixels_per_point, gpu::wgpu_setup(choice))
+    }
+
+    fn with_setup(size_points: egui::Vec2, pixels_per_point: f32, setup: WgpuSetup) -> Result<Self, OffscreenError> {
+        let render_state = new_render_state(&setup)?;
+        let limit = render_state.device.limits().max_texture_dimension_2d;
+        let size = size_points * pixels_per_point;
+        let fits = |x: f32| x.is_finite() && x.round() >= 1.0 && x.round() <= limit as f32;
+        if !(fits(size.x) && fits(size.y) && pixels_per_point > 0.0) {
+            return Err(OffscreenError::Size { width: size.x, height: size.y, limit });
+        }
+        let context = egui::Context::default();
+        // Nobody watches: what would be animated is at its end at once.
+        context.all_styles_mut(|style| style.animation_time = 0.0);
+        gpu::install(&context, &render_state);
+        Ok(Self {
+            context,
+            setup,
+            render_state,
+            size_points,
+            pixels_per_point,
+            size_px: [size.x.round() as u32, size.y.round() as u32],
+            start: Instant::now(),
+            shapes: Vec::new(),
+        })
+    }
+
+    /// The window's context, for fonts and themes.
+    pub fn context(&self) -> &egui::Context {
+        &self.context
+    }
+
+    /// The card, for what an app wants from its `eframe::CreationContext`.
+    pub fn render_state(&self) -> &RenderState {
+        &self.render_state
+    }
+
+    /// Whether the device was lost.
+    fn is_lost(&self) -> bool {
+        // A device says it when it is asked how it does; it needs to say nothing else.
+        let _ = self.render_state.device.poll(wgpu::PollType::Poll);
+        gpu::Gpu::of(&self.context).is_some_and(|gpu| gpu.lost().is_some())
+    }
+
+    /// Makes a new device in place of the lost one, and brings to it what the lost one had.
+    fn set_up_again(&mut self) -> Result<(), OffscreenError> {
+        self.render_state = new_render_state(&self.setup)?;
+        gpu::install(&self.context, &self.render_state);
+        let mut renderer = self.render_state.renderer.write();
+        for (id, whole) in gpu::textures_of(&self.context) {
+            renderer.update_texture(&self.render_state.device, &self.render_state.queue, id, &whole);
+        }
+        Ok(())
+    }
+
+    /// Runs one frame with `events` as input and answers when the window wants the next one.
+    pub fn frame(&mut self, events: Vec<egui::Event>, draw: impl FnMut(&mut egui::Ui)) -> Duration {
+        let mut input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, self.size_points)),
+            max_texture_side: Some(self.render_state.device.limits().max_texture_dimension_2d as usize),
+            time: Some(self.start.elapsed().as_secs_f64()),
+            focused: true,
+            events,
+            ..Default::default()
+        };
+        let viewport = input.viewports.entry(egui::ViewportId::ROOT).or_default();
+        viewport.native_pixels_per_point = Some(self.pixels_per_point);
+        let mut output = self.context.run_ui(input, draw);
+        let mut renderer = self.render_state.renderer.write();
+        for (id, deltas) in output.textures_delta.set.drain() {
+            for delta in deltas {
+                renderer.update_texture(&self.render_state.device, &self.render_state.queue, id, &delta);
+            }
+        }
+        for id in output.textures_delta.free.drain() {
+            renderer.free_texture(&id);
+        }
+        self.shapes = output.shapes;
+        output.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay)
+    }
+
+    /// Draws the last frame. Where the device was lost a new one is set up; where that is lost too, that is an error.
+    ///
+    /// # Errors
+    /// When the card fails or does not answer.
+    pub fn image(&mut self) -> Result<RgbaImage, OffscreenError> {
+        if !self.is_lost() {
+            let drawn = self.draw();
+            if !self.is_lost() {
+                return drawn;
+            }
+        }
+        self.set_up_again()?;
+        self.draw()
+    }
+
+    fn draw(&self) -> Result<RgbaImage, OffscreenError> {
+        let RenderState { device, queue, renderer, target_format, .. } = &self.render_state;
+        let screen = ScreenDescriptor { size_in_pixels: self.size_px, pixels_per_point: self.pixels_per_point };
+        let primitives = self.context.tessellate(self.shapes.clone(), self.pixels_per_point);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut renderer = renderer.write();
+        let mut commands = renderer.update_buffers(device, queue, &mut encoder, &primitives, &screen);
+        let [width, height] = self.size_px;
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("burstscope offscreen"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: *target_format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        {
+            let mut pass = encoder
+                .begin_render_pass(&wgpu::RenderPassDescriptor {
+                    label: Some("burstscope offscreen"),
+                    color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                        view: &view,
+                        resolve_target: None,
+                        ops: wgpu::Operations {
+                            load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                            store: wgpu::StoreOp::Store,
+                        },
+                        depth_slice: None,
+                    })],
+                    ..Default::default()
+                })
+                .forget_lifetime();
+            renderer.render(&mut pass, &primitives, &screen);
+        }
+        commands.push(encoder.finish());
+        queue.submit(commands);
+        read_back(device, queue, &texture)
+    }
+}
+
+/// Instance, adapter and device, without a display.
+fn new_render_state(setup: &WgpuSetup) -> Result<RenderState, OffscreenError> {
+    let instance = pollster::block_on(setup.new_instance());
+    let configuration = WgpuConfiguration { wgpu_setup: setup.clone(), ..Default::default() };
+    // Predictable: no dithering, the same texture filter on every card.
+    let options = RendererOptions::PREDICTABLE;
+    pollster::block_on(RenderState::create(&configuration, &instance, None, options)).map_err(|error| match error {
+        WgpuError::RequestAdapterError(e) => OffscreenError::NoAdapter(e.to_string()),
+        WgpuError::CustomNativeAdapterSelectionError(e) => OffscreenError::NoAdapter(e),
+        other => OffscreenError::NoDevice(other.to_string()),
+    })
+}
+
+/// Draws a whole app to a picture: makes it with `make`, runs frames of `draw` until `is_idle` says that it has come to
+/// rest, `max_duration` is over or `monitor` is cancelled, and draws the last frame.
+///
+/// `make` gets what an eframe app gets from its creation context; canvases are already prepared (see [`gpu::install`]).
+///
+/// # Errors
+/// As [`Offscreen::new`] and [`Offscreen::image`].
+pub fn render_offscreen<App>(
+    size_points: egui::Vec2,
+    pixels_per_point: f32,
+    max_duration: Duration,
+    monitor: &Monitor,
+    make: impl FnOnce(&egui::Context, &RenderState) -> App,
+    mut draw: impl FnMut(&mut App, &mut egui::Ui),
+    mut is_idle: impl FnMut(&mut App) -> bool,
+) -> Result<Rendered, OffscreenError> {
+    let mut offscreen = Offscreen::new(size_points, pixels_per_point, AdapterChoice::Fastest)?;
+    let mut app = make(&offscreen.context, &offscreen.render_state);
+    let end = Instant::now() + max_duration;
+    let mut idle_frames = 0;
+    for frame in 1.. {
+        let delay = offscreen.frame(Vec::new(), |ui| draw(&mut app, ui));
+        // One more frame after the last answer shows it.
+        idle_frames = if is_idle(&mut app) { idle_frames + 1 } else { 0 };
+        if frame >= MIN_FRAMES && idle_frames >= 2 {
+            break;
+        }
+        if Instant::now() >= end || monitor.is_cancelled() {
+            break;
+        }
+        if idle_frames == 0 {
+            std::thread::sleep(delay.min(Duration::from_millis(10)));
+        }
+    }
+    Ok(Rendered { image: offscreen.image()?, settled: idle_frames >= 2 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Color32, Rect, pos2, vec2};
+
+    #[test]
+    fn a_frame_comes_back_as_it_was_drawn() {
+        let mut offscreen = Offscreen::new(vec2(60.0, 40.0), 1.5, AdapterChoice::Software).unwrap();
+        offscreen.frame(Vec::new(), |ui| {
+            let left = Rect::from_min_max(pos2(0.0, 0.0), pos2(20.0, 40.0));
+            ui.painter().rect_filled(ui.max_rect(), 0.0, Color32::from_rgb(1, 2, 3));
+            ui.painter().rect_filled(left, 0.0, Color32::from_rgb(200, 100, 50));
+        });
+        let image = offscreen.image().unwrap();
+        assert_eq!(image.dimensions(), (90, 60));
+        assert_eq!(image.get_pixel(10, 30).0, [200, 100, 50, 255]);
+        assert_eq!(image.get_pixel(60, 30).0, [1, 2, 3, 255]);
+    }
+
+    #[test]
+    fn a_lost_device_is_set_up_again_and_draws_the_same() {
+        let mut offscreen = Offscreen::new(vec2(90.0, 40.0), 1.0, AdapterChoice::Software).unwrap();
+        let icon = egui::ColorImage::filled([8, 8], Color32::GOLD);
+        let icon = offscreen.context().load_texture("icon", icon, egui::TextureOptions::NEAREST);
+        let mut draw = |ui: &mut egui::Ui| {
+            ui.label("Burstscope");
+            ui.image((icon.id(), vec2(8.0, 8.0)));
+        };
+        offscreen.frame(Vec::new(), &mut draw);
+        let before = offscreen.image().unwrap();
+        assert!(before.pixels().any(|pixel| pixel.0 == Color32::GOLD.to_array()));
+        // Between two frames, and between a frame and its picture.
+        offscreen.render_state().device.destroy();
+        assert_eq!(offscreen.image().unwrap(), before);
+        offscreen.render_state().device.destroy();
+        offscreen.frame(Vec::new(), &mut draw);
+        assert_eq!(offscreen.image().unwrap(), before);
+        offscreen.frame(Vec::new(), &mut draw);
+        assert_eq!(offscreen.image().unwrap(), before);
+    }
+
+    #[test]
+    fn waits_for_idle_and_gives_up_in_time() {
+        let draw = |count: &mut usize, ui: &mut egui::Ui| {
+            *count += 1;
+            ui.label("hello");
+        };
+        let settled = render_offscreen(
+            vec2(80.0, 30.0),
+            1.0,
+            Duration::from_secs(20),
+            &Monitor::default(),
+            |_, _| 0,
+            draw,
+            |n| *n > 5,
+        )
+        .unwrap();
+        assert!(settled.settled);
+        let start = Instant::now();
+        let busy = render_offscreen(
+            vec2(80.0, 30.0),
+            1.0,
+            Duration::from_millis(50),
+            &Monitor::default(),
+            |_, _| 0,
+            draw,
+            |_| false,
+        );
+        assert!(!busy.unwrap().settled);
+        assert!(start.elapsed() < Duration::from_secs(10));
+    }
+
+    #[test]
+    fn no_adapter_and_odd_sizes_are_errors_that_help() {
+        let WgpuSetup::CreateNew(mut none) = gpu::wgpu_setup(AdapterChoice::Fastest) else {
+            panic!("the program makes its own device");
+        };
+        none.instance_descriptor.backends = wgpu::Backends::empty();
+        let error = Offscreen::with_setup(vec2(10.0, 10.0), 1.0, none.into()).err().unwrap();
+        assert!(matches!(error, OffscreenError::NoAdapter(_)), "{error}");
+        assert!(error.to_string().contains("mesa-vulkan-drivers"));
+        for size in [vec2(0.0, 10.0), vec2(1e9, 10.0), vec2(f32::NAN, 10.0)] {
+            let error = Offscreen::new(size, 1.0, AdapterChoice::Software).err().unwrap();
+            assert!(matches!(error, OffscreenError::Size { .. }), "{error}");
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Panes come and go: split, closed, laid out anew, restored from a session, changed with the bursts that are open.
+
+use super::preset::Laid;
+use super::set::{PLACES, place_of};
+use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneId, Panes, Preset};
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use crate::detector::DetectorParams;
+use std::collections::BTreeMap;
+
+impl Panes {
+    /// Splits the pane called `id`: the new pane shows the same and gets the focus. Nothing happens once there are
+    /// [`MAX_PANES`].
+    pub fn split(&mut self, id: PaneId, direction: Direction) -> Option<PaneId> {
+        if self.shown().len() >= MAX_PANES {
+            return None;
+        }
+        let copy = Pane { over: None, ..self.get(id)?.clone() };
+        let new = self.fresh();
+        if !self.here_mut().arrangement.split(id, direction, new) {
+            return None;
+        }
+        self.more.insert(new, copy);
+        self.here_mut().focus = new;
+        Some(new)
+    }
+
+    /// Splits the pane in focus and shows in the new one what `change` makes of it.
+    pub fn split_with(&mut self, direction: Direction, change: impl FnOnce(&mut Pane)) -> Option<PaneId> {
+        let new = self.split(self.focus(), direction)?;
+        if let Some(pane) = self.get_mut(new) {
+            change(pane);
+        }
+        Some(new)
+    }
+
+    /// Shows in pane `id` the burst of `side`. The two panes that are always there stay on their bursts: a new pane
+    /// takes the place of such a one.
+    pub fn show_side(&mut self, id: PaneId, side: Side) {
+        let Some(pane) = self.get(id).filter(|pane| pane.side != side) else { return };
+        let changed = Pane { side, picture: None, problem: None, ..pane.clone() };
+        if let Some(own) = self.more.get_mut(&id) {
+            *own = changed;
+            return;
+        }
+        let new = self.fresh();
+        let here = self.here_mut();
+        here.arrangement.replace(id, new);
+        if here.focus == id {
+            here.focus = new;
+        }
+        self.more.insert(new, changed);
+        let renamed = |other: PaneId| if other == id { new } else { other };
+        for shown in self.shown() {
+            let Some(pane) = self.get_mut(shown) else { continue };
+            if let Content::Difference(a, b) = pane.content {
+                pane.content = Content::Difference(renamed(a), renamed(b));
+            }
+            pane.over = pane.over.map(|over| over.with_other(renamed(over.other())));
+        }
+        self.forget_missing();
+    }
+
+    /// Closes a pane on the screen, unless it is the only one. Panes that show something of it go back to what their
+    /// cursors say.
+    pub fn close(&mut self, id: PaneId) {
+        self.close_in(self.open, id);
+    }
+
+    pub(super) fn close_in(&mut self, place: usize, id: PaneId) {
+        let placed = &mut self.placed[place];
+        let shown = placed.arrangement.panes();
+        let Some(at) = shown.iter().position(|shown| *shown == id).filter(|_| shown.len() > 1) else { return };
+        placed.arrangement.remove(id);
+        if placed.focus == id {
+            let left = placed.arrangement.panes();
+            placed.focus = left[at.min(left.len() - 1)];
+        }
+        self.drop_unplaced();
+        self.forget_missing();
+    }
+
+    /// Lays out a preset, made from the pane in focus.
+    pub fn lay_out(&mut self, preset: Preset, params: &DetectorParams) {
+        let Some(base) = self.get(self.focus()) else { return };
+        let Laid { rows, focus } = preset.lay_out(base, params);
+        // The pane in focus keeps its name; all others are new.
+        let kept = self.focus();
+        let mut ids = Vec::new();
+        let mut place = 0;
+        let mut made = BTreeMap::new();
+        for row in rows {
+            let mut in_row = Vec::new();
+            for pane in row {
+                let id = if place == focus { kept } else { self.fresh() };
+                in_row.push(id);
+                made.insert(id, pane);
+                place += 1;
+            }
+            ids.push(in_row);
+        }
+        self.replace(self.open, Arrangement::rows(&ids), made, kept);
+    }
+
+    /// Shows in *Inspect* only `id`, which must be there.
+    pub fn show_alone(&mut self, id: PaneId) {
+        if let Some(pane) = self.get(id).cloned() {
+            self.replace(place_of(Workspace::Inspect), Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
+        }
+    }
+
+    /// Takes the panes of `workspace` from a session: `panes` by their names, and where they are. What makes no sense
+    /// is left out.
+    pub fn restore(
+        &mut self,
+        workspace: Workspace,
+        arrangement: Arrangement,
+        panes: BTreeMap<PaneId, Pane>,
+        focus: PaneId,
+    ) {
+        let Some(arrangement) = arrangement.sanitised(|id| panes.contains_key(&id)) else { return };
+        self.replace(place_of(workspace), arrangement, panes, focus);
+    }
+
+    /// Puts other panes into the workspace at `place`.
+    pub(super) fn replace(
+        &mut self,
+        place: usize,
+        arrangement: Arrangement,
+        panes: BTreeMap<PaneId, Pane>,
+        focus: PaneId,
+    ) {
+        let shown = arrangement.panes();
+        let placed = &mut self.placed[place];
+        placed.focus = if shown.contains(&focus) { focus } else { shown[0] };
+        placed.arrangement = arrangement;
+        for (id, pane) in panes.into_iter().filter(|(id, _)| shown.contains(id)) {
+            self.next = self.next.max(id.0.saturating_add(1));
+            match self.sides.get_mut(id.0 as usize) {
+                // The two that are always there stay on their bursts.
+                Some(own) => *own = Pane { side: own.side, method: None, ..pane },
+                None => {
+                    self.more.insert(id, pane);
+                }
+            }
+        }
+        self.drop_unplaced();
+        self.forget_missing();
+    }
+
+    /// Forgets panes that are in no workspace any more.
+    fn drop_unplaced(&mut self) {
+        let mut more = std::mem::take(&mut self.more);
+        more.retain(|id, _| self.is_placed(*id));
+        self.more = more;
+    }
+
+    /// Nothing is shown of panes that are not beside the one that shows it.
+    pub(super) fn forget_missing(&mut self) {
+        let ids: Vec<PaneId> = self.iter().map(|(id, _)| id).collect();
+        for id in ids {
+            let beside = self.beside(id);
+            let Some(pane) = self.get_mut(id) else { continue };
+            let missing = |other: PaneId| !beside.contains(&other);
+            if matches!(pane.content, Content::Difference(a, b) if missing(a) || missing(b)) {
+                pane.content = Content::Cursor;
+            }
+            pane.over = pane.over.filter(|over| !missing(over.other()));
+        }
+    }
+
+    /// Closes the panes on the burst of `side`, which is not open any more. One that is left alone goes to the other
+    /// burst; *Two bursts* goes back to one pane for each.
+    pub fn close_side(&mut self, side: Side) {
+        for (place, workspace) in PLACES.into_iter().enumerate() {
+            if workspace == Workspace::Pair {
+                self.replace(place, Arrangement::sides(), BTreeMap::new(), PaneId::of(side.other()));
+                continue;
+            }
+            for id in self.placed[place].arrangement.panes() {
+                if self.get(id).is_some_and(|pane| pane.side == side) {
+                    self.close_in(place, id);
+                }
+            }
+            if self.get(self.placed[place].focus).is_some_and(|pane| pane.side == side) {
+                let other = PaneId::of(side.other());
+                self.replace(place, Arrangement::Pane(other), BTreeMap::new(), other);
+            }
+        }
+    }
+
+    /// What was A is B, and the other way round. The two panes that are always there change places. The others of
+    /// *Inspect* stay on their bursts, those of the workspaces that show both stay on their sides.
+    pub fn swap_sides(&mut self) {
+        self.sides.swap(0, 1);
+        for (pane, side) in self.sides.iter_mut().zip(Side::BOTH) {
+            pane.side = side;
+        }
+        let inspected = self.shown_in(Workspace::Inspect);
+        for (id, pane) in &mut self.more {
+            if inspected.contains(id) {
+                pane.side = pane.side.other();
+            } else {
+                (pane.picture, pane.problem) = (None, None);
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Ready-made arrangements of *Methods*, and what happens there when a method is switched on or off.
+
+use super::preset::in_rows;
+use super::set::place_of;
+use super::{Arrangement, Content, Link, Over, Pane, PaneId, Panes};
+use crate::app::project::look::Ranges;
+use crate::app::project::method::Contender;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A ready-made arrangement of methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodsPreset {
+    /// A pane for each.
+    #[default]
+    Panes,
+    /// Two in one place, with a line between them that can be moved.
+    Wipe,
+    /// Two in one place, one after the other.
+    Flip,
+    /// A row for each with its matches between A and B.
+    Matches,
+}
+
+impl MethodsPreset {
+    /// All of them, in the order of the buttons.
+    pub const ALL: [Self; 4] = [Self::Panes, Self::Wipe, Self::Flip, Self::Matches];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Panes => "Panes",
+            Self::Wipe => "Wipe",
+            Self::Flip => "Flip",
+            Self::Matches => "Match lines",
+        }
+    }
+
+    /// What it shows.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Panes => "A picture for each method, side by side",
+            Self::Wipe => "Two methods in one picture, with a line between them that can be dragged",
+            Self::Flip => "Two methods in one place: Y flips from one to the other",
+            Self::Matches => "A row for each method: its matches between A and B",
+        }
+    }
+}
+
+impl Panes {
+    /// Lays out *Methods*: `methods` on A, and on B as well where the preset shows matches and `both` are open. Where
+    /// two are laid over one another these are SIFT on one frame and BuFF, as far as they are compared.
+    pub fn lay_out_methods(&mut self, preset: MethodsPreset, methods: &[Contender], both: bool) {
+        let usual = [Contender::Sift, Contender::Buff1d];
+        let mut two = usual.into_iter().chain(methods.iter().copied()).filter(|method| methods.contains(method));
+        let first = two.next();
+        let second = two.find(|method| Some(*method) != first);
+        let two: Vec<Contender> = first.into_iter().chain(second).collect();
+        let mut made = BTreeMap::new();
+        let mut make = |panes: &mut Self, method: Contender, side: Side| {
+            let id = panes.fresh();
+            made.insert(id, panes.of_method(method, side));
+            id
+        };
+        let arrangement = match preset {
+            MethodsPreset::Wipe | MethodsPreset::Flip if two.len() > 1 => {
+                let ids: Vec<PaneId> = two.into_iter().map(|method| make(self, method, Side::A)).collect();
+                let other = ids[1];
+                let over = match preset {
+                    MethodsPreset::Wipe => Over::Wipe { other, at: 0.5 },
+                    _ => Over::Flip { other, flipped: false },
+                };
+                made.entry(ids[0]).and_modify(|pane| pane.over = Some(over));
+                Arrangement::Tabs { parts: ids.into_iter().map(Arrangement::Pane).collect(), active: 0 }
+            }
+            MethodsPreset::Matches if both => {
+                let row = |method: &Contender| Side::BOTH.map(|side| make(self, *method, side)).to_vec();
+                Arrangement::rows(&methods.iter().map(row).collect::<Vec<_>>())
+            }
+            _ => Arrangement::rows(&in_rows(methods.iter().map(|method| make(self, *method, Side::A)).collect())),
+        };
+        let Some(focus) = arrangement.panes().first().copied() else { return };
+        self.replace(place_of(Workspace::Methods), arrangement, made, focus);
+    }
+
+    /// Adds panes for a method that has none in *Methods*: on A, and in a row of its own with B where the others have
+    /// such rows.
+    pub fn add_method(&mut self, method: Contender, both: bool) {
+        let place = place_of(Workspace::Methods);
+        let shown = self.shown_in(Workspace::Methods);
+        let panes = || shown.iter().filter_map(|id| self.get(*id));
+        if panes().any(|pane| pane.method == Some(method)) || shown.len() + 2 > super::MAX_PANES {
+            return;
+        }
+        let rows_of_both = both && panes().any(|pane| pane.side == Side::B);
+        let sides = if rows_of_both { &Side::BOTH[..] } else { &Side::BOTH[..1] };
+        let mut ids = Vec::new();
+        for side in sides {
+            let id = self.fresh();
+            let pane = self.of_method(method, *side);
+            self.more.insert(id, pane);
+            ids.push(id);
+        }
+        self.placed[place].arrangement.append(&ids);
+    }
+
+    /// Closes the panes of a method in *Methods*. The last pane stays.
+    pub fn remove_method(&mut self, method: Contender) {
+        let place = place_of(Workspace::Methods);
+        for id in self.shown_in(Workspace::Methods) {
+            if self.get(id).is_some_and(|pane| pane.method == Some(method)) {
+                self.close_in(place, id);
+            }
+        }
+    }
+
+    /// A pane on what `method` looks at: beside the other methods of its side, at the same place.
+    fn of_method(&self, method: Contender, side: Side) -> Pane {
+        let shown = self.shown_in(Workspace::Methods);
+        let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(Contender::Gold) && pane.side == side;
+        let base = shown.iter().filter_map(|id| self.get(*id)).find(alike).unwrap_or_else(|| self.of(side));
+        let mut pane = Pane {
+            method: Some(method),
+            content: Content::Cursor,
+            slope_chosen: true,
+            cursor: base.cursor,
+            view: base.view,
+            ..Pane::new(side)
+        };
+        if method == Contender::Gold {
+            // It was taken with another light.
+            pane.links.set(Link::Display, false);
+            pane.own_ranges = Some(Ranges::default());
+        }
+        pane
+    }
+}

@@ -1,0 +1,196 @@
+//! What panes promise: each workspace has its own, linked ones follow, what is shown of a pane goes with it.
+
+use super::*;
+use crate::app::canvas::Zoom;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::workspace::Workspace;
+use crate::detector::{DetectorParams, Slope};
+
+const A: PaneId = PaneId(0);
+
+#[test]
+fn panes_are_split_focused_and_closed() {
+    let mut panes = Panes::default();
+    assert!(!panes.are_many());
+    panes.close(A);
+    assert_eq!(panes.shown(), [A], "the only pane stays");
+    let right = panes.split(A, Direction::Right).expect("there is room");
+    let below = panes.split(right, Direction::Down).expect("there is room");
+    assert_eq!((panes.shown(), panes.focus()), (vec![A, right, below], below));
+    assert_eq!((panes.number(right), panes.number(PaneId(1))), (Some(2), None));
+    panes.focus_next(true);
+    assert_eq!(panes.focus(), A);
+    panes.focus_next(false);
+    assert_eq!(panes.focus(), below);
+    panes.close(below);
+    assert_eq!((panes.shown(), panes.focus()), (vec![A, right], right));
+    panes.close(A);
+    assert_eq!(panes.shown(), [right]);
+    assert_eq!(panes.of(Side::A).side, Side::A, "the pane of A is still there for the other workspaces");
+    for _ in 0..2 * MAX_PANES {
+        panes.split(panes.focus(), Direction::Right);
+    }
+    assert_eq!(panes.shown().len(), MAX_PANES);
+}
+
+#[test]
+fn linked_cursors_keep_their_distance_and_others_stay() {
+    let mut panes = Panes::default();
+    panes.lay_out(Preset::Slopes(3), &DetectorParams::default());
+    let slopes = |panes: &Panes| -> Vec<f32> {
+        panes.shown().iter().map(|id| panes.get(*id).expect("shown").cursor.slope.u).collect()
+    };
+    assert_eq!(slopes(&panes), [-1.0, 0.0, 1.0]);
+    let focus = panes.focus();
+    let last = panes.shown()[2];
+    panes.get_mut(last).expect("shown").links.cursor = false;
+    let before = panes.get(focus).expect("shown").cursor;
+    panes.get_mut(focus).expect("shown").cursor.slope = Slope::new(1.5, 0.0);
+    panes.follow_cursor(focus, before);
+    assert_eq!(slopes(&panes), [0.5, 1.5, 1.0]);
+    let (first, before) = (panes.shown()[0], panes.get(focus).expect("shown").view);
+    panes.get_mut(focus).expect("shown").view.zoom = Zoom::PointsPerPixel(3.0);
+    panes.follow_view(focus, &before);
+    assert_eq!(panes.get(first).expect("shown").view.zoom, Zoom::PointsPerPixel(3.0));
+}
+
+#[test]
+fn what_is_shown_of_a_pane_goes_with_it() {
+    let mut panes = Panes::default();
+    let second = panes.split(A, Direction::Right).expect("there is room");
+    let third = panes.split_with(Direction::Down, |pane| pane.content = Content::Difference(A, second));
+    let third = third.expect("there is room");
+    panes.set_focus(A);
+    panes.next_over();
+    assert_eq!(panes.get(A).and_then(|pane| pane.over), Some(Over::Wipe { other: second, at: 0.5 }));
+    panes.next_over();
+    panes.flip();
+    assert_eq!(panes.get(A).and_then(|pane| pane.over), Some(Over::Flip { other: second, flipped: true }));
+    panes.close(second);
+    assert_eq!(panes.get(A).and_then(|pane| pane.over), None);
+    assert_eq!(panes.get(third).map(|pane| pane.content), Some(Content::Cursor));
+}
+
+#[test]
+fn a_preset_keeps_the_pane_in_focus_and_forgets_the_others() {
+    let mut panes = Panes::default();
+    let params = DetectorParams::default();
+    panes.of_mut(Side::A).show(ViewKind::Dog);
+    panes.lay_out(Preset::TwoByTwo, &params);
+    assert_eq!((panes.shown().len(), panes.focus(), panes.number(A)), (4, A, Some(3)));
+    panes.lay_out(Preset::Single, &params);
+    assert_eq!((panes.shown(), panes.iter().count()), (vec![A], 2));
+    assert!(panes.of(Side::A).shows(ViewKind::Dog));
+}
+
+#[test]
+fn the_panes_that_are_always_there_stay_on_their_bursts() {
+    let mut panes = Panes::default();
+    let right = panes.split(A, Direction::Right).expect("there is room");
+    panes.next_over();
+    assert_eq!(panes.get(right).and_then(|pane| pane.over).map(Over::other), Some(A));
+    panes.show_side(A, Side::B);
+    assert_eq!(panes.of(Side::A).side, Side::A);
+    let first = panes.shown()[0];
+    assert!(first != A && panes.get(first).is_some_and(|pane| pane.side == Side::B));
+    assert_eq!(panes.get(right).and_then(|pane| pane.over).map(Over::other), Some(first));
+    panes.show_side(right, Side::B);
+    assert_eq!(panes.shown(), [first, right]);
+}
+
+#[test]
+fn a_burst_that_is_closed_takes_its_panes_with_it() {
+    let mut panes = Panes::default();
+    panes.split_with(Direction::Right, |pane| pane.side = Side::B);
+    panes.close_side(Side::B);
+    assert_eq!((panes.shown(), panes.focus()), (vec![A], A));
+    panes.split_with(Direction::Right, |pane| pane.side = Side::B);
+    panes.close(A);
+    panes.close_side(Side::B);
+    assert_eq!((panes.shown(), panes.focus()), (vec![A], A));
+}
+
+#[test]
+fn each_workspace_has_its_own_panes_and_what_is_in_two_is_the_same() {
+    let mut panes = Panes::default();
+    let right = panes.split(A, Direction::Right).expect("there is room");
+    panes.turn_to(Workspace::Pair);
+    assert_eq!((panes.shown(), panes.focus()), (vec![A, PaneId(1)], A));
+    let below = panes.split(A, Direction::Down).expect("there is room");
+    panes.close(A);
+    assert_eq!(panes.shown(), [below, PaneId(1)]);
+    panes.turn_to(Workspace::Inspect);
+    assert_eq!(panes.shown(), [A, right]);
+    assert!(panes.get(below).is_some(), "the other workspace has it");
+    // A burst that is closed takes its panes out of all of them.
+    panes.close_side(Side::B);
+    assert_eq!((panes.shown_in(Workspace::Pair), panes.get(below).is_none()), (vec![A, PaneId(1)], true));
+}
+
+#[test]
+fn b_follows_a_also_while_it_is_not_on_the_screen() {
+    let mut panes = Panes::default();
+    let second = panes.split(A, Direction::Right).expect("there is room");
+    let before = panes.of(Side::A).cursor;
+    let pane = panes.get_mut(second).expect("there");
+    pane.cursor.slope = Slope::new(1.0, 0.0);
+    pane.show(ViewKind::Dog);
+    panes.follow_cursor(second, before);
+    let cursors = Side::BOTH.map(|side| panes.of(side).cursor);
+    assert_eq!(cursors.map(|cursor| cursor.slope.u), [1.0, 1.0]);
+    assert_eq!(cursors.map(|cursor| cursor.kind), [ViewKind::Stack, ViewKind::Dog], "panes of one burst may differ");
+    panes.of_mut(Side::B).links.cursor = false;
+    let before = panes.of(Side::A).cursor;
+    panes.of_mut(Side::A).cursor.level = 2;
+    panes.follow_cursor(A, before);
+    assert_eq!(panes.of(Side::B).cursor.level, 0);
+}
+
+#[test]
+fn methods_come_and_go_and_the_rest_stays_where_it_was() {
+    let mut panes = Panes::default();
+    panes.turn_to(Workspace::Methods);
+    let methods = [Contender::Sift, Contender::Merge, Contender::Buff1d];
+    let of = |panes: &Panes| -> Vec<(Contender, Side)> {
+        panes
+            .shown()
+            .iter()
+            .filter_map(|id| panes.get(*id))
+            .filter_map(|pane| Some((pane.method?, pane.side)))
+            .collect()
+    };
+    panes.lay_out_methods(MethodsPreset::Matches, &methods, true);
+    let rows = methods.into_iter().flat_map(|method| Side::BOTH.map(|side| (method, side)));
+    assert_eq!(of(&panes), rows.collect::<Vec<_>>());
+    panes.add_method(Contender::Gold, true);
+    panes.remove_method(Contender::Merge);
+    assert_eq!(
+        of(&panes).iter().map(|(method, _)| *method).collect::<Vec<_>>()[..4],
+        [Contender::Sift, Contender::Sift, Contender::Buff1d, Contender::Buff1d]
+    );
+    assert_eq!((of(&panes).len(), panes.arrangement().in_rows().len()), (6, 3));
+    panes.close_side(Side::B);
+    assert_eq!(of(&panes).len(), 3);
+    panes.lay_out_methods(MethodsPreset::Wipe, &methods, false);
+    let [left, right] = panes.shown()[..] else { panic!("two panes in one place") };
+    assert_eq!(panes.over(left), Some(Over::Wipe { other: right, at: 0.5 }));
+    assert!(matches!(panes.arrangement(), Arrangement::Tabs { active: 0, .. }));
+    assert_eq!(of(&panes), [(Contender::Sift, Side::A), (Contender::Buff1d, Side::A)]);
+}
+
+#[test]
+fn two_bursts_are_laid_out_in_their_own_ways() {
+    let mut panes = Panes::default();
+    panes.turn_to(Workspace::Pair);
+    for preset in SidesPreset::ALL {
+        panes.lay_out_sides(preset);
+        let shown = panes.shown();
+        assert_eq!(shown[0], A, "{preset:?}");
+        assert!(shown.contains(&PaneId(1)), "{preset:?}");
+    }
+    panes.lay_out_sides(SidesPreset::Difference);
+    let last = panes.get(panes.shown()[2]).map(|pane| pane.content);
+    assert_eq!(last, Some(Content::Difference(A, PaneId(1))));
+    panes.lay_out_sides(SidesPreset::SideBySide);
+    assert_eq!((panes.shown(), panes.iter().count()), (vec![A, PaneId(1)], 2));
+}

@@ -1,0 +1,131 @@
+//! How the values of files become light: bias and flat frame, black level and full scale, linear light, raw colours.
+
+use crate::app::dialogs::Purpose;
+use crate::burst::{OpenOptions, RawColour};
+use egui::{DragValue, Ui};
+use std::path::PathBuf;
+
+/// What a person chose.
+#[derive(Debug)]
+pub enum CalibrationChoice {
+    /// A file is to be chosen.
+    Choose(Purpose),
+    /// Bursts are to be opened like this from now on.
+    Apply(OpenOptions),
+}
+
+/// The colours of raw frames by their names.
+const COLOURS: [(RawColour, &str, &str); 4] = [
+    (RawColour::Luma, "Luma", "The mean of the four pixels of a square: all the light there is"),
+    (RawColour::Green, "Green", "The mean of the two green pixels"),
+    (RawColour::Red, "Red", "The red pixel alone"),
+    (RawColour::Blue, "Blue", "The blue pixel alone"),
+];
+
+/// Draws the dialog if there is a draft; closing it forgets the draft.
+pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> Option<CalibrationChoice> {
+    let options = draft.as_mut()?;
+    let (mut choice, mut close) = (None, false);
+    let modal = egui::Modal::new(egui::Id::unique("calibration")).show(ctx, |ui| {
+        ui.set_width(460.0);
+        ui.heading("Calibration");
+        ui.weak("How the values of files become light. Files may be dropped here.");
+        ui.add_space(6.0);
+        egui::Grid::new("calibration").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+            let bias = "Subtracted from each frame: taken in the dark, or a stack or folder of such frames";
+            let flat = "Each frame is divided by it: a picture of an even, bright surface";
+            let frames = [
+                ("Bias frame", &mut options.bias, bias, Purpose::OpenBias),
+                ("Flat frame", &mut options.flat, flat, Purpose::OpenFlat),
+            ];
+            for (label, path, tip, purpose) in frames {
+                ui.label(label).on_hover_text(tip);
+                if file_ui(ui, label, path) {
+                    choice = Some(CalibrationChoice::Choose(purpose));
+                }
+                ui.end_row();
+            }
+            let full = "The files' value that becomes 1, such as 4095 for 12 bits in 16-bit files";
+            let black = "The files' value that becomes 0; values below it become negative";
+            level_ui(ui, "Full scale", &mut options.full_scale, 65535.0, full);
+            level_ui(ui, "Black level", &mut options.black_level, 0.0, black);
+            let name = ui.label("Raw colour");
+            ui.horizontal(|ui| {
+                for (colour, label, tip) in COLOURS {
+                    ui.radio_value(&mut options.raw_colour, colour, label).on_hover_text(tip);
+                }
+            })
+            .response
+            .labelled_by(name.id);
+            ui.end_row();
+        });
+        ui.checkbox(&mut options.linearise, "Linear light")
+            .on_hover_text("Undo the sRGB encoding of 8 and 16-bit pictures");
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui
+                .button("Apply")
+                .on_hover_text("Open what is open again, and everything from now on, like this")
+                .clicked()
+            {
+                choice = Some(CalibrationChoice::Apply(options.clone()));
+                close = true;
+            }
+            if ui.button("Reset").on_hover_text("Take files as they are").clicked() {
+                *options = OpenOptions::default();
+            }
+            if ui.button("Cancel").clicked() {
+                close = true;
+            }
+        });
+    });
+    if close || modal.should_close() {
+        *draft = None;
+    }
+    choice
+}
+
+/// A file that is chosen or not; answers whether one is to be chosen.
+fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
+    let mut choose = false;
+    ui.horizontal(|ui| {
+        choose = ui.button(format!("Choose {}…", label.to_lowercase())).clicked();
+        let name = path.as_ref().map(|path| {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+            (name, path.display().to_string())
+        });
+        match name {
+            Some((name, whole)) => {
+                if ui.button(format!("Without {}", label.to_lowercase())).clicked() {
+                    *path = None;
+                }
+                ui.add(egui::Label::new(name).truncate()).on_hover_text(whole);
+            }
+            None => {
+                ui.weak("none");
+            }
+        }
+    });
+    choose
+}
+
+/// A level of one's own, or the files'.
+fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip: &str) {
+    let mut own = level.is_some();
+    ui.checkbox(&mut own, label).on_hover_text(tip);
+    match (own, *level) {
+        (true, None) => *level = Some(default),
+        (false, _) => *level = None,
+        _ => {}
+    }
+    match level {
+        Some(value) => {
+            let field = ui.add(DragValue::new(value).range(-1e9..=1e9).speed(1.0).max_decimals(3));
+            field.on_hover_text(format!("{label}: {tip}"));
+        }
+        None => {
+            ui.weak("as the files say");
+        }
+    }
+    ui.end_row();
+}

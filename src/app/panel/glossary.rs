@@ -1,0 +1,103 @@
+//! The glossary: every word of the window, to be searched.
+
+use crate::app::lesson::Captions;
+use crate::app::panel::widgets::name_field;
+use crate::app::words::asked_for;
+use crate::teach::glossary::{Word, glossary};
+use egui::{Context, RichText, ScrollArea, Ui, vec2};
+
+/// The glossary, open or not.
+#[derive(Debug, Default)]
+pub struct GlossaryWindow {
+    is_open: bool,
+    text: String,
+    /// The word that was asked for, to be scrolled to.
+    wanted: Option<String>,
+    /// Whether the search field is to have the keys.
+    focus: bool,
+    captions: Captions,
+}
+
+impl GlossaryWindow {
+    /// Opens it, at the word of this name if one is asked for.
+    pub fn open(&mut self, word: Option<&str>) {
+        (self.is_open, self.text, self.focus) = (true, String::new(), word.is_none());
+        if let Some(found) = word.and_then(|word| glossary().find(word)) {
+            self.wanted = Some(found.name.clone());
+        }
+    }
+
+    /// Whether it is open.
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    /// Draws it if it is open: beside everything else, which goes on.
+    pub fn ui(&mut self, ctx: &Context) {
+        if let Some(word) = asked_for(ctx) {
+            self.open(Some(&word));
+        }
+        let mut is_open = self.is_open;
+        egui::Window::new("Glossary")
+            .open(&mut is_open)
+            .default_pos(ctx.content_rect().center_top() + vec2(-220.0, 90.0))
+            .default_size([440.0, 460.0])
+            .min_width(320.0)
+            .resizable(true)
+            .show(ctx, |ui| self.contents_ui(ui));
+        self.is_open = is_open;
+    }
+
+    fn contents_ui(&mut self, ui: &mut Ui) {
+        let edit = egui::TextEdit::singleline(&mut self.text).hint_text("Search").desired_width(f32::INFINITY);
+        let edit = ui.add(edit);
+        name_field(&edit, "Search the glossary", &self.text);
+        if std::mem::take(&mut self.focus) {
+            edit.request_focus();
+        }
+        if edit.changed() {
+            self.wanted = None;
+        }
+        ui.add_space(4.0);
+        let found = glossary().search(&self.text);
+        if found.is_empty() {
+            ui.weak("No word is called so, nor explained with it.");
+        }
+        let mut clicked = None;
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for word in found {
+                let is_wanted = self.wanted.as_ref() == Some(&word.name);
+                let top = ui.cursor().min;
+                clicked = clicked.take().or(word_ui(ui, word, is_wanted, &mut self.captions));
+                if is_wanted {
+                    let bottom = ui.min_rect().right_bottom();
+                    let rect = egui::Rect::from_min_max(top, bottom);
+                    ui.scroll_to_rect(rect, Some(egui::Align::TOP));
+                    // Scrolled to once; from then on a person scrolls.
+                    if ui.clip_rect().contains(rect.left_top()) {
+                        self.wanted = None;
+                    }
+                }
+            }
+        });
+        if let Some(word) = clicked {
+            (self.text, self.wanted) = (String::new(), Some(word));
+        }
+    }
+}
+
+fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) -> Option<String> {
+    ui.horizontal_wrapped(|ui| {
+        let mut title = RichText::new(&word.word).strong();
+        if is_wanted {
+            title = title.color(ui.visuals().hyperlink_color);
+        }
+        ui.label(title);
+        if let Some(symbol) = &word.symbol {
+            ui.label(RichText::new(symbol).monospace().weak()).on_hover_text("The paper's symbol");
+        }
+    });
+    let clicked = ui.push_id(&word.name, |ui| captions.ui(ui, &word.text)).inner;
+    ui.add_space(8.0);
+    clicked
+}

@@ -1,0 +1,203 @@
+//! The chart behind a point of a curve: the mean of its frames, and over it what was found, missed and found falsely.
+
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::canvas::overlay::circle_radius_image;
+use crate::app::histogram::PERCENTILES;
+use crate::app::panel::probe::PlaneTexture;
+use crate::app::panel::widgets::dot_ui;
+use crate::app::project::Model;
+use crate::app::project::lab::{Lab, LabSet};
+use crate::evaluate::score::Judged;
+use crate::evaluate::{ShownChart, StudyPoint};
+use crate::inspect::words::number;
+use crate::plane::display::Display;
+use crate::plane::statistics::{Region, percentiles};
+use egui::{Color32, ComboBox, Pos2, RichText, Sense, Shape, Stroke, Ui, vec2};
+
+/// What was found.
+const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
+/// What was not.
+const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
+/// What is not there.
+const FALSE: Color32 = Color32::from_rgb(213, 94, 0);
+
+/// Draws the panel.
+pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, queue: &mut Queue) {
+    choice_ui(ui, &mut model.lab);
+    if model.lab.selected.is_none() {
+        let text = if model.lab.question.needs_charts() {
+            "Click a point of a curve to look at its chart."
+        } else {
+            "The points are the middle frames of the open burst: there is no chart to look at."
+        };
+        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+        return;
+    }
+    let Some(shown) = model.lab.current_chart().cloned() else {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.weak("Making the chart again");
+        });
+        return;
+    };
+    let judged = shown.judged(model.lab.all_detected);
+    key_ui(ui, &shown, &judged);
+    picture_ui(ui, &shown, &judged, texture);
+    ui.horizontal(|ui| {
+        button_ui(ui, model, queue, ActionId::OpenChart, None);
+        ui.checkbox(&mut model.lab.all_detected, "All that was detected").on_hover_text(
+            "Otherwise only what lies above the threshold at which the curves compare methods: there a tenth is false",
+        );
+    });
+}
+
+/// Which result, ratio and method, and which of the charts.
+fn choice_ui(ui: &mut Ui, lab: &mut Lab) {
+    let sets: Vec<(LabSet, String)> = lab
+        .shown_results()
+        .iter()
+        .map(|(set, name, _)| (*set, name.map_or_else(|| "This study".to_owned(), str::to_owned)))
+        .collect();
+    let Some((first, _)) = sets.first() else { return };
+    let set = lab.selected.map_or(*first, |(set, _)| set);
+    let Some(result) = lab.result(set) else { return };
+    let mut points: Vec<(StudyPoint, String)> = Vec::new();
+    for plot in result.report.plots(usize::MAX) {
+        for curve in &plot.curves {
+            for point in &curve.points {
+                let of = StudyPoint { row_value: point.row_value, method: curve.method };
+                if points.iter().all(|(there, _)| *there != of) {
+                    let method = curve.method.map_or_else(String::new, |method| format!("{}, ", method.label()));
+                    points.push((of, format!("{method}{}", result.report.row_label(point.row_value))));
+                }
+            }
+        }
+    }
+    let Some((first_seed, seeds)) = result.study.seeds() else { return };
+    let mut chosen = lab.selected.map(|(_, point)| point);
+    let mut chosen_set = set;
+    if sets.len() > 1 {
+        let text = sets.iter().find(|(of, _)| *of == set).map_or("", |(_, name)| name);
+        ComboBox::from_label("Curves").selected_text(text).show_ui(ui, |ui| {
+            for (of, name) in &sets {
+                ui.selectable_value(&mut chosen_set, *of, name);
+            }
+        });
+    }
+    let text = points.iter().find(|(of, _)| Some(*of) == chosen).map_or("none", |(_, text)| text.as_str());
+    ComboBox::from_label("Point").selected_text(text).width(190.0).show_ui(ui, |ui| {
+        for (of, text) in &points {
+            ui.selectable_value(&mut chosen, Some(*of), text);
+        }
+    });
+    if chosen.is_some() {
+        ui.horizontal(|ui| {
+            if ui.button("◀").on_hover_text("Previous chart of the same ratio").clicked() {
+                lab.selected_chart = (lab.selected_chart + seeds - 1) % seeds;
+            }
+            let seed = first_seed.saturating_add(lab.selected_chart.min(seeds - 1));
+            ui.label(format!("chart {} of {seeds}, seed {seed}", lab.selected_chart.min(seeds - 1) + 1));
+            if ui.button("▶").on_hover_text("Next chart of the same ratio").clicked() {
+                lab.selected_chart = (lab.selected_chart + 1) % seeds;
+            }
+        });
+    }
+    lab.selected = chosen.map(|point| (chosen_set, point));
+}
+
+fn key_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged]) {
+    let found = judged.iter().filter(|judged| judged.disc.is_some()).count();
+    let counts = [
+        (FOUND, format!("{found} found")),
+        (MISSED, format!("{} missed", shown.looked.truth.features.len() - found)),
+        (FALSE, format!("{} false", judged.len() - found)),
+    ];
+    ui.horizontal(|ui| {
+        for (colour, text) in counts {
+            dot_ui(ui, colour);
+            ui.label(text);
+        }
+    });
+}
+
+fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut PlaneTexture) {
+    let (width, height) = shown.mean.size();
+    let scale = ui.available_width() / width as f32;
+    let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::hover());
+    let range = percentiles(&shown.mean, &Region::whole(&shown.mean), &PERCENTILES);
+    let display = range.map_or_else(Display::default, |r| Display::default().with_range(r[0], r[1]));
+    texture.draw(ui, rect, ("lab chart", &shown.mean), display, || (*shown.mean).clone());
+    let pos_ui = |u: f32, v: f32| rect.min + scale * vec2(u + 0.5, v + 0.5);
+    let painter = ui.painter().with_clip_rect(rect);
+    let looked = &shown.looked;
+    let mut found = vec![false; looked.truth.features.len()];
+    let mut marks: Vec<(Pos2, f32, String)> = Vec::new();
+    for judged in judged {
+        let feature = &looked.detection.features[judged.feature];
+        match judged.disc {
+            Some(disc) => found[disc] = true,
+            None => {
+                let (centre, radius) = (pos_ui(feature.u, feature.v), (circle_radius_image(feature) * scale).max(2.0));
+                painter.circle_stroke(centre, radius, Stroke::new(1.2, FALSE));
+                marks.push((
+                    centre,
+                    radius,
+                    format!("False: σ {} px, snr {}", number(feature.sigma, 2), number(feature.snr, 1)),
+                ));
+            }
+        }
+    }
+    for (disc, found) in looked.truth.features.iter().zip(&found) {
+        let (centre, radius) = (pos_ui(disc.u as f32, disc.v as f32), (disc.radius as f32 * scale).max(2.0));
+        let what = if *found {
+            painter.circle_stroke(centre, radius, Stroke::new(1.2, FOUND));
+            "Found"
+        } else {
+            painter.extend(dashed_circle(centre, radius, Stroke::new(1.4, MISSED)));
+            "Missed"
+        };
+        let text = format!(
+            "{what}: disc of radius {} px, slope ({}, {}) px/frame",
+            number(disc.radius as f32, 1),
+            number(disc.slope_u as f32, 2),
+            number(disc.slope_v as f32, 2)
+        );
+        marks.push((centre, radius, text));
+    }
+    let text = format!("Chart with {} discs", looked.truth.features.len());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    let Some(pos) = response.hover_pos() else { return };
+    let pointed = marks.iter().filter(|(centre, radius, _)| centre.distance(pos) <= radius.max(4.0));
+    let nearest = pointed.min_by(|a, b| a.0.distance(pos).total_cmp(&b.0.distance(pos)));
+    if let Some((.., text)) = nearest {
+        response.on_hover_text_at_pointer(text);
+    }
+}
+
+fn dashed_circle(centre: Pos2, radius: f32, stroke: Stroke) -> Vec<Shape> {
+    let count = 48;
+    let point = |i: usize| {
+        let angle = i as f32 / count as f32 * std::f32::consts::TAU;
+        centre + radius * egui::Vec2::angled(angle)
+    };
+    let points: Vec<Pos2> = (0..=count).map(point).collect();
+    Shape::dashed_line(&points, stroke, 4.0, 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::pos2;
+
+    #[test]
+    fn a_dashed_circle_has_gaps() {
+        let shapes = dashed_circle(pos2(0.0, 0.0), 10.0, Stroke::new(1.0, MISSED));
+        let length = |shape: &Shape| match shape {
+            Shape::LineSegment { points: [a, b], .. } => a.distance(*b),
+            other => panic!("{other:?} is no dash"),
+        };
+        let drawn: f32 = shapes.iter().map(length).sum();
+        // Dashes of 4 points and gaps of 3.
+        assert!((drawn / (10.0 * std::f32::consts::TAU) - 4.0 / 7.0).abs() < 0.08, "{drawn}");
+    }
+}

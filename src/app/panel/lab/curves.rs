@@ -1,0 +1,224 @@
+//! The curves of the Lab: one large plot, smaller ones beside it, with the spread of every point. A point can be
+//! pointed at and clicked: its chart is looked at then.
+
+use super::curve_colour;
+use crate::app::project::lab::{Lab, LabResult, LabSet};
+use crate::evaluate::StudyPoint;
+use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot};
+use crate::inspect::words::number;
+use egui::{Color32, Pos2, RichText, Ui, vec2};
+use egui_plot::{Corner, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Points};
+
+/// A point is meant by the pointer within this distance, in points of the window.
+const REACH_UI: f32 = 14.0;
+
+/// A curve as it is drawn.
+struct Drawn {
+    set: LabSet,
+    name: String,
+    curve: StudyCurve,
+}
+
+/// Draws the plots.
+pub fn curves_ui(ui: &mut Ui, lab: &mut Lab) {
+    let results = lab.shown_results();
+    let Some((.., first)) = results.first() else {
+        empty_ui(ui);
+        return;
+    };
+    let (summary, is_whole) = (first.report.summary(), first.is_whole);
+    let rows = first.report.roc_rows();
+    let row_label = rows.get(lab.roc_row).or(rows.last()).cloned();
+    let plots = merged(&results, row_label.as_deref());
+    let selected = lab.selected;
+    let mut chosen_row = None;
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(if is_whole { "Curves" } else { "Curves so far" }).strong());
+        ui.add(egui::Label::new(RichText::new(summary).weak()).truncate());
+    });
+    if !rows.is_empty() {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("ROC at").weak());
+            for (index, label) in rows.iter().enumerate() {
+                let is_shown = row_label.as_ref() == Some(label);
+                if ui.selectable_label(is_shown, label).on_hover_text("Show the ROC curves at this ratio").clicked() {
+                    chosen_row = Some(index);
+                }
+            }
+        });
+    }
+    let mut pointed = None;
+    let (width, height) = (ui.available_width(), ui.available_height());
+    ui.horizontal_top(|ui| {
+        let beside = plots.len().saturating_sub(1);
+        let large = if beside == 0 { width } else { 0.56 * width };
+        for (index, group) in [&plots[..plots.len().min(1)], &plots[plots.len().min(1)..]].into_iter().enumerate() {
+            let column = if index == 0 { large } else { width - large - ui.spacing().item_spacing.x };
+            ui.vertical(|ui| {
+                ui.set_width(column);
+                let each = height / group.len().max(1) as f32;
+                for (title, plot, curves) in group {
+                    let size = vec2(column, (each - 26.0).max(80.0));
+                    // Plots of the same curves share the legend of the first.
+                    let has_legend = index == 0 || !names(curves).eq(names(&plots[0].2));
+                    if let Some(found) = plot_ui(ui, title, plot, curves, selected, size, has_legend) {
+                        pointed = Some(found);
+                    }
+                }
+            });
+        }
+    });
+    if let Some(row) = chosen_row {
+        lab.roc_row = row;
+    }
+    let has_charts = |set| lab.result(set).is_some_and(|result| result.study.seeds().is_some());
+    if let Some((set, point, true)) = pointed.filter(|(set, ..)| has_charts(*set)) {
+        (lab.selected, lab.selected_chart) = (Some((set, point)), 0);
+    }
+}
+
+fn names(curves: &[Drawn]) -> impl Iterator<Item = &str> {
+    curves.iter().map(|one| one.name.as_str())
+}
+
+fn empty_ui(ui: &mut Ui) {
+    ui.vertical_centered(|ui| {
+        ui.add_space((ui.available_height() * 0.3).max(12.0));
+        ui.label(RichText::new("Measure the detector").size(18.0).strong());
+        ui.weak("Charts of discs whose places, sizes and motions are known, at several ratios of signal to noise:");
+        ui.weak("choose them on the left and press Run study. The curves grow while charts are finished.");
+    });
+}
+
+/// The plots that are shown, each set with its name: what is written to files.
+pub fn shown_plots(lab: &Lab) -> Vec<(String, Vec<StudyPlot>)> {
+    let rows = lab.shown_results().first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
+    let row_label = rows.get(lab.roc_row).or(rows.last());
+    let set = |(_, name, result): &(LabSet, Option<&str>, &LabResult)| {
+        let row = row_label.and_then(|label| result.report.roc_rows().iter().position(|row| row == label));
+        (name.unwrap_or("This study").to_owned(), result.report.plots(row.unwrap_or(usize::MAX)))
+    };
+    lab.shown_results().iter().map(set).collect()
+}
+
+/// The plots of all results, those of the same subject laid over one another.
+fn merged(
+    results: &[(LabSet, Option<&str>, &LabResult)],
+    row_label: Option<&str>,
+) -> Vec<(String, StudyPlot, Vec<Drawn>)> {
+    let mut plots: Vec<(String, StudyPlot, Vec<Drawn>)> = Vec::new();
+    for (set, name, result) in results {
+        // Another result's ROC curves are those of the same ratio, if it has them.
+        let rows = result.report.roc_rows();
+        let row = row_label.and_then(|label| rows.iter().position(|row| row == label));
+        for plot in result.report.plots(row.unwrap_or(usize::MAX)) {
+            let drawn = plot.curves.iter().map(|curve| {
+                let name = match name {
+                    Some(name) => format!("{}  {name}", curve.label),
+                    None => curve.label.clone(),
+                };
+                Drawn { set: *set, name, curve: curve.clone() }
+            });
+            let drawn: Vec<Drawn> = drawn.collect();
+            match plots.iter_mut().find(|(title, ..)| *title == plot.title) {
+                Some((.., all)) => all.extend(drawn),
+                None => plots.push((plot.title.clone(), plot, drawn)),
+            }
+        }
+    }
+    plots
+}
+
+/// Draws one plot; answers the point under the pointer, and whether it was clicked.
+fn plot_ui(
+    ui: &mut Ui,
+    title: &str,
+    plot: &StudyPlot,
+    curves: &[Drawn],
+    selected: Option<(LabSet, StudyPoint)>,
+    size: egui::Vec2,
+    has_legend: bool,
+) -> Option<(LabSet, StudyPoint, bool)> {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(title).small().strong());
+        ui.add(egui::Label::new(RichText::new(plot.spread).small().weak()).truncate());
+    });
+    let mut widget = Plot::new(("lab", title))
+        .width(size.x)
+        .height(size.y)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_x(false)
+        .show_y(false)
+        .include_y(0.0)
+        .include_x(0.0)
+        .x_axis_label(plot.x_label)
+        .y_axis_label(plot.y_label.as_str())
+        .label_formatter(|_| None);
+    if has_legend {
+        widget = widget.legend(Legend::default().position(Corner::RightBottom));
+    }
+    let colours: Vec<Color32> = curves.iter().map(|one| curve_colour(ui, one.curve.colour)).collect();
+    let drawn = widget.show(ui, |area| {
+        for (one, &colour) in curves.iter().zip(&colours) {
+            draw_curve(area, one, plot.marks_points, colour, selected);
+        }
+    });
+    let text = format!("Plot: {title}, {} curves", curves.len());
+    drawn.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    let pos = drawn.response.hover_pos()?;
+    let at = |point: &StudyCurvePoint| drawn.transform.position_from_point(&PlotPoint::new(point.x, point.y));
+    let (one, point) = nearest(curves, pos, at)?;
+    let clicked = drawn.response.clicked();
+    drawn.response.on_hover_text_at_pointer(point_text(plot, one, point));
+    Some((one.set, StudyPoint { row_value: point.row_value, method: one.curve.method }, clicked))
+}
+
+/// A curve, its points, and how far each of them spreads. Kept ones are dashed.
+fn draw_curve(
+    area: &mut PlotUi<'_>,
+    one: &Drawn,
+    marks_points: bool,
+    colour: Color32,
+    selected: Option<(LabSet, StudyPoint)>,
+) {
+    let points = &one.curve.points;
+    let line: PlotPoints<'_> = points.iter().map(|point| [point.x, point.y]).collect();
+    let style = match one.set {
+        LabSet::Current => LineStyle::Solid,
+        LabSet::Kept(_) => LineStyle::dashed_dense(),
+    };
+    area.line(Line::new(one.name.clone(), line).color(colour).width(1.6).style(style));
+    for point in points.iter().filter(|point| point.y.is_finite()) {
+        if let Some([low, high]) = point.spread {
+            let bar = PlotPoints::from(vec![[point.x, low], [point.x, high]]);
+            area.line(Line::new("", bar).color(colour).width(1.0));
+        }
+        let of_point = StudyPoint { row_value: point.row_value, method: one.curve.method };
+        if marks_points {
+            let is_selected = selected == Some((one.set, of_point));
+            let radius = if is_selected { 5.0 } else { 2.8 };
+            area.points(Points::new("", [point.x, point.y]).color(colour).radius(radius).filled(true));
+        }
+    }
+}
+
+/// The point nearest to the pointer, if one is near; `at` says where a point is in the window.
+fn nearest(
+    curves: &[Drawn],
+    pos_ui: Pos2,
+    at: impl Fn(&StudyCurvePoint) -> Pos2,
+) -> Option<(&Drawn, &StudyCurvePoint)> {
+    let points = curves.iter().flat_map(|one| one.curve.points.iter().map(move |point| (one, point)));
+    let near = points.map(|(one, point)| (at(point).distance(pos_ui), one, point));
+    let nearest = near.filter(|(distance, ..)| *distance < REACH_UI).min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map(|(_, one, point)| (one, point))
+}
+
+fn point_text(plot: &StudyPlot, one: &Drawn, point: &StudyCurvePoint) -> String {
+    let value = |y: f64| number(y as f32, 2);
+    let spread = point.spread.map_or_else(String::new, |[low, high]| format!(" ({} to {})", value(low), value(high)));
+    format!("{}\n{}: {}\n{}: {}{spread}", one.name, plot.x_label, value(point.x), plot.y_label, value(point.y))
+}

@@ -1,0 +1,63 @@
+//! The offer to restore what was open when the program last ended otherwise than in the ordinary way.
+
+use crate::app::recovery::Offer;
+use crate::inspect::words::counted;
+use egui::{Button, RichText, Ui};
+use std::time::Duration;
+
+/// What was chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecoveryChoice {
+    /// Open it.
+    Restore,
+    /// Remove it.
+    Forget,
+}
+
+/// Draws the offer.
+pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
+    let mut choice = None;
+    ui.horizontal_wrapped(|ui| {
+        let more = if offer.more == 0 { String::new() } else { format!(" ({} more)", offer.more) };
+        let text = format!(
+            "Burstscope did not end in the ordinary way. What was open was saved {}: {}{more}.",
+            ago(offer.age),
+            offer.label
+        );
+        ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
+        let restore = ui.add_enabled(!offer.is_restoring, Button::new("Restore"));
+        if restore.on_hover_text("Open the session as it was saved last, in place of what is open now").clicked() {
+            choice = Some(RecoveryChoice::Restore);
+        }
+        let forget = ui.add_enabled(!offer.is_restoring, Button::new("Forget"));
+        if forget.on_hover_text("Remove the saved session; the files that it speaks of stay").clicked() {
+            choice = Some(RecoveryChoice::Forget);
+        }
+    });
+    choice
+}
+
+/// How long ago something was, in the largest unit that fits.
+fn ago(age: Duration) -> String {
+    let minutes = age.as_secs() / 60;
+    let (count, unit) = match minutes {
+        0 => return "just now".to_owned(),
+        1..60 => (minutes, "minute"),
+        60..2880 => (minutes / 60, "hour"),
+        _ => (minutes / 1440, "day"),
+    };
+    format!("{} ago", counted(count as usize, unit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_age_is_said_in_words() {
+        let words = [(59, "just now"), (60, "1 minute ago"), (3 * 3600, "3 hours ago"), (50 * 3600, "2 days ago")];
+        for (seconds, wanted) in words {
+            assert_eq!(ago(Duration::from_secs(seconds)), wanted);
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! What a session keeps of the comparison: how the pinned result was asked for, and where the opened features are.
+
+use super::{ForeignFile, Pinned, With};
+use crate::app::project::Model;
+use crate::detector::SearchParams;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// What a session keeps of the comparison.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SavedAgainst {
+    /// With what features are compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with: Option<With>,
+    /// Somebody else's features.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// What the pinned result was asked for: it is found again, which gives the same bits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pinned: Option<SearchParams>,
+}
+
+impl Model {
+    /// What a session keeps of the comparison; `None` where nothing is compared.
+    pub fn saved_against(&self) -> Option<SavedAgainst> {
+        let saved = SavedAgainst {
+            with: self.against.with,
+            file: self.against.file.as_ref().map(|file| file.path.clone()),
+            pinned: self.against.pinned.as_ref().map(|pinned| pinned.asked.clone()),
+        };
+        (saved != SavedAgainst::default()).then_some(saved)
+    }
+
+    /// Takes over what a session kept for the burst that was just opened. What is compared with is read and found when
+    /// it is wanted.
+    pub fn restore_against(&mut self, saved: Option<SavedAgainst>) {
+        let SavedAgainst { with, file, pinned } = saved.unwrap_or_default();
+        let burst = self.burst.as_ref().map(|burst| burst.id);
+        self.against.pinned = burst.zip(pinned).map(|(burst, asked)| Pinned { burst, asked, detection: None });
+        self.against.file = burst.zip(file).map(|(burst, path)| ForeignFile { burst, path, features: None });
+        self.against.show(None);
+        self.against.show(with);
+    }
+}

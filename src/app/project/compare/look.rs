@@ -1,0 +1,44 @@
+//! Which methods are compared, and what is drawn of what they found.
+
+use crate::app::project::compare::Contender;
+use serde::{Deserialize, Serialize};
+
+/// Which methods are compared, and what is drawn of what they found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CompareLook {
+    /// The methods.
+    pub methods: Vec<Contender>,
+    /// Whether features are drawn.
+    pub features: bool,
+}
+
+impl Default for CompareLook {
+    fn default() -> Self {
+        Self { methods: Contender::ALL.to_vec(), features: true }
+    }
+}
+
+impl CompareLook {
+    /// Whether `method` is compared.
+    pub fn shows(&self, method: Contender) -> bool {
+        self.methods.contains(&method)
+    }
+
+    /// Takes `method` in, or leaves it out.
+    pub fn show(&mut self, method: Contender, shown: bool) {
+        self.methods.retain(|m| *m != method);
+        if shown {
+            self.methods.push(method);
+            self.methods.sort_unstable();
+        }
+    }
+
+    /// The same with values that make sense: what comes from a file may be anything.
+    #[must_use]
+    pub fn sanitised(mut self) -> Self {
+        self.methods.sort_unstable();
+        self.methods.dedup();
+        self
+    }
+}

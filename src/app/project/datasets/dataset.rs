@@ -1,0 +1,284 @@
+//! One dataset with the states of its bursts and the matches of its pairs.
+
+use super::pairs::{BurstPair, PairTable, pair_of};
+use super::state::{BurstState, StateCounts};
+use crate::burst::{BurstSource, OpenOptions};
+use crate::dataset::{DatasetSource, image_name};
+use crate::detector::SearchParams;
+use crate::matching::ImageCounts;
+use crate::requests::{Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A dataset that is open.
+#[derive(Debug, Clone)]
+pub struct Dataset {
+    /// Where it comes from.
+    pub source: DatasetSource,
+    /// Its bursts; at least one.
+    pub bursts: Bursts,
+    /// Where its features are kept.
+    pub folder: Option<PathBuf>,
+    /// Why they cannot be kept there.
+    pub folder_error: Option<String>,
+    /// The parameters that the states are about.
+    pub params: SearchParams,
+    /// How its bursts are opened.
+    pub open: OpenOptions,
+    /// Other parameters, with which the features in the folder were found.
+    pub other_params: Option<SearchParams>,
+    /// How far each burst is.
+    pub states: Vec<BurstState>,
+    /// The bursts chosen as A and B, by their places.
+    pub pair: [Option<usize>; 2],
+    /// The matches of its pairs.
+    pub matches: PairTable,
+}
+
+impl Dataset {
+    /// What was just opened.
+    pub fn new(open: OpenDataset) -> Self {
+        let states = open.finished.into_iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
+        Self {
+            source: open.source,
+            bursts: open.bursts,
+            folder: open.folder,
+            folder_error: open.folder_error,
+            params: open.params,
+            open: open.open,
+            other_params: open.other_params,
+            states,
+            pair: [None; 2],
+            matches: PairTable::default(),
+        }
+    }
+
+    /// Takes a newer look at the same bursts: another folder, other parameters. What was chosen stays chosen.
+    pub fn look_again(&mut self, open: OpenDataset) {
+        let (pair, matches) = (self.pair, std::mem::take(&mut self.matches));
+        let same_features = self.folder == open.folder && self.params == open.params && self.open == open.open;
+        *self = Self::new(open);
+        self.pair = pair.map(|place| place.filter(|&p| p < self.bursts.len()));
+        if same_features {
+            self.matches = matches;
+        }
+    }
+
+    /// The place of the burst that is open in the inspector, if it is one of these.
+    pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
+        let crate::requests::BurstSource::Paths(paths) = &open?.source else { return None };
+        self.bursts.iter().position(|b| b.paths == *paths)
+    }
+
+    /// The place of the burst that a camera's label names: its picture's name, with or without folders before it, or
+    /// its own name.
+    pub fn place_of_camera(&self, label: &str) -> Option<usize> {
+        let file = label.rsplit(['/', '\\']).next().unwrap_or(label);
+        let named = |b: &BurstSource| image_name(b) == file || b.name == label;
+        self.bursts.iter().position(named)
+    }
+
+    /// The burst at `place`, as the inspector opens it.
+    pub fn source_at(&self, place: usize) -> Option<crate::requests::BurstSource> {
+        self.bursts.get(place).map(|burst| crate::requests::BurstSource::Paths(burst.paths.clone()))
+    }
+
+    /// Gives a burst that was opened from here the name that it has here: a cut sequence's bursts all lie in one
+    /// folder.
+    pub fn name_as_here(&self, open: &mut OpenBurst) {
+        if let Some(BurstSource { name, .. }) = self.place_of(Some(open)).and_then(|place| self.bursts.get(place))
+            && open.burst.name != *name
+        {
+            Arc::make_mut(&mut open.burst).name.clone_from(name);
+        }
+    }
+
+    /// Chooses what was chosen in a session, where that is there.
+    pub fn restore_pair(&mut self, pair: [Option<usize>; 2]) {
+        for (side, place) in pair.into_iter().enumerate() {
+            if let Some(place) = place.filter(|p| self.pair[side] != Some(*p)) {
+                self.choose(side, place);
+            }
+        }
+    }
+
+    /// Where and how features are kept.
+    pub fn keeping(&self) -> Option<Keeping> {
+        let folder = self.folder.clone().filter(|_| self.folder_error.is_none())?;
+        Some(Keeping { folder, params: self.params.clone(), open: self.open.clone() })
+    }
+
+    /// How many bursts are how far.
+    pub fn counts(&self) -> StateCounts {
+        let mut counts = StateCounts::default();
+        for state in &self.states {
+            match state {
+                BurstState::Done(finished) => {
+                    counts.done += 1;
+                    counts.features += finished.features;
+                }
+                BurstState::Failed(_) => counts.failed += 1,
+                BurstState::Waiting | BurstState::Running => {}
+            }
+        }
+        counts
+    }
+
+    /// The numbers of all images in the paper's columns; `None` before pairs were matched.
+    pub fn image_counts(&self) -> Option<ImageCounts> {
+        let keypoints = |state: &BurstState| if let BurstState::Done(f) = state { f.features } else { 0 };
+        let keypoints: Vec<usize> = self.states.iter().map(keypoints).collect();
+        let pairs = self.matches.listed();
+        ImageCounts::of(&keypoints, &pairs).filter(|_| !pairs.is_empty())
+    }
+
+    /// Whether finding features with `params` writes over features of other parameters.
+    pub fn would_replace(&self, params: &SearchParams) -> bool {
+        let others_here = self.params != *params && self.counts().done > 0;
+        let others_in_folder = self.other_params.as_ref().is_some_and(|others| others != params);
+        self.keeping().is_some() && (others_here || others_in_folder)
+    }
+
+    /// Prepares for finding features with `params`: with other ones nothing is finished any more.
+    pub fn begin_detection(&mut self, params: &SearchParams) {
+        let others = self.params != *params;
+        if others {
+            self.matches.forget();
+        }
+        self.params = params.clone();
+        for state in &mut self.states {
+            if others || !matches!(state, BurstState::Done(_)) {
+                *state = BurstState::Waiting;
+            }
+        }
+    }
+
+    /// Takes what happened.
+    pub fn take_event(&mut self, event: &DatasetEvent) {
+        let (index, state) = match event {
+            // One that is finished is only looked through.
+            DatasetEvent::Begun { index } if matches!(self.states.get(*index), Some(BurstState::Done(_))) => return,
+            DatasetEvent::Begun { index } => (*index, BurstState::Running),
+            DatasetEvent::Done { index, finished } => {
+                // Features of other parameters are being replaced by these.
+                self.other_params = None;
+                if !matches!(self.states.get(*index), Some(BurstState::Done(_))) {
+                    self.matches.forget_burst(*index);
+                }
+                (*index, BurstState::Done(*finished))
+            }
+            DatasetEvent::Failed { index, error } => (*index, BurstState::Failed(error.clone())),
+            DatasetEvent::Matched { pair, counts } => {
+                self.matches.take(*pair, *counts);
+                return;
+            }
+        };
+        if let Some(place) = self.states.get_mut(index) {
+            *place = state;
+        }
+    }
+
+    /// The pair of A and B, if both are chosen.
+    pub fn selected(&self) -> Option<BurstPair> {
+        let [a, b] = self.pair;
+        pair_of(a?, b?)
+    }
+
+    /// Makes the earlier burst of a pair A and the later one B.
+    pub fn select(&mut self, (a, b): BurstPair) {
+        self.pair = [Some(a), Some(b)];
+    }
+
+    /// Nothing runs any more: what was begun and not finished waits.
+    pub fn stop(&mut self) {
+        for state in &mut self.states {
+            if *state == BurstState::Running {
+                *state = BurstState::Waiting;
+            }
+        }
+    }
+
+    /// Chooses the burst at `place` as A (0) or B (1); one that is chosen already is chosen no more. No burst is both.
+    pub fn choose(&mut self, side: usize, place: usize) {
+        let chosen = self.pair[side] == Some(place);
+        self.pair[side] = (!chosen && place < self.bursts.len()).then_some(place);
+        if self.pair[1 - side] == Some(place) {
+            self.pair[1 - side] = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::FinishedBurst;
+    use std::path::Path;
+
+    fn dataset(count: usize) -> Dataset {
+        let burst = |k: usize| BurstSource { name: format!("b{k}"), paths: vec![format!("/n/{k}").into()] };
+        Dataset::new(OpenDataset {
+            strays: Vec::new(),
+            source: DatasetSource::of_bursts(vec!["/n".into()]),
+            bursts: Arc::new((0..count).map(burst).collect()),
+            frames_of_one: None,
+            folder: Some(Path::new("/n-burstscope").into()),
+            folder_error: None,
+            params: SearchParams::default(),
+            open: OpenOptions::default(),
+            finished: (0..count).map(|k| (k == 0).then_some(FinishedBurst { features: 7, seconds: None })).collect(),
+            other_params: None,
+        })
+    }
+
+    #[test]
+    fn states_follow_what_happens() {
+        let mut open = dataset(3);
+        assert_eq!(open.counts(), StateCounts { done: 1, failed: 0, features: 7 });
+        let finished = FinishedBurst { features: 5, seconds: Some(1.25) };
+        open.begin_detection(&SearchParams::default());
+        for event in [
+            DatasetEvent::Begun { index: 0 },
+            DatasetEvent::Begun { index: 1 },
+            DatasetEvent::Done { index: 1, finished },
+            DatasetEvent::Begun { index: 2 },
+        ] {
+            open.take_event(&event);
+        }
+        assert_eq!(open.states[1].text(), "5 · 1.2 s");
+        assert_eq!((open.counts().done, &open.states[2]), (2, &BurstState::Running));
+        open.stop();
+        assert_eq!(open.states[2], BurstState::Waiting);
+        open.take_event(&DatasetEvent::Failed { index: 2, error: "x.png: empty".into() });
+        assert_eq!(open.states[2].sentence(), "failed: x.png: empty");
+        open.take_event(&DatasetEvent::Begun { index: 99 });
+        // What failed is tried again; with other parameters everything is.
+        open.begin_detection(&SearchParams::default());
+        assert_eq!((open.counts().done, open.counts().failed), (2, 0));
+        let mut other = SearchParams::default();
+        other.detector.levels = 2;
+        open.begin_detection(&other);
+        assert_eq!((open.counts().done, open.params.detector.levels), (0, 2));
+    }
+
+    #[test]
+    fn cameras_are_named_after_their_bursts() {
+        let open = dataset(3);
+        assert_eq!(open.place_of_camera("b1.png"), Some(1));
+        assert_eq!(open.place_of_camera("images/b2.png"), Some(2));
+        assert_eq!(open.place_of_camera("b0"), Some(0));
+        assert_eq!((open.place_of_camera("b3.png"), open.place_of_camera("1621.5")), (None, None));
+    }
+
+    #[test]
+    fn a_and_b_are_two_bursts() {
+        let mut open = dataset(3);
+        open.choose(0, 1);
+        open.choose(1, 2);
+        assert_eq!(open.pair, [Some(1), Some(2)]);
+        open.choose(1, 1);
+        assert_eq!(open.pair, [None, Some(1)], "a burst is not both");
+        open.choose(1, 1);
+        open.choose(0, 9);
+        assert_eq!(open.pair, [None, None]);
+    }
+}

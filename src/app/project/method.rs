@@ -1,0 +1,115 @@
+//! The methods that are compared: the same detector, each on what it makes of a burst.
+
+use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
+use serde::{Deserialize, Serialize};
+
+/// A method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Contender {
+    /// SIFT on the middle frame.
+    Sift,
+    /// SIFT on the frames merged into one.
+    Merge,
+    /// Burst features over one line of slopes.
+    Buff1d,
+    /// Burst features over a plane of slopes.
+    Buff2d,
+    /// SIFT on an image of the same view that was taken with enough light.
+    Gold,
+}
+
+/// Slopes of a direction where the window's own grid has none to take over.
+const USUAL: (f32, usize) = (3.0, 7);
+
+impl Contender {
+    /// All of them, in the order of the table.
+    pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
+
+    /// Its place in [`Contender::ALL`].
+    pub fn index(self) -> usize {
+        Self::ALL.iter().position(|m| *m == self).unwrap_or(0)
+    }
+
+    /// Whether it searches over slopes.
+    pub fn is_buff(self) -> bool {
+        matches!(self, Self::Buff1d | Self::Buff2d)
+    }
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Sift => "SIFT, one frame",
+            Self::Merge => "SIFT, merged",
+            Self::Buff1d => "BuFF 1D",
+            Self::Buff2d => "BuFF 2D",
+            Self::Gold => "Gold standard",
+        }
+    }
+
+    /// What it does.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Sift => "SIFT on the middle frame only: what a burst adds nothing to",
+            Self::Merge => "SIFT on the frames aligned tile by tile and merged robustly into one",
+            Self::Buff1d => "Burst features, joint over place, scale and slope, on one line of slopes",
+            Self::Buff2d => "Burst features, joint over place, scale and slope, on a plane of slopes",
+            Self::Gold => "SIFT on an image of the same view that was taken with enough light",
+        }
+    }
+
+    /// The parameters `edited` as this method takes them: everything but the method and, for BuFF, the shape of the
+    /// grid of slopes stays.
+    pub fn params(self, edited: &DetectorParams) -> DetectorParams {
+        let mut params = edited.clone();
+        let grid = edited.slopes;
+        let usual = SlopeAxis::new(-USUAL.0..=USUAL.0, USUAL.1);
+        match self {
+            Self::Sift => params.method = Method::Sift,
+            Self::Merge => params.method = Method::Merge,
+            Self::Gold => {
+                params.method = Method::Sift;
+                params.frames = None;
+            }
+            Self::Buff1d => {
+                params.method = Method::Buff;
+                if grid.is_plane() {
+                    params.slopes.v = SlopeAxis::ZERO;
+                } else if grid.len() <= 1 {
+                    params.slopes = SlopeGrid { u: usual, v: SlopeAxis::ZERO, ..grid };
+                }
+            }
+            Self::Buff2d => {
+                params.method = Method::Buff;
+                if !grid.is_plane() {
+                    let axis = [grid.u, grid.v].into_iter().find(|axis| axis.count > 1).unwrap_or(usual);
+                    params.slopes = SlopeGrid { u: axis, v: axis, ..grid };
+                }
+            }
+        }
+        params
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_method_takes_the_edited_parameters_in_its_own_way() {
+        let line = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() };
+        assert_eq!(Contender::Buff1d.params(&line), line);
+        assert_eq!(Contender::Buff2d.params(&line).slopes, SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5));
+        let plane = DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3), ..line.clone() };
+        assert_eq!(Contender::Buff2d.params(&plane), plane);
+        assert_eq!(Contender::Buff1d.params(&plane).slopes, SlopeGrid::line(-3.0..=3.0, 7));
+        let sift = DetectorParams { method: Method::Sift, peak_threshold: 0.01, ..line };
+        assert_eq!(Contender::Sift.params(&sift), sift);
+        assert_eq!(Contender::Buff1d.params(&sift).peak_threshold, 0.01);
+        for method in Contender::ALL {
+            assert_eq!(Contender::ALL[method.index()], method);
+            assert!(!method.help().is_empty());
+            assert_eq!(method.params(&plane).validate(), Ok(()));
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The panes of A and of B: whose cursor moves, and what moves together.
+
+use crate::app::pane::{Link, PaneId};
+use crate::app::project::Model;
+use crate::app::project::cursor::Cursor;
+use crate::app::project::look::Ranges;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use crate::requests::Picture;
+use serde::{Deserialize, Serialize};
+
+/// What moves together in A and B.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Links {
+    /// Pan and zoom.
+    pub views: bool,
+    /// Kind of picture, frame, slope, octave and level.
+    #[serde(alias = "cursors")]
+    pub cursor: bool,
+    /// Value ranges and colour maps.
+    pub ranges: bool,
+}
+
+impl Default for Links {
+    fn default() -> Self {
+        Self { views: true, cursor: true, ranges: true }
+    }
+}
+
+impl Model {
+    /// Whose slope and scale the cursor moves now.
+    pub fn active_side(&self) -> Side {
+        let both = self.workspace == Workspace::Pair && self.pair.b.burst.is_some();
+        if both { self.focused().side } else { Side::A }
+    }
+
+    /// Where the cursor of `side` is.
+    pub fn cursor_of(&self, side: Side) -> &Cursor {
+        &self.panes.of(side).cursor
+    }
+
+    /// The pane that stands for the burst of `side` in *Two bursts*: its own, or where that was closed the first one.
+    pub fn pane_for(&self, side: Side) -> PaneId {
+        let own = PaneId::of(side);
+        let shown = self.panes.shown_in(Workspace::Pair);
+        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
+        if shown.contains(&own) { own } else { shown.into_iter().find(is_on).unwrap_or(own) }
+    }
+
+    /// The picture on show of `side`.
+    pub fn picture_of(&self, side: Side) -> Option<&Picture> {
+        self.panes.get(self.pane_for(side))?.picture.as_ref()
+    }
+
+    /// The value ranges of the pictures of `side`.
+    pub fn ranges_of_side(&self, side: Side) -> &Ranges {
+        self.ranges_of(self.panes.of(side))
+    }
+
+    /// What moves together in *Two bursts*.
+    pub fn pair_links(&self) -> Links {
+        let shown = self.panes.shown_in(Workspace::Pair);
+        let all = |link| shown.iter().filter_map(|id| self.panes.get(*id)).all(|pane| pane.links.has(link));
+        Links { views: all(Link::View), cursor: all(Link::Cursor), ranges: all(Link::Display) }
+    }
+
+    /// Lets the panes of *Two bursts* share `link`, or those of B not.
+    pub fn link_pair(&mut self, link: Link, on: bool) {
+        for id in self.panes.shown_in(Workspace::Pair) {
+            if on || self.panes.get(id).is_some_and(|pane| pane.side == Side::B) {
+                self.set_link(id, link, on);
+            }
+        }
+    }
+
+    /// Lets all panes on the screen share `link`, or no longer. Cursors of two bursts that are linked are brought
+    /// together.
+    pub fn toggle_link(&mut self, link: Link) {
+        let on = !self.panes.all_share(link);
+        if self.workspace == Workspace::Pair {
+            self.link_pair(link, on);
+        } else {
+            self.panes.shown().into_iter().for_each(|id| self.set_link(id, link, on));
+        }
+        if on && link == Link::Cursor && self.workspace == Workspace::Pair {
+            self.bring_cursors_together();
+        }
+    }
+
+    /// Gives the focus to a pane of the other burst.
+    pub fn focus_other_side(&mut self) {
+        let side = self.focused().side.other();
+        if let Some(id) = self.panes.shown_of(side, self.focused().method).first() {
+            self.panes.set_focus(*id);
+        }
+    }
+
+    /// Lets the panes of *Two bursts* share what `links` say.
+    pub fn set_pair_links(&mut self, links: Links) {
+        self.link_pair(Link::View, links.views);
+        self.link_pair(Link::Cursor, links.cursor);
+        self.link_pair(Link::Display, links.ranges);
+    }
+
+    /// Puts the cursors of the other burst's panes to where that of the pane in focus is.
+    pub fn bring_cursors_together(&mut self) {
+        let (cursor, side) = (*self.cursor(), self.focused().side.other());
+        let own = PaneId::of(side);
+        let others = self.panes.shown_of(side, None);
+        let alone = others.len() < 2;
+        for id in others.into_iter().filter(|id| *id != own).chain([own]) {
+            if let Some(pane) = self.panes.get_mut(id) {
+                let kind = if alone { cursor.kind } else { pane.cursor.kind };
+                (pane.cursor, pane.slope_chosen) = (Cursor { kind, ..cursor }, true);
+            }
+        }
+        self.check_params();
+        self.check_pair();
+    }
+}

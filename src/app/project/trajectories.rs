@@ -1,0 +1,281 @@
+//! An estimated and a true trajectory, as plain values.
+
+use crate::app::view::View;
+use crate::evaluate::poses::{PlaneAxes, PoseReport, PoseStudy, Projection, Trajectory};
+use crate::requests::{ComparedPoses, PosesRequest, Running, TrajectorySource};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// One of the two trajectories.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Which {
+    /// What was estimated.
+    Estimate,
+    /// What is true.
+    Truth,
+}
+
+/// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
+const PLANE_UNITS: f64 = 1000.0;
+
+/// Workspace around the cameras, as a part of the longer side.
+const MARGIN: f64 = 0.06;
+
+/// A place of a camera in the plane on show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spot {
+    /// In plane units, down the screen positive.
+    pub pos: egui::Pos2,
+    /// Where it is in its own trajectory.
+    pub index: usize,
+    /// The pair of the report that it belongs to.
+    pub pair: Option<usize>,
+}
+
+/// Both trajectories in the plane.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PlaneScene {
+    /// True cameras, in order.
+    pub truth: Vec<Spot>,
+    /// Estimated cameras once they are aligned, in order.
+    pub estimate: Vec<Spot>,
+    /// Columns and rows of the plane, in plane units.
+    pub size: (usize, usize),
+    /// Plane units for one unit of the truth.
+    pub scale: f64,
+}
+
+/// Everything about trajectories.
+#[derive(Debug, Default)]
+pub struct Trajectories {
+    /// What was read and compared.
+    pub compared: ComparedPoses,
+    /// How they are compared.
+    pub study: PoseStudy,
+    /// From which side they are seen.
+    pub projection: Projection,
+    /// Pan and zoom of the plane.
+    pub view: View,
+    /// The pair of cameras that is pointed at, in the plane or in the table.
+    pub hovered: Option<usize>,
+    /// The pair of cameras that was clicked.
+    pub selected: Option<usize>,
+    /// The label of the camera whose burst was asked for by a second click, until that is seen to.
+    pub wanted: Option<String>,
+    /// What is being read, as of this pass.
+    pub running: Option<Running>,
+    /// What was asked for and has not come.
+    asked: Option<PosesRequest>,
+    scene: Option<(Projection, Arc<PlaneScene>)>,
+}
+
+impl Trajectories {
+    /// What to ask for when `path` is to be read as `which`; the other one stays, also one that is being read.
+    pub fn request_with(&mut self, which: Which, path: PathBuf) -> PosesRequest {
+        let mut request = self.request();
+        let slot = if which == Which::Estimate { &mut request.estimate } else { &mut request.truth };
+        *slot = Some(TrajectorySource::Path(path));
+        self.asked = Some(request.clone());
+        request
+    }
+
+    /// What to ask for when the study was changed.
+    pub fn request(&self) -> PosesRequest {
+        let source = |read: &Option<(PathBuf, Arc<Trajectory>)>| {
+            read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory))
+        };
+        match &self.asked {
+            Some(asked) => PosesRequest { study: self.study, ..asked.clone() },
+            None => PosesRequest {
+                estimate: source(&self.compared.estimate),
+                truth: source(&self.compared.truth),
+                study: self.study,
+            },
+        }
+    }
+
+    /// What was asked for will not come.
+    pub fn fail(&mut self) {
+        self.asked = None;
+    }
+
+    /// Takes what was read and compared.
+    pub fn take(&mut self, compared: ComparedPoses) {
+        let same = |a: &Option<(PathBuf, Arc<Trajectory>)>, b: &Option<(PathBuf, Arc<Trajectory>)>| match (a, b) {
+            (Some((_, a)), Some((_, b))) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
+        if !(same(&self.compared.estimate, &compared.estimate) && same(&self.compared.truth, &compared.truth)) {
+            self.view = View::fit();
+        }
+        (self.compared, self.asked) = (compared, None);
+        (self.scene, self.hovered, self.selected) = (None, None, None);
+    }
+
+    /// Forgets both.
+    pub fn clear(&mut self) {
+        self.take(ComparedPoses::default());
+    }
+
+    /// Whether neither is there.
+    pub fn is_empty(&self) -> bool {
+        self.compared.estimate.is_none() && self.compared.truth.is_none()
+    }
+
+    /// The comparison.
+    pub fn report(&self) -> Option<&Arc<PoseReport>> {
+        self.compared.report.as_ref()?.as_ref().ok()
+    }
+
+    /// Why there is no comparison although both are there.
+    pub fn problem(&self) -> Option<&str> {
+        self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
+    }
+
+    /// The plane as it is to be drawn; made anew after a change only.
+    pub fn scene(&mut self) -> Arc<PlaneScene> {
+        match &self.scene {
+            Some((projection, scene)) if *projection == self.projection => scene.clone(),
+            _ => {
+                let scene = Arc::new(PlaneScene::of(&self.compared, self.projection));
+                self.scene = Some((self.projection, scene.clone()));
+                scene
+            }
+        }
+    }
+}
+
+impl PlaneScene {
+    /// Both trajectories seen from one side. An estimate that cannot be compared is drawn only where there is no truth:
+    /// its world is another.
+    pub fn of(compared: &ComparedPoses, projection: Projection) -> Self {
+        let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
+        let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
+            trajectory.poses.iter().map(|p| move_to(&p.world_from_camera)).collect::<Vec<_>>()
+        };
+        let as_it_is = |pose: &nalgebra::Isometry3<f64>| -> [f64; 3] { pose.translation.vector.into() };
+        let truth = compared.truth.as_ref().map_or_else(Vec::new, |(_, t)| centres(t, &as_it_is));
+        let estimate = match (&compared.estimate, report) {
+            (Some((_, e)), Some(r)) => centres(e, &|pose| r.truth_from_estimate.apply(pose).translation.vector.into()),
+            (Some((_, e)), None) if truth.is_empty() => centres(e, &as_it_is),
+            _ => Vec::new(),
+        };
+        let axes = projection.axes(if truth.is_empty() { &estimate } else { &truth });
+        let pairs = report.map_or(&[][..], |r| &r.pairs);
+        let of_truth = pairs.iter().enumerate().map(|(k, p)| (p.truth, k)).collect();
+        let of_estimate = pairs.iter().enumerate().map(|(k, p)| (p.estimate, k)).collect();
+        Self::laid_out(&truth, &estimate, &axes, &of_truth, &of_estimate)
+    }
+
+    fn laid_out(
+        truth: &[[f64; 3]],
+        estimate: &[[f64; 3]],
+        axes: &PlaneAxes,
+        of_truth: &std::collections::HashMap<usize, usize>,
+        of_estimate: &std::collections::HashMap<usize, usize>,
+    ) -> Self {
+        let flat = |centres: &[[f64; 3]]| centres.iter().map(|c| axes.project(*c)).collect::<Vec<_>>();
+        let (truth, estimate) = (flat(truth), flat(estimate));
+        // The frame is the truth's, so that an estimate that runs away does not make the truth a point.
+        let framed = if truth.is_empty() { &estimate } else { &truth };
+        let range = |k: usize| {
+            let finite = framed.iter().map(|p| p[k]).filter(|x| x.is_finite());
+            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        };
+        let ((left, right), (down, up)) = (range(0), range(1));
+        let extent = (right - left).max(up - down);
+        let scale = if extent.is_finite() && extent > 0.0 { PLANE_UNITS / extent } else { 1.0 };
+        // Where cameras stand on a line or in one place there is still a plane around them.
+        let side = |extent: f64| if extent.is_finite() { (extent * scale).max(0.3 * PLANE_UNITS) } else { PLANE_UNITS };
+        let margin = 2.0 * MARGIN * PLANE_UNITS;
+        let (width, height) = (side(right - left) + margin, side(up - down) + margin);
+        let middle = |low: f64, high: f64| if (low + high).is_finite() { 0.5 * (low + high) } else { 0.0 };
+        let (mid_right, mid_up) = (middle(left, right), middle(down, up));
+        let place = |p: &[f64; 2]| {
+            let (x, y) = (0.5 * width + (p[0] - mid_right) * scale, 0.5 * height - (p[1] - mid_up) * scale);
+            egui::pos2(x as f32, y as f32)
+        };
+        let spots = |flat: &[[f64; 2]], pair_of: &std::collections::HashMap<usize, usize>| {
+            let spot =
+                |(index, p): (usize, &[f64; 2])| Spot { pos: place(p), index, pair: pair_of.get(&index).copied() };
+            flat.iter().enumerate().map(spot).collect()
+        };
+        Self {
+            truth: spots(&truth, of_truth),
+            estimate: spots(&estimate, of_estimate),
+            size: (width.ceil() as usize, height.ceil() as usize),
+            scale,
+        }
+    }
+}
+
+/// A length that makes a good scale bar: the largest of 1, 2 or 5 times a power of ten that is not longer than
+/// `longest`.
+pub fn round_length(longest: f64) -> f64 {
+    if !(longest.is_finite() && longest > 0.0) {
+        return 1.0;
+    }
+    let power = 10f64.powf(longest.log10().floor());
+    [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|&l| l <= longest).unwrap_or(power)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::poses::{Pose, evaluate_poses};
+    use nalgebra::{Isometry3, Vector3};
+
+    fn trajectory(centres: &[[f64; 3]]) -> Arc<Trajectory> {
+        let pose = |(k, c): (usize, &[f64; 3])| Pose {
+            label: format!("{k}.png"),
+            order: k as u32,
+            time: None,
+            world_from_camera: Isometry3::new(Vector3::from(*c), Vector3::zeros()),
+        };
+        Arc::new(Trajectory { poses: centres.iter().enumerate().map(pose).collect(), model: None })
+    }
+
+    #[test]
+    fn an_estimate_of_another_scale_lies_on_the_truth() {
+        let truth = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [0.0, 2.0, 1.0]];
+        let estimate = truth.map(|c| c.map(|x| 10.0 * x + 3.0));
+        let (truth, estimate) = (trajectory(&truth), trajectory(&estimate[..3]));
+        let report = evaluate_poses(&estimate, &truth, &PoseStudy::default()).expect("compared");
+        let compared = ComparedPoses {
+            estimate: Some(("e".into(), estimate)),
+            truth: Some(("t".into(), truth)),
+            report: Some(Ok(Arc::new(report))),
+        };
+        let scene = PlaneScene::of(&compared, Projection::Xy);
+        assert_eq!((scene.truth.len(), scene.estimate.len(), scene.size), (4, 3, (1120, 620)));
+        for (k, spot) in scene.estimate.iter().enumerate() {
+            assert!((spot.pos - scene.truth[k].pos).length() < 1e-2, "{spot:?} {:?}", scene.truth[k]);
+            assert_eq!((spot.pair, scene.truth[k].pair), (Some(k), Some(k)));
+        }
+        assert_eq!(scene.truth[3].pair, None);
+        assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
+        // Alone, each is drawn in its own world; together without a comparison only the truth.
+        let alone = ComparedPoses { truth: None, report: None, ..compared.clone() };
+        assert_eq!(PlaneScene::of(&alone, Projection::Xy).estimate.len(), 3);
+        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
+        assert_eq!(PlaneScene::of(&apart, Projection::Xy).estimate.len(), 0);
+    }
+
+    #[test]
+    fn cameras_in_one_place_or_on_a_line_have_a_plane() {
+        for centres in [&[][..], &[[1.0, 1.0, 1.0]; 2], &[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]] {
+            let truth = Some(("t".into(), trajectory(centres)));
+            let scene = PlaneScene::of(&ComparedPoses { truth, ..ComparedPoses::default() }, Projection::Principal);
+            assert!(scene.size.0 >= 300 && scene.size.1 >= 300, "{:?}", scene.size);
+            assert!(scene.truth.iter().all(|s| s.pos.is_finite()));
+        }
+    }
+
+    #[test]
+    fn scale_bars_have_round_lengths() {
+        for (longest, length) in [(1.0, 1.0), (7.3, 5.0), (0.29, 0.2), (1999.0, 1000.0), (0.0, 1.0)] {
+            assert!((round_length(longest) - length).abs() < 1e-12, "{longest}");
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Records of running windows: the session that each keeps by itself, and who it belongs to.
+//!
+//! All windows keep theirs in one folder, two files each: `NAME.toml`, the session, and `NAME.lock`, on which the window
+//! holds a lock of the system as long as it lives. The system takes the lock back however the program ends, so a session
+//! without a lock is one whose window did not end in the ordinary way; one with a lock is another window's.
+
+use crate::export::write_whole;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+
+const SESSION: &str = "toml";
+const LOCK: &str = "lock";
+
+/// The record of one window, which nobody else takes while this value lives.
+#[derive(Debug)]
+pub struct Record {
+    session: PathBuf,
+    /// `None` once it was removed. Whoever writes or removes holds it.
+    lock: Mutex<Option<File>>,
+}
+
+impl Record {
+    /// A new record in `folder`, which is made if it is not there.
+    ///
+    /// # Errors
+    /// What the system says; file systems without locks are refused.
+    pub fn new(folder: &Path) -> io::Result<Self> {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        std::fs::create_dir_all(folder)?;
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        let (seconds, process) = (since.as_secs(), std::process::id());
+        loop {
+            let name = format!("{seconds}-{process}-{}", COUNT.fetch_add(1, Ordering::Relaxed));
+            let session = folder.join(name).with_extension(SESSION);
+            if !session.exists()
+                && let Some(lock) = locked(&session)?
+            {
+                return Ok(Self { session, lock: Mutex::new(Some(lock)) });
+            }
+        }
+    }
+
+    /// The records in `folder` whose windows ended otherwise than in the ordinary way, the one that was written last
+    /// first. They belong to the caller from now on.
+    pub fn left_behind(folder: &Path) -> Vec<Self> {
+        let mut found = Vec::new();
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            let extension = path.extension().and_then(|extension| extension.to_str());
+            let session = path.with_extension(SESSION);
+            if !matches!(extension, Some(SESSION | LOCK)) {
+                continue;
+            }
+            let Ok(Some(lock)) = locked(&session) else { continue };
+            let record = Self { session, lock: Mutex::new(Some(lock)) };
+            match record.saved() {
+                Some(saved) => found.push((saved, record)),
+                // Its window had kept nothing yet.
+                None => record.remove(),
+            }
+        }
+        found.sort_by_key(|(saved, _)| std::cmp::Reverse(*saved));
+        found.into_iter().map(|(_, record)| record).collect()
+    }
+
+    /// The session file.
+    pub fn session(&self) -> &Path {
+        &self.session
+    }
+
+    /// When it was written last; `None` while it was not.
+    pub fn saved(&self) -> Option<SystemTime> {
+        std::fs::metadata(&self.session).ok()?.modified().ok()
+    }
+
+    /// Writes the session, whole or not at all. Does nothing once the record was removed.
+    ///
+    /// # Errors
+    /// Why it cannot be written, as a sentence.
+    pub fn write(&self, text: &str) -> Result<(), String> {
+        let lock = self.lock.lock().unwrap_or_else(PoisonError::into_inner);
+        if lock.is_none() {
+            return Ok(());
+        }
+        write_whole(&self.session, |out| out.write_all(text.as_bytes())).map_err(|error| error.to_string())
+    }
+
+    /// Removes it: its window ends in the ordinary way, or nobody wants the session.
+    pub fn remove(&self) {
+        let mut lock = self.lock.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(lock) = lock.take() {
+            // The session first: a lock without one is no offer. What cannot be removed is offered once more.
+            let _ = std::fs::remove_file(&self.session);
+            let _ = std::fs::remove_file(self.session.with_extension(LOCK));
+            drop(lock);
+        }
+    }
+}
+
+/// The lock of this session, if nobody else has it.
+fn locked(session: &Path) -> io::Result<Option<File>> {
+    let path = session.with_extension(LOCK);
+    let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;
+    match file.try_lock() {
+        // Between opening and locking its owner may have removed it.
+        Ok(()) => Ok(path.exists().then_some(file)),
+        Err(TryLockError::WouldBlock) => Ok(None),
+        Err(TryLockError::Error(error)) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn files(folder: &Path) -> usize {
+        std::fs::read_dir(folder).map_or(0, Iterator::count)
+    }
+
+    #[test]
+    fn only_what_nobody_holds_was_left_behind() {
+        let home = tempfile::tempdir().expect("a folder");
+        let folder = home.path().join("running");
+        assert!(Record::left_behind(&folder).is_empty());
+        let (first, second) = (Record::new(&folder).expect("made"), Record::new(&folder).expect("made"));
+        assert_ne!(first.session(), second.session());
+        first.write("a = 1").expect("written");
+        second.write("b = 1").expect("written");
+        assert!(Record::left_behind(&folder).is_empty(), "both windows live");
+        // The second ends in the ordinary way, the first does not.
+        second.remove();
+        second.write("b = 2").expect("nothing to do");
+        let path = first.session().to_path_buf();
+        drop(first);
+        let found = Record::left_behind(&folder);
+        assert_eq!(found.iter().map(Record::session).collect::<Vec<_>>(), [&path]);
+        assert!(Record::left_behind(&folder).is_empty(), "the one who found it has it");
+        assert_eq!(std::fs::read_to_string(&path).expect("read"), "a = 1");
+        found[0].remove();
+        assert_eq!(files(&folder), 0);
+    }
+
+    #[test]
+    fn the_latest_comes_first_and_a_window_that_kept_nothing_leaves_nothing() {
+        let home = tempfile::tempdir().expect("a folder");
+        let records: Vec<Record> = (0..3).map(|_| Record::new(home.path()).expect("made")).collect();
+        for (record, age) in records.iter().zip([10, 5]) {
+            record.write("a = 1").expect("written");
+            let then = SystemTime::now() - std::time::Duration::from_secs(age);
+            File::options().write(true).open(record.session()).expect("there").set_modified(then).expect("set");
+        }
+        let names: Vec<PathBuf> = records.iter().map(|record| record.session().to_path_buf()).collect();
+        drop(records);
+        let found = Record::left_behind(home.path());
+        assert_eq!(found.iter().map(Record::session).collect::<Vec<_>>(), [&names[1], &names[0]]);
+        assert_eq!(files(home.path()), 4);
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_an_error() {
+        let home = tempfile::tempdir().expect("a folder");
+        let file = home.path().join("file");
+        std::fs::write(&file, "").expect("written");
+        assert!(Record::new(&file.join("running")).is_err());
+    }
+}

@@ -1,0 +1,224 @@
+//! A session: what is needed to come back to the same view of the same burst, as a TOML file.
+//!
+//! Pixels and features are not kept: the burst is opened again from where it was, and the features are found again,
+//! which gives the same bits; so is a result that was pinned. The selected feature is then found again by its place.
+
+mod before;
+mod pair;
+mod sources;
+mod unknown;
+
+pub use pair::PairSession;
+pub use sources::{SavedDataset, SavedTrajectories};
+
+use super::canvas::{View, overlay::ColourBy};
+use super::pane::{Content, PaneId, SavedPanes, SavedWorkspaces};
+use crate::app::project::against::SavedAgainst;
+use crate::app::project::compare::CompareLook;
+use crate::app::project::cursor::Cursor;
+use crate::app::project::filter::{Column, Filter};
+use crate::app::project::look::Look;
+use crate::app::project::order::Order;
+use crate::app::project::pair::Side;
+use crate::app::project::probe::SavedProbe;
+use crate::app::project::workspace::Workspace;
+use crate::app::project::{BottomTab, Model, SavedSelection};
+use crate::burst::OpenOptions;
+use crate::detector::SearchParams;
+use crate::requests::BurstSource;
+use before::MethodsBefore;
+use serde::{Deserialize, Serialize};
+use sources::{absolute, absolute_calibration, absolute_path, gold_source, saved_dataset, saved_trajectories};
+use unknown::read_noting_unknown_keys;
+
+/// The version that this program writes; it reads this and older ones.
+const VERSION: u32 = 3;
+
+/// What a session file holds. A missing field has its default.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Session {
+    /// Version of the file's form.
+    version: u32,
+    /// Where the burst comes from.
+    pub burst: BurstSource,
+    /// How it was opened: bias and flat frame and all that makes light of a file's values.
+    #[serde(default, skip_serializing_if = "OpenOptions::is_plain")]
+    pub calibration: OpenOptions,
+    /// By what features are coloured.
+    #[serde(default)]
+    pub colour_by: ColourBy,
+    /// The tab below the picture.
+    #[serde(default)]
+    pub bottom_tab: BottomTab,
+    /// Whether features were there, so that they are to be found again.
+    #[serde(default)]
+    pub detected: bool,
+    /// The detector's parameters, and how the slopes are chosen; older files give them.
+    #[serde(default)]
+    pub params: SearchParams,
+    /// Where the cursor of A's own pane was.
+    #[serde(default)]
+    pub scrub: Cursor,
+    /// Its pan and zoom.
+    #[serde(default)]
+    pub view: View,
+    /// The panes of *Inspect*, since version 2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub panes: Option<SavedPanes>,
+    /// The panes of *Two bursts*, since version 3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair_panes: Option<SavedPanes>,
+    /// The panes of *Methods*, since version 3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub methods_panes: Option<SavedPanes>,
+    /// How methods lay beside one another in sessions of before.
+    #[serde(skip)]
+    methods_before: Option<MethodsBefore>,
+    /// Ranges, maps and overlay.
+    #[serde(default)]
+    pub look: Look,
+    /// Which features were shown.
+    #[serde(default)]
+    pub filter: Filter,
+    /// The table's order.
+    #[serde(default)]
+    pub order: Order<Column>,
+    /// The selected feature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub selection: Option<SavedSelection>,
+    /// The place that is probed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub probe: Option<SavedProbe>,
+    /// With what the features were compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against: Option<SavedAgainst>,
+    /// The dataset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dataset: Option<SavedDataset>,
+    /// The trajectories.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trajectories: Option<SavedTrajectories>,
+    /// The workspace that was open.
+    #[serde(default, alias = "room")]
+    pub workspace: Workspace,
+    /// The second burst and the matches.
+    #[serde(default)]
+    pub pair: PairSession,
+    /// Which methods were compared, and how.
+    #[serde(default)]
+    pub methods: CompareLook,
+    /// Where the gold standard comes from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gold: Option<BurstSource>,
+}
+
+impl Session {
+    /// The session of what is on show; `None` without a burst.
+    pub fn of(model: &Model) -> Option<Self> {
+        let (burst, pane) = (model.burst.as_ref()?, model.panes.of(Side::A));
+        let [panes, pair_panes, methods_panes] = SavedWorkspaces::of(&model.panes).placed;
+        Some(Self {
+            version: VERSION,
+            burst: absolute(&burst.source),
+            calibration: absolute_calibration(&model.calibration),
+            colour_by: model.colour_by,
+            bottom_tab: model.bottom_tab,
+            detected: model.found.is_some(),
+            params: model.asked(),
+            scrub: pane.cursor,
+            view: pane.view,
+            panes,
+            pair_panes,
+            methods_panes,
+            methods_before: None,
+            look: model.look.clone(),
+            filter: model.filter,
+            order: model.order,
+            selection: model.saved_selection(),
+            probe: model.probe.saved(),
+            against: model
+                .saved_against()
+                .map(|saved| SavedAgainst { file: saved.file.as_deref().map(absolute_path), ..saved }),
+            workspace: model.workspace,
+            pair: PairSession::of(model),
+            methods: model.compare.look.clone(),
+            gold: gold_source(model, Side::A),
+            dataset: model.datasets.open.as_ref().map(saved_dataset),
+            trajectories: saved_trajectories(&model.trajectories),
+        })
+    }
+
+    /// The file's text, which [`Session::from_toml`] reads back.
+    pub fn to_toml(&self) -> String {
+        let body = toml::to_string(self).expect("a session is plain values, which TOML can always hold");
+        format!("# A Burstscope session: open it with File > Open session.\n{body}")
+    }
+
+    /// Reads a session file's text.
+    ///
+    /// # Errors
+    /// What is wrong and where, as TOML's reader says it; the keys that no session of this version has; or that the
+    /// file is from a newer version.
+    pub fn from_toml(text: &str) -> Result<Self, String> {
+        // The version comes first: what a newer file holds besides cannot be known here.
+        #[derive(Deserialize)]
+        struct Head {
+            version: u32,
+        }
+        if let Ok(Head { version }) = toml::from_str(text)
+            && version > VERSION
+        {
+            return Err(format!(
+                "the session file has version {version}, this program reads up to {VERSION}; open it with a newer Burstscope"
+            ));
+        }
+        let (mut session, unknown) =
+            read_noting_unknown_keys::<Self>(text).map_err(|error| format!("this is not a session file: {error}"))?;
+        // What older programs wrote may since have gone; in a file of this version it is a mistake.
+        if session.version == VERSION && !unknown.is_empty() {
+            return Err(format!("the session file has unknown keys: {}; remove or correct them", unknown.join(", ")));
+        }
+        session.methods_before = (session.version < 3).then(|| MethodsBefore::from_toml(text));
+        session.look.ranges = session.look.ranges.sanitised();
+        if let Some(look) = &mut session.pair.look {
+            look.ranges = look.ranges.sanitised();
+        }
+        Ok(session)
+    }
+
+    /// The panes of all workspaces.
+    pub fn workspaces(&self) -> SavedWorkspaces {
+        SavedWorkspaces { placed: [self.panes.clone(), self.pair_panes.clone(), self.methods_panes.clone()] }
+    }
+
+    /// Puts what the session holds into the model, whose burst was just opened.
+    pub fn apply(&self, model: &mut Model) {
+        model.set_search(self.params.clone());
+        model.calibration = self.calibration.clone();
+        let pane = model.panes.of_mut(Side::A);
+        (pane.cursor, pane.slope_chosen, pane.view, pane.content) = (self.scrub, true, self.view, Content::Cursor);
+        if self.panes.is_none() {
+            model.panes.show_alone(PaneId::of(Side::A));
+        }
+        self.workspaces().apply(&mut model.panes);
+        model.look = self.look.clone();
+        model.filter = self.filter;
+        model.order = self.order;
+        model.colour_by = self.colour_by;
+        model.bottom_tab = self.bottom_tab;
+        model.reselect = self.selection;
+        model.workspace = self.workspace;
+        model.compare.look = self.methods.clone().sanitised();
+        if let Some(before) = &self.methods_before {
+            before.apply(model, self.pair.burst.is_some());
+        }
+        model.keep_methods_arranged();
+        model.restore_probe(self.probe);
+        model.restore_against(self.against.clone());
+        model.check_params();
+    }
+}
+
+#[cfg(test)]
+mod tests;

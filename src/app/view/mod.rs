@@ -1,0 +1,13 @@
+//! How pictures and features are seen, as plain values: pan and zoom ([`View`]), the way from one plane of coordinates
+//! to another, what colours tell, and numbers as people read them. The project keeps such values, the canvas draws by
+//! them.
+
+mod colour_by;
+mod numbers;
+mod pan_zoom;
+mod transform;
+
+pub use colour_by::ColourBy;
+pub use numbers::{number, signed_number};
+pub use pan_zoom::{MAX_POINTS_PER_PIXEL, View, Zoom};
+pub use transform::RectTransform;

@@ -1,0 +1,182 @@
+//! Raw frames: a sensor's own values, by `rawler` (DNG, and what else it knows).
+//!
+//! A colour sensor has one colour at each pixel, in a mosaic of 2×2. Filling in the other two (demosaicing) would make
+//! noise that neighbours share, which every later step would have to know. So the colours are kept apart: the four
+//! pixels of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken. Places, scales and
+//! slopes are then in binned pixels. Black and white are those of the file; values under black stay negative; nothing
+//! is stretched, balanced or clipped. The active area is taken, not the crop that the camera recommends.
+
+use super::raw_levels::{BlackSteps, RawLevels};
+use super::turned::turned;
+use super::{Expected, FileScale, Header, RawFrame};
+use crate::burst::encoding::Encoding;
+use crate::burst::error::OpenError;
+use crate::burst::luma::{Curve, grey_from_interleaved};
+use crate::burst::options::{OpenOptions, RawColour};
+use crate::files::read_bytes;
+use crate::plane::Plane;
+use image::metadata::Orientation;
+use rawler::decoders::{RawDecodeParams, WellKnownIFD};
+use rawler::rawimage::RawPhotometricInterpretation;
+use rawler::rawsource::RawSource;
+use rawler::tags::TiffCommonTag;
+use rawler::{RawImage, RawImageData};
+use std::path::Path;
+
+/// Bytes of a file for each pixel that is allowed, at most: float values, and what else stands in it.
+const BYTES_PER_PIXEL: u64 = 8;
+
+pub(super) fn header(path: &Path, options: &OpenOptions) -> Result<Header, OpenError> {
+    let plane = read(path, options)?.plane;
+    Ok(Header { width: plane.width(), height: plane.height(), frames: 1 })
+}
+
+pub(super) fn frame(path: &Path, expected: Expected<'_>, options: &OpenOptions) -> Result<RawFrame, OpenError> {
+    let frame = read(path, options)?;
+    expected.check(path, frame.plane.size())?;
+    Ok(frame)
+}
+
+/// The frame of a file that holds one.
+pub(super) fn read(path: &Path, options: &OpenOptions) -> Result<RawFrame, OpenError> {
+    let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
+    let bytes = read_bytes(path, max_bytes).map_err(|e| OpenError::from_io(path, &e))?;
+    if is_cut_off(&bytes) {
+        return Err(OpenError::Corrupt { path: path.into(), kind: "raw", reason: "it ends too early".to_owned() });
+    }
+    let source = RawSource::new_from_slice(&bytes).with_path(path);
+    let corrupt = |e: rawler::RawlerError| OpenError::Corrupt { path: path.into(), kind: "raw", reason: e.to_string() };
+    let decoder = rawler::get_decoder(&source).map_err(corrupt)?;
+    // What is announced is checked before it is decoded.
+    let (mut width, mut height) = (0, 0);
+    let mut black_steps = BlackSteps::default();
+    if let Some(directory) = decoder.ifd(WellKnownIFD::Raw).map_err(corrupt)? {
+        let side = |tag| directory.get_entry(tag).map_or(0, |entry| entry.force_usize(0));
+        (width, height) = (side(TiffCommonTag::ImageWidth), side(TiffCommonTag::ImageLength));
+        black_steps = BlackSteps::of(&directory);
+    }
+    if width == 0 || height == 0 {
+        let announced = decoder.raw_image(&source, &RawDecodeParams::default(), true).map_err(corrupt)?;
+        (width, height) = (announced.width, announced.height);
+    }
+    options.limits.check_frame(path, width as u64, height as u64)?;
+    let raw = decoder.raw_image(&source, &RawDecodeParams::default(), false).map_err(corrupt)?;
+    let unsupported = |reason: String| OpenError::Unsupported { path: path.into(), kind: "raw", reason };
+    let area = Area::of(&raw).ok_or_else(|| OpenError::Corrupt {
+        path: path.into(),
+        kind: "raw",
+        reason: "it has fewer values than its size announces".to_owned(),
+    })?;
+    let levels = RawLevels::of(&raw, (area.width, area.height), black_steps, options).map_err(unsupported)?;
+    let (plane, binning) = plane_of(&raw, &area, &levels, options.raw_colour).map_err(unsupported)?;
+    if let Some(index) = plane.data().iter().position(|v| !v.is_finite()) {
+        let (u, v, value) = (index % plane.width(), index / plane.width(), plane.data()[index]);
+        return Err(OpenError::NotFinite { path: path.into(), frame: 0, u, v, value });
+    }
+    let orientation = u8::try_from(raw.orientation.to_u16()).ok().and_then(Orientation::from_exif);
+    Ok(RawFrame {
+        plane: turned(plane, orientation.unwrap_or(Orientation::NoTransforms)),
+        scale: FileScale::Raw { white: levels.white() },
+        encoding: Encoding::Linear,
+        binning,
+    })
+}
+
+/// Whether the file is a TIFF whose first directory is not all there: the decoder would go on without the levels that
+/// stand in the rest.
+fn is_cut_off(bytes: &[u8]) -> bool {
+    let is_tiff = [b"II*\0", b"MM\0*"].iter().any(|magic| bytes.starts_with(*magic));
+    let end_of_file =
+        |e: &tiff::TiffError| matches!(e, tiff::TiffError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof);
+    is_tiff && tiff::decoder::Decoder::new(std::io::Cursor::new(bytes)).is_err_and(|e| end_of_file(&e))
+}
+
+/// The part of the sensor that sees light.
+struct Area {
+    left: usize,
+    top: usize,
+    width: usize,
+    height: usize,
+}
+
+impl Area {
+    /// `None` where the values do not fill what is announced.
+    fn of(raw: &RawImage) -> Option<Self> {
+        let count = match &raw.data {
+            RawImageData::Integer(values) => values.len(),
+            RawImageData::Float(values) => values.len(),
+        };
+        let whole = Self { left: 0, top: 0, width: raw.width, height: raw.height };
+        let area = raw.active_area.map_or(whole, |area| Self {
+            left: area.p.x,
+            top: area.p.y,
+            width: area.d.w,
+            height: area.d.h,
+        });
+        let inside =
+            area.left.checked_add(area.width)? <= raw.width && area.top.checked_add(area.height)? <= raw.height;
+        let full = raw.width.checked_mul(raw.height)?.checked_mul(raw.cpp)? <= count;
+        (inside && full && area.width > 0 && area.height > 0 && raw.cpp > 0).then_some(area)
+    }
+}
+
+/// One value for each pixel, or each square of 2×2, and the side of that square.
+fn plane_of(raw: &RawImage, area: &Area, levels: &RawLevels, colour: RawColour) -> Result<(Plane, usize), String> {
+    // A pixel of the active area as a fraction.
+    let at = |u: usize, v: usize, c: usize| {
+        let index = ((area.top + v) * raw.width + area.left + u) * raw.cpp + c;
+        let value = match &raw.data {
+            RawImageData::Integer(values) => f32::from(values[index]),
+            RawImageData::Float(values) => values[index],
+        };
+        levels.fraction(value, (u, v), c)
+    };
+    if let (RawPhotometricInterpretation::Cfa(config), 1) = (&raw.photometric, raw.cpp) {
+        let mosaic = &config.cfa;
+        let colour_at = |u: usize, v: usize| mosaic.color_at(area.top + v, area.left + u);
+        let mut square: Vec<usize> = (0..4).map(|k| colour_at(k % 2, k / 2)).collect();
+        square.sort_unstable();
+        if (mosaic.width, mosaic.height) != (2, 2) || square != [0, 1, 1, 2] {
+            return Err(format!(
+                "its mosaic is {}×{} of {}; squares of two green, a red and a blue pixel can be opened",
+                mosaic.width, mosaic.height, mosaic.name
+            ));
+        }
+        let (width, height) = (area.width / 2, area.height / 2);
+        if width == 0 || height == 0 {
+            return Err("its active area is smaller than a square of the mosaic".to_owned());
+        }
+        let wanted: Vec<(usize, usize)> =
+            (0..4).map(|k| (k % 2, k / 2)).filter(|&(u, v)| colour.takes(colour_at(u, v))).collect();
+        let share = 1.0 / wanted.len() as f32;
+        let plane = Plane::from_fn(width, height, |u, v| {
+            wanted.iter().map(|(du, dv)| at(2 * u + du, 2 * v + dv, 0)).sum::<f32>() * share
+        });
+        return Ok((plane, 2));
+    }
+    let plane = match raw.cpp {
+        1 => Plane::from_fn(area.width, area.height, |u, v| at(u, v, 0)),
+        3 => Plane::from_fn(area.width, area.height, |u, v| match colour {
+            RawColour::Luma => {
+                grey_from_interleaved(&[at(u, v, 0), at(u, v, 1), at(u, v, 2)], 3, Curve::Linear(1.0))[0]
+            }
+            RawColour::Red => at(u, v, 0),
+            RawColour::Green => at(u, v, 1),
+            RawColour::Blue => at(u, v, 2),
+        }),
+        samples => return Err(format!("it has {samples} values a pixel; one or three can be opened")),
+    };
+    Ok((plane, 1))
+}
+
+impl RawColour {
+    /// Whether a pixel of the mosaic's colour `index` (red, green, blue) is taken.
+    fn takes(self, index: usize) -> bool {
+        match self {
+            Self::Luma => true,
+            Self::Red => index == 0,
+            Self::Green => index == 1,
+            Self::Blue => index == 2,
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! What `evaluate chart` and `evaluate frames` share: a study of charts from the arguments, and its figure.
+
+use super::charts_args::{ChartsArgs, ComparedArgs};
+use super::console::Console;
+use super::failure::Failure;
+use super::search_options::SearchArgs;
+use super::study::{Searched, once_each, searched_by};
+use crate::evaluate::ChartStudy;
+use crate::export::write_whole;
+use std::io::Write;
+use std::path::Path;
+
+/// A study of charts at the ratios `snrs`.
+pub(super) fn chart_study(
+    (charts, compared): (&ChartsArgs, &ComparedArgs),
+    search: &SearchArgs,
+    snrs: Vec<f64>,
+) -> Result<ChartStudy, Failure> {
+    if search.method.is_some() {
+        return Err(Failure::usage("--method: this command compares several; name them with --methods"));
+    }
+    let Searched { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;
+    let (slopes_1d, slopes_2d) = ChartStudy::slopes_for(slopes);
+    Ok(ChartStudy {
+        chart: charts.params(compared.max_slope),
+        snrs,
+        first_seed: charts.seed,
+        seeds: charts.seeds,
+        methods: once_each(&compared.methods),
+        detector,
+        slopes_1d,
+        slopes_2d,
+        direction_deg,
+        ranking: compared.ranking,
+        false_fraction: compared.false_fraction,
+    })
+}
+
+/// Writes the figure if one was asked for.
+pub(super) fn write_plot(console: &Console, path: Option<&Path>, svg: impl FnOnce() -> String) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    write_whole(path, |out| out.write_all(svg().as_bytes()))?;
+    console.say(&format!("\nwrote {}\n", path.display()))
+}
+
+/// Refuses what is no file for an SVG figure.
+pub(super) fn check_plot(path: &Path) -> Result<(), Failure> {
+    if path.is_dir() {
+        return Err(Failure::usage(format!(
+            "--plot: this is a folder; name a file such as roc.svg: {}",
+            path.display()
+        )));
+    }
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+        return Err(Failure::usage(format!(
+            "--plot: the figure is drawn as SVG, which browsers, editors and papers take; name a file that ends in .svg: {}",
+            path.display()
+        )));
+    }
+    Ok(())
+}

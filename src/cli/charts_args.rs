@@ -1,0 +1,85 @@
+//! The arguments of studies of charts: which charts, and what is compared on them.
+
+use super::synth_values::{motions, parse_range, radius_laws};
+use crate::evaluate::{BurstMethod, Ranking};
+use crate::synth::{ChartParams, Motion, RadiusLaw};
+use clap::Args;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+fn chart() -> ChartParams {
+    ChartParams::default()
+}
+
+/// The picture of a chart: its size and its discs.
+#[derive(Debug, Clone, Args)]
+pub struct DiscsArgs {
+    /// Columns.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().width)]
+    pub width: usize,
+    /// Rows.
+    #[arg(long, value_name = "PIXELS", default_value_t = chart().height)]
+    pub height: usize,
+    /// Number of discs.
+    #[arg(long, value_name = "N", default_value_t = chart().discs)]
+    pub discs: usize,
+    /// Range of the discs' radii, pixels.
+    #[arg(long, value_name = "MIN:MAX", default_value = "3.6:19", value_parser = parse_range)]
+    pub radius: RangeInclusive<f64>,
+    /// Law of the radii: uniform, or log, by which every octave of radii is equally likely.
+    #[arg(long, value_name = "LAW", default_value = "uniform", value_parser = radius_laws())]
+    pub radius_law: RadiusLaw,
+}
+
+impl DiscsArgs {
+    /// `chart` with this size and these discs.
+    pub fn put_on(&self, chart: ChartParams) -> ChartParams {
+        let Self { width, height, discs, radius, radius_law } = self.clone();
+        ChartParams { width, height, discs, radius, radius_law, ..chart }
+    }
+}
+
+/// The charts of a study.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Charts")]
+pub struct ChartsArgs {
+    /// Number of charts for each ratio, with seeds counting up.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub seeds: u64,
+    /// The first chart's seed.
+    #[arg(long, value_name = "FIRST", default_value_t = 1)]
+    pub seed: u64,
+    /// Directions of motion: 1d is horizontal, 2d any.
+    #[arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions())]
+    pub motion: Motion,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub discs: DiscsArgs,
+}
+
+impl ChartsArgs {
+    /// The charts, of which a study sets ratio and seed.
+    pub fn params(&self, max_slope: f64) -> ChartParams {
+        self.discs.put_on(ChartParams { motion: self.motion, max_slope, ..ChartParams::default() })
+    }
+}
+
+/// What is compared on charts.
+#[derive(Debug, Clone, Args)]
+pub struct ComparedArgs {
+    /// Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean of all
+    /// frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes found from each
+    /// burst).
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "sift-frame,sift-mean,sift-merge,buff-1d,buff-2d",
+        value_parser = BurstMethod::from_str)]
+    pub methods: Vec<BurstMethod>,
+    /// What a threshold is put on: strength (the detector's own ranking), response or snr.
+    #[arg(long, value_name = "RANKING", default_value = "strength", value_parser = Ranking::from_str)]
+    pub ranking: Ranking,
+    /// The share of false detections at which methods are compared.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1)]
+    pub false_fraction: f64,
+    /// Largest slope of the discs on each axis that moves, pixels per frame.
+    #[arg(long, value_name = "SLOPE", default_value_t = chart().max_slope)]
+    pub max_slope: f64,
+}

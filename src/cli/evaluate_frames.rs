@@ -1,0 +1,115 @@
+//! `evaluate frames`: what the number of frames of a burst is worth, on charts or in a burst that is given.
+
+use super::args::INPUT_HELP;
+use super::burst_search_args::BurstSearchArgs;
+use super::chart_study::{chart_study, check_plot, write_plot};
+use super::charts_args::{ChartsArgs, ComparedArgs};
+use super::console::Console;
+use super::evaluate_tables::{burst_frames_table, frames_table};
+use super::failure::Failure;
+use super::inputs::{open_options, resolve_one, resolve_pair};
+use super::study::Document;
+use crate::burst::Burst;
+use crate::detector::params::doc;
+use crate::evaluate::frames::FRAME_COUNTS;
+use crate::evaluate::frames_figure::{burst_frames_svg, frames_svg};
+use crate::evaluate::{BurstFramesStudy, FramesStudy};
+use crate::inspect::truth::truth_of;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Count what is found with few frames and with many, on charts or in a burst.
+///
+/// Without INPUT charts of discs are made, of each number of frames, and every method runs on them, as 'evaluate chart'
+/// does it. With INPUT its middle frames are taken as a burst, 2 of them, 3, … all: how many features there are, how
+/// many of them the search of all frames confirms and how many not, how many are false where its truth.json says so,
+/// and, with SECOND, how many matches with as many of its middle frames.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = FRAMES_HELP)]
+pub struct FramesArgs {
+    // A group that has another one in it has no arguments of its own for clap: those of ChartsArgs are named.
+    #[arg(value_name = "INPUT", help = INPUT_HELP, conflicts_with_all = ["seeds", "seed", "motion", "DiscsArgs", "ComparedArgs", "snr"])]
+    #[allow(missing_docs)]
+    pub input: Option<PathBuf>,
+    /// A second burst of the same scene, to be matched with INPUT by the parameters that 'match' has without options.
+    #[arg(value_name = "SECOND")]
+    pub second: Option<PathBuf>,
+    /// Numbers of frames, separated by commas [default: 2,3,4,5,6,8,10,12,15 for charts, 2 to all for INPUT].
+    #[arg(long, value_name = "N,…", value_delimiter = ',')]
+    pub frame_counts: Vec<usize>,
+    /// Signal-to-noise ratio of one pixel in one frame of a chart; 'inf' makes no noise.
+    #[arg(long, value_name = "RATIO", default_value_t = 0.6)]
+    pub snr: f64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub compared: ComparedArgs,
+    /// Draw what was found over the number of frames as an SVG figure.
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub charts: ChartsArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub run: BurstSearchArgs,
+}
+
+const FRAMES_HELP: &str = "\
+JSON (--json) of charts: that of 'evaluate chart' with
+  {\"version\", \"command\": \"evaluate frames\", \"snr\", …, \"rows\": [{\"frames\", \"methods\": [{as there}]}]}
+JSON (--json) of INPUT:
+  {\"version\", \"command\": \"evaluate frames\", \"burst\", \"second\", \"detector\": {as in the parameter file}, \"second_slopes\", \"features\", \"discs\",
+   \"rows\": [{\"frames\", \"first_frame\", \"features\", \"confirmed\", \"unconfirmed\", \"discs_found\", \"false_features\",
+     \"matches\": null or {\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\"}}]}";
+
+pub(super) fn run(args: &FramesArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.plot {
+        check_plot(path)?;
+    }
+    match &args.input {
+        None => charts(args),
+        Some(input) => burst(args, input),
+    }
+}
+
+fn charts(args: &FramesArgs) -> Result<(), Failure> {
+    if args.run.search.frames.is_some() {
+        let problem = "charts have as many frames as --frame-counts says; leave it out";
+        return Err(Failure::usage(format!("--{}: {problem}", doc::FRAMES.name)));
+    }
+    if !args.run.calibration.options().is_plain() {
+        return Err(Failure::usage(
+            "--bias and what else calibrates files: charts have none; leave it out, or name a burst",
+        ));
+    }
+    let study = FramesStudy {
+        charts: chart_study((&args.charts, &args.compared), &args.run.search, vec![args.snr])?,
+        frame_counts: if args.frame_counts.is_empty() { FRAME_COUNTS.to_vec() } else { args.frame_counts.clone() },
+    };
+    let console = Console::new(&args.run.output)?;
+    let report = study.run(&console.monitor)?;
+    console.say(&frames_table(&report))?;
+    write_plot(&console, args.plot.as_deref(), || frames_svg(&report))?;
+    console.say_json(&Document::new("evaluate frames", &report))
+}
+
+fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
+    let study = BurstFramesStudy {
+        search: args.run.search.params()?,
+        frame_counts: args.frame_counts.clone(),
+        ..BurstFramesStudy::default()
+    };
+    let console = Console::new(&args.run.output)?;
+    let inputs = match &args.second {
+        Some(second) => resolve_pair(input, second)?,
+        None => vec![resolve_one(&[input.to_owned()], "evaluate frames")?],
+    };
+    let options = open_options(&inputs, &args.run.calibration)?;
+    let silent = console.monitor.silent();
+    let bursts = inputs.iter().map(|i| i.open(&options, &silent)).collect::<Result<Vec<Burst>, _>>()?;
+    let truth = truth_of(&bursts[0]).map_err(|e| Failure::Failed(e.into()))?;
+    let report = study.run(&bursts[0], bursts.get(1), truth.as_ref(), &console.monitor)?;
+    console.say(&burst_frames_table(&report))?;
+    write_plot(&console, args.plot.as_deref(), || burst_frames_svg(&report))?;
+    console.say_json(&Document::new("evaluate frames", &report))
+}

@@ -1,0 +1,109 @@
+//! How much memory a search may take: what it needs is estimated before it starts, and one that would take more is done
+//! in groups of slopes, or refused where even that does not help.
+//!
+//! What grows with the search is what is held for every slope: the first level of each octave after the first, from
+//! which the next one is made and keypoints are described. Beside it there are the frames, as the noise model leaves
+//! them and at each octave's resolution, and the threads' windows of slopes, which have a bound of their own.
+
+mod plan;
+
+pub(crate) use plan::Plan;
+
+use super::params::DetectorParams;
+use super::scale_space::levels::{octave_size, searched_octaves};
+use crate::kernel::machine::{WINDOW_BYTES, WINDOWS_BYTES};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The part of the machine's memory that a search may take unless told otherwise.
+pub const DEFAULT_PART: f64 = 0.75;
+
+/// The budget's name on the command line.
+pub const OPTION: &str = "memory";
+
+/// Bytes; 0 for the default.
+static BUDGET: AtomicU64 = AtomicU64::new(0);
+
+/// From now on a search of this process may take `bytes`; `None` is [`DEFAULT_PART`] of the machine's memory. Results
+/// do not depend on it: a search that would take more is done in groups of slopes, one after the other, or refused where
+/// even that takes more.
+pub fn set_budget(bytes: Option<u64>) {
+    BUDGET.store(bytes.map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
+}
+
+/// What a search may take, bytes; `None` where nothing was set and the system does not say how much there is.
+pub fn budget() -> Option<u64> {
+    match BUDGET.load(Ordering::Relaxed) {
+        0 => machine_bytes().map(|bytes| (bytes as f64 * DEFAULT_PART) as u64),
+        bytes => Some(bytes),
+    }
+}
+
+/// The part of the budget that is left to what detections leave behind for those who ask why, at most [`KEPT_BYTES`].
+const KEPT_PART: f64 = 0.125;
+/// As much as that is kept of at most, whatever the budget.
+const KEPT_BYTES: u64 = 512 << 20;
+
+/// How much may be kept of what detections leave behind, bytes. A search that leaves something has the rest of the
+/// budget.
+pub fn kept_bytes() -> u64 {
+    budget().map_or(KEPT_BYTES, |budget| ((budget as f64 * KEPT_PART) as u64).min(KEPT_BYTES))
+}
+
+/// The machine's memory, or what this process may have of it, bytes. `None` where the system does not say (anything but
+/// Linux).
+pub fn machine_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
+    let total = line.split_whitespace().nth(1)?.parse::<u64>().ok()? << 10;
+    // A container has less than the machine.
+    let limit = std::fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
+    Some(limit.map_or(total, |limit: u64| limit.min(total)))
+}
+
+/// What a search with `params` needs beyond the burst itself if it is done for all slopes at once, about, in bytes:
+/// `frames` frames of `size` (columns, rows) take part.
+pub fn estimate(params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
+    let slopes = params.used_slopes().len() as u64;
+    slopes.saturating_mul(bytes_of_slope(params, size)).saturating_add(bytes_beside_slopes(frames, size))
+}
+
+/// What a search needs however many slopes there are, bytes.
+fn bytes_beside_slopes(frames: usize, size: (usize, usize)) -> u64 {
+    let windows = (rayon::current_num_threads() * WINDOW_BYTES).min(WINDOWS_BYTES);
+    // The frames less their noise's patterns, and all their octaves together.
+    let of_frames = (frames as u64).saturating_mul(plane_bytes(size)).saturating_mul(7) / 3;
+    of_frames.saturating_add(windows as u64)
+}
+
+/// What is held for one slope, bytes.
+fn bytes_of_slope(params: &DetectorParams, size: (usize, usize)) -> u64 {
+    searched_octaves(params, size).skip(1).map(|octave| plane_bytes(octave_size(size, octave))).sum()
+}
+
+fn plane_bytes((width, height): (usize, usize)) -> u64 {
+    (width as u64).saturating_mul(height as u64).saturating_mul(size_of::<f32>() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::SlopeGrid;
+
+    #[test]
+    fn the_estimate_grows_with_slopes_and_the_first_octave() {
+        let size = (1600, 1200);
+        let plane =
+            DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 64, -3.0..=3.0, 64), ..DetectorParams::default() };
+        let fine = DetectorParams { first_octave: -1, ..plane.clone() };
+        let of = |params: &DetectorParams| estimate(params, 10, size) as f64 / 1e9;
+        assert!((8.0..13.0).contains(&of(&plane)), "{}", of(&plane));
+        assert!((32.0..45.0).contains(&of(&fine)), "{}", of(&fine));
+        assert!(of(&DetectorParams::default()) < 0.5);
+        assert!(estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
+    }
+
+    #[test]
+    fn the_machine_says_how_much_it_has_where_it_can() {
+        assert!(machine_bytes().is_none_or(|bytes| bytes > 1 << 28));
+    }
+}

@@ -1,0 +1,144 @@
+//! How a search is done within its budget: all slopes at once, or groups of slopes one after the other.
+
+use super::{OPTION, bytes_beside_slopes, bytes_of_slope, estimate};
+use crate::detector::localise::slopes_around;
+use crate::detector::params::{DetectorParams, ParamError};
+use crate::detector::search::groups::SlopeGroup;
+use crate::detector::search::slope_window::OtherSlopes;
+
+/// How a search is done. Results do not depend on it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Plan {
+    /// The groups in which slopes are searched; one for all of them if they fit.
+    pub(crate) search: Vec<SlopeGroup>,
+    /// Those in which their keypoints are localised and described; one if there is one for the search.
+    pub(crate) describe: Vec<SlopeGroup>,
+}
+
+impl Plan {
+    /// For a search with `params` of `frames` frames of `size` (columns, rows) within `budget` bytes, or within any
+    /// where there is none.
+    ///
+    /// # Errors
+    /// How much it needs at least, and what would make it less.
+    pub(crate) fn new(
+        params: &DetectorParams,
+        frames: usize,
+        size: (usize, usize),
+        budget: Option<u64>,
+    ) -> Result<Self, ParamError> {
+        let grid = params.used_slopes();
+        let (count, of_slope) = (grid.len(), bytes_of_slope(params, size));
+        let needed = estimate(params, frames, size);
+        let Some(budget) = budget.filter(|budget| *budget < needed) else {
+            return Ok(Self { search: vec![SlopeGroup::whole(count)], describe: vec![SlopeGroup::whole(count)] });
+        };
+        let beside = bytes_beside_slopes(frames, size);
+        let fitting = (budget.saturating_sub(beside) / of_slope.max(1)).min(count as u64) as usize;
+        let reach = OtherSlopes::of(params).reach(&grid);
+        // The whole did not fit: what lies beside the slopes may be all of it.
+        let cut = |reach| SlopeGroup::cut(count, reach, fitting).filter(|_| beside <= budget);
+        if let (Some(search), Some(describe)) = (cut(reach), cut(Some(slopes_around(params, &grid)))) {
+            return Ok(Self { search, describe });
+        }
+        let min_slopes = reach.map_or(count, |reach| (2 * reach.max(slopes_around(params, &grid)) + 1).min(count));
+        let min = beside.saturating_add(of_slope.saturating_mul(min_slopes as u64));
+        Err(refusal(params, (frames, size), (min, budget), (min_slopes, fitting)))
+    }
+}
+
+/// Why a search is not done that needs at least `min` bytes for `min_slopes` slopes that must be held at once.
+fn refusal(
+    params: &DetectorParams,
+    (frames, size): (usize, (usize, usize)),
+    (min, budget): (u64, u64),
+    (min_slopes, fitting): (usize, usize),
+) -> ParamError {
+    let grid = params.used_slopes();
+    let less = match fitting {
+        0 => "a larger first octave, fewer frames or a smaller picture would take less".to_owned(),
+        count => format!("{count} slopes fit, and a larger first octave takes less"),
+    };
+    let way_out = match OtherSlopes::of(params).reach(&grid) {
+        None => format!("slope-neighbours adjacent needs only some slopes at once; {less}"),
+        Some(_) if fitting > 0 && grid.is_plane() => format!("rows of fewer slopes take less; {less}"),
+        Some(_) => less,
+    };
+    ParamError {
+        parameter: OPTION,
+        problem: format!(
+            "this search of {} slopes in {frames} frames of {}×{} needs about {} at least, with {min_slopes} slopes at \
+             once, and {} may be used",
+            grid.len(),
+            size.0,
+            size.1,
+            said(min),
+            said(budget)
+        ),
+        remedy: format!("{way_out}; or allow more"),
+    }
+}
+
+/// Bytes as a person says them.
+fn said(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1e9 => format!("{:.0} MB", b / 1e6),
+        b => format!("{:.1} GB", b / 1e9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::{SlopeExtrema, SlopeGrid, SlopeNeighbours};
+
+    fn plane() -> DetectorParams {
+        DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 49, -3.0..=3.0, 49), ..DetectorParams::default() }
+    }
+
+    fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan, ParamError> {
+        Plan::new(params, 10, (1600, 1200), budget)
+    }
+
+    #[test]
+    fn what_fits_is_one_group_and_what_does_not_is_several_that_fit() {
+        for budget in [None, Some(1 << 40)] {
+            let plan = plan(&plane(), budget).expect("it fits");
+            assert_eq!((plan.search.len(), plan.describe.len()), (1, 1));
+        }
+        let of_slope = bytes_of_slope(&plane(), (1600, 1200));
+        let beside = bytes_beside_slopes(10, (1600, 1200));
+        let budget = 2_000_000_000;
+        let Plan { search, describe } = plan(&plane(), Some(budget)).expect("in groups");
+        assert!(search.len() > 2 && describe.len() >= search.len());
+        for group in search.iter().chain(&describe) {
+            assert!(beside + of_slope * group.visited.len() as u64 <= budget, "{group:?}");
+        }
+        // Slopes for themselves are searched alone, and located between their neighbours.
+        assert_eq!(search[1].own, search[1].visited);
+        assert_eq!(describe[1].own.start - describe[1].visited.start, 50);
+    }
+
+    #[test]
+    fn what_does_not_fit_even_so_is_refused_with_the_number_and_the_way_out() {
+        let refused = |params: &DetectorParams, budget| plan(params, Some(budget)).expect_err("too much").to_string();
+        let all =
+            DetectorParams { slope_extrema: SlopeExtrema::Joint, slope_neighbours: SlopeNeighbours::All, ..plane() };
+        let error = refused(&all, 1_000_000_000);
+        assert!(error.contains("memory: ") && error.contains("2401 slopes at once"), "{error}");
+        assert!(error.contains("1.0 GB") && error.contains("slope-neighbours adjacent"), "{error}");
+        let fitting = error.split(' ').rev().skip_while(|word| *word != "slopes").nth(1);
+        let fitting: usize = fitting.and_then(|n| n.parse().ok()).expect("a number");
+        assert!((200..400).contains(&fitting), "{error}");
+        let fits = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, fitting), ..all };
+        assert_eq!(plan(&fits, Some(1_000_000_000)).expect("it says so").search.len(), 1);
+
+        let error = refused(&plane(), 300_000_000);
+        assert!(error.contains("101 slopes at once") && error.contains("rows of fewer slopes"), "{error}");
+        let error = refused(&plane(), 1000);
+        assert!(error.contains("larger first octave") && error.contains("0 MB may be used"), "{error}");
+        // Without coarser octaves nothing is held for a slope: what is too much is the frames.
+        let one_octave = DetectorParams { octaves: 1, ..plane() };
+        assert!(plan(&one_octave, Some(1000)).is_err());
+    }
+}

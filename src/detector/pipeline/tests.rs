@@ -1,0 +1,160 @@
+//! A search that is done in groups of slopes is the whole search, to the bit.
+
+use super::*;
+use crate::detector::memory::estimate;
+use crate::detector::params::{Distinct, Localisation, SlopeExtrema, SlopeNeighbours};
+use crate::detector::{Slope, SlopeGrid};
+use crate::plane::tile::Region;
+use crate::synth::{SceneParams, synth_scene};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+fn scene(seed: u64, size: (usize, usize)) -> Burst {
+    let (width, height) = size;
+    let params = SceneParams { width, height, frames: 5, layers: 2, snr: 6.0, seed, ..SceneParams::default() };
+    synth_scene(&params, &Monitor::default()).expect("valid parameters").0
+}
+
+/// A budget within which no more than `slopes` slopes of a search are held at once.
+fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
+    let of = |count: usize| {
+        let slopes = if count == 1 { SlopeGrid::single(Slope::default()) } else { SlopeGrid::line(0.0..=1.0, count) };
+        estimate(&DetectorParams { slopes, ..params.clone() }, burst.len(), burst.size())
+    };
+    of(slopes)
+}
+
+/// Searches in all kinds of groups, and holds each search against the whole one. Returns the counts of groups in which
+/// keypoints are described, which may need more slopes around them than the search.
+fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
+    let monitor = Monitor::default();
+    let whole = search_all(burst, params, None, &monitor).expect("valid").ready();
+    let count = params.used_slopes().len();
+    let mut counts = Vec::new();
+    for slopes in 1..count {
+        let budget = budget_for(burst, params, slopes);
+        let Ok(plan) = Plan::new(params, burst.len(), burst.size(), Some(budget)) else { continue };
+        if counts.contains(&plan.describe.len()) {
+            continue;
+        }
+        assert!(plan.search.len() > 1 && plan.search.iter().all(|group| group.visited.len() <= slopes), "{plan:?}");
+        counts.push(plan.describe.len());
+        let found = search_all(burst, params, Some(budget), &monitor).expect("it fits").ready();
+        assert!(found.bases.is_none() && whole.bases.is_some());
+        assert_eq!(found.keypoints(), whole.keypoints(), "{plan:?}");
+        let covered = |trail: &Trail| (0..trail.keypoints().len()).map(|k| trail.covered_by(k)).collect::<Vec<_>>();
+        assert_eq!(covered(&found), covered(&whole));
+        let without_times = |detection: &Detection| Detection { times: StageTimes::default(), ..detection.clone() };
+        assert!(without_times(found.detection()) == without_times(whole.detection()), "{plan:?}");
+        for index in 0..whole.detection().features.len() {
+            assert_eq!(found.keypoint_of_feature(index), whole.keypoint_of_feature(index));
+        }
+        assert_same_answers(&found, &whole);
+    }
+    counts
+}
+
+/// What is asked of both afterwards has the same answers.
+fn assert_same_answers(found: &Trail, whole: &Trail) {
+    let monitor = Monitor::default();
+    for octave in whole.octaves() {
+        let (width, height) = whole.octave_size(octave);
+        let region = Region { columns: width / 3..width / 3 + 4, rows: height / 2..height / 2 + 3 };
+        let around = |trail: &Trail| trail.neighbourhood(octave, &region, &monitor).expect("not cancelled");
+        let (a, b) = (around(found), around(whole));
+        assert_eq!(a.tiles.len(), b.tiles.len());
+        let samples: Vec<Sample> = (0..a.tiles.len())
+            .flat_map(|slope_index| region.columns.clone().map(move |x| (slope_index, x)))
+            .map(|(slope_index, x)| Sample { octave, level: 1, slope_index, x, y: height / 2 })
+            .collect();
+        assert_eq!(found.judge(&a, &samples), whole.judge(&b, &samples));
+    }
+}
+
+fn grids() -> impl Strategy<Value = SlopeGrid> {
+    prop_oneof![
+        (2usize..10, -90f32..90.0).prop_map(|(count, direction)| SlopeGrid::line_along(
+            direction.round(),
+            -1.5..=1.5,
+            count
+        )),
+        (2usize..5, 2usize..5).prop_map(|(u, v)| SlopeGrid::plane(-1.0..=1.0, u, -1.0..=0.5, v)),
+        (2usize..7).prop_map(|v| SlopeGrid::plane(0.5..=0.5, 1, -1.0..=1.0, v)),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 16, rng_seed: RngSeed::Fixed(15), ..ProptestConfig::default() })]
+
+    #[test]
+    fn groups_of_slopes_find_what_the_whole_search_finds(
+        grid in grids(),
+        joint in any::<bool>(),
+        all in any::<bool>(),
+        continuous in any::<bool>(),
+        distinct in any::<bool>(),
+        first_octave in -1i32..2,
+        max_features in prop_oneof![Just(0usize), Just(9)],
+        seed in 1u64..500,
+    ) {
+        let burst = scene(seed, (75, 66));
+        let params = DetectorParams {
+            slopes: grid,
+            slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
+            slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
+            localisation: if continuous { Localisation::Continuous } else { Localisation::Quadratic },
+            distinct: if distinct { DetectorParams::default().distinct } else { Distinct::Off },
+            first_octave,
+            octaves: 3,
+            levels: 3,
+            max_features,
+            ..DetectorParams::default()
+        };
+        let counts = assert_same_in_groups(&burst, &params);
+        prop_assert!(!(joint && all) || counts.is_empty(), "all slopes are needed at once");
+    }
+}
+
+#[test]
+fn two_three_and_many_groups_by_any_number_of_threads() {
+    let burst = scene(3, (120, 90));
+    let plane = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 7);
+    for (slopes, slope_extrema, expected) in [
+        (SlopeGrid::line(-2.0..=2.0, 9), SlopeExtrema::Each, vec![2, 3, 9]),
+        (SlopeGrid::line(-2.0..=2.0, 9), SlopeExtrema::Joint, vec![2, 3, 9]),
+        (plane, SlopeExtrema::Each, vec![2, 3, 21]),
+        (plane, SlopeExtrema::Joint, vec![2, 3, 21]),
+    ] {
+        let params = DetectorParams { slopes, slope_extrema, octaves: 3, ..DetectorParams::default() };
+        let detections: Vec<(Vec<usize>, Detection)> = [1, 3]
+            .into_iter()
+            .map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+                pool.install(|| {
+                    let counts = assert_same_in_groups(&burst, &params);
+                    let least = budget_for(&burst, &params, if slopes.is_plane() { 9 } else { 3 });
+                    (counts, search_all(&burst, &params, Some(least), &Monitor::default()).expect("fits").detection)
+                })
+            })
+            .collect();
+        let [(counts, one), (_, three)] = &detections[..] else { unreachable!("two of them") };
+        assert!(expected.iter().all(|count| counts.contains(count)), "{slopes:?} {slope_extrema:?}: {counts:?}");
+        assert!(!one.features.is_empty() && one.features == three.features && one.descriptors == three.descriptors);
+        assert_eq!(one.tally, three.tally);
+    }
+}
+
+#[test]
+fn a_search_that_does_not_fit_is_refused_before_it_starts() {
+    let burst = scene(1, (75, 66));
+    let params = DetectorParams {
+        slopes: SlopeGrid::line(-1.0..=1.0, 5),
+        slope_extrema: SlopeExtrema::Joint,
+        slope_neighbours: SlopeNeighbours::All,
+        ..DetectorParams::default()
+    };
+    let whole = estimate(&params, burst.len(), burst.size());
+    assert!(search_all(&burst, &params, Some(whole), &Monitor::default()).is_ok());
+    let refused = search_all(&burst, &params, Some(whole - 1), &Monitor::default()).expect_err("a byte too much");
+    assert!(refused.to_string().contains("adjacent"), "{refused}");
+}

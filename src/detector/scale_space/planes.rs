@@ -1,0 +1,218 @@
+//! Whole planes of the scale space of one slope: a DoG level, the first level of any octave.
+//!
+//! The search makes all levels of a tile at once and goes on to the next slope; here one level of one slope is made of
+//! a whole octave or a part of it. The values have the same bits.
+
+use crate::detector::scale_space::levels::{ScaleSpace, octave_size};
+use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::kernel::gaussian_bank::FilterScratch;
+use crate::kernel::offset::FrameOffset;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use crate::plane::tile::{Region, Tile, cuts, split_mut};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Columns and rows that one thread makes at once.
+const TILE: (usize, usize) = (320, 128);
+
+/// The motion stack of one slope, and its scales.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::detector) struct SlopeStack<'a> {
+    /// Frames of one size, in time order.
+    pub frames: &'a [&'a Plane],
+    /// Where they are read.
+    pub offsets: &'a [FrameOffset],
+    /// The scales.
+    pub space: &'a ScaleSpace,
+    /// (columns, rows) of a frame.
+    pub size_image: (usize, usize),
+}
+
+impl<'a> SlopeStack<'a> {
+    /// What the first octave is made from.
+    pub fn base(&self) -> Base<'a> {
+        Base::Frames { frames: self.frames, offsets: self.offsets, octave: self.space.first_octave }
+    }
+
+    /// The first level of `octave`, which is not the first one: its pixels in `region` at least, and none but those
+    /// that are made together with them. What is not made is 0, and takes no memory where the system gives it out as it
+    /// is touched.
+    pub fn first_level(&self, octave: i32, region: &Region, monitor: &Monitor) -> Result<Plane, Cancelled> {
+        let finer = octave - 1;
+        let size = octave_size(self.size_image, finer);
+        let doubled = |range: &Range<usize>, n: usize| 2 * range.start..(2 * range.end).min(n);
+        let wanted = Region { columns: doubled(&region.columns, size.0), rows: doubled(&region.rows, size.1) };
+        if finer == self.space.first_octave {
+            return next_first_level(&self.base(), self.space, size, &wanted, monitor);
+        }
+        let levels = next_level(self.space);
+        let filters = OctaveFilters::new(self.space, &self.space.bank(false, levels.clone()), &levels, size);
+        let inputs = filters.inputs(&whole_tiles(&wanted, size));
+        let base = self.first_level(finer, &inputs, monitor)?;
+        next_first_level(&Base::Level(&base), self.space, size, &wanted, monitor)
+    }
+
+    /// The first levels of the octaves from the one after the first up to `last`, whole and in this order.
+    pub fn first_levels(&self, last: i32, monitor: &Monitor) -> Result<Vec<Plane>, Cancelled> {
+        let mut planes: Vec<Plane> = Vec::new();
+        for octave in self.space.first_octave..last {
+            let size = octave_size(self.size_image, octave);
+            let base = planes.last().map_or_else(|| self.base(), Base::Level);
+            let next = next_first_level(&base, self.space, size, &whole(size), monitor)?;
+            planes.push(next);
+        }
+        Ok(planes)
+    }
+}
+
+/// All of an octave of `size`.
+pub(in crate::detector) fn whole(size: (usize, usize)) -> Region {
+    Region { columns: 0..size.0, rows: 0..size.1 }
+}
+
+/// Index of the Gaussian level from which the next octave starts.
+fn next_level(space: &ScaleSpace) -> Range<usize> {
+    space.levels..space.levels + 1
+}
+
+/// The parts of `cuts` that hold some of `wanted`.
+fn holding(cuts: &[Range<usize>], wanted: &Range<usize>) -> Range<usize> {
+    let first = cuts.partition_point(|part| part.end <= wanted.start);
+    let end = cuts.partition_point(|part| part.start < wanted.end);
+    first..end.max(first)
+}
+
+/// The tiles of an octave of `size` that hold `wanted`, which is not empty.
+fn whole_tiles(wanted: &Region, size: (usize, usize)) -> Region {
+    let covered = |wanted: &Range<usize>, cuts: Vec<Range<usize>>| {
+        let held = holding(&cuts, wanted);
+        cuts[held.start].start..cuts[held.end - 1].end
+    };
+    Region {
+        columns: covered(&wanted.columns, cuts(size.0, TILE.0)),
+        rows: covered(&wanted.rows, cuts(size.1, TILE.1)),
+    }
+}
+
+/// The Gaussian level indices `levels` of the tiles of an octave of `size` that hold some of `wanted`, in parallel:
+/// `write` is given the differences of each tile (and the last level where the next octave starts from it), with its
+/// place and the part of `out` that is its own. `out` is `size` divided by `step`.
+fn each_tile(
+    base: &Base<'_>,
+    (space, levels): (&ScaleSpace, Range<usize>),
+    (size, wanted): ((usize, usize), &Region),
+    (out, step): (&mut Plane, usize),
+    monitor: &Monitor,
+    write: impl Fn(&DogTile, &Tile, &Region, Vec<&mut [f32]>) + Sync,
+) -> Result<(), Cancelled> {
+    let first = matches!(base, Base::Frames { .. });
+    let filters = OctaveFilters::new(space, &space.bank(first, levels.clone()), &levels, size);
+    let keeps = levels.contains(&space.levels);
+    let (columns, rows) = (cuts(size.0, TILE.0), cuts(size.1, TILE.1));
+    let (held_columns, held_rows) = (holding(&columns, &wanted.columns), holding(&rows, &wanted.rows));
+    let divided = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
+        parts.iter().map(|part| part.start / step..part.end / step).collect()
+    };
+    let parts = split_mut(out, &divided(&columns), &divided(&rows));
+    let places = (0..rows.len()).flat_map(|row| (0..columns.len()).map(move |column| (row, column)));
+    let jobs: Vec<_> = places
+        .zip(parts)
+        .filter(|((row, column), _)| held_rows.contains(row) && held_columns.contains(column))
+        .collect();
+    jobs.into_par_iter().try_for_each_init(
+        || (FilterScratch::default(), DogTile::default(), Tile::default(), Vec::new()),
+        |(scratch, dog, next, stacked), ((row, column), part)| {
+            monitor.check()?;
+            let region = Region { columns: columns[column].clone(), rows: rows[row].clone() };
+            let pixels = match base {
+                Base::Frames { frames, offsets, octave } => {
+                    let inputs = filters.inputs(&region);
+                    stack_tiles(frames, std::slice::from_ref(offsets), *octave, &inputs, stacked);
+                    Pixels::Stacked(&stacked[0])
+                }
+                Base::Level(plane) => Pixels::Level(plane),
+            };
+            dog_tile(&filters, pixels, &region, scratch, dog, keeps.then_some(&mut *next), &mut |_, _| ());
+            write(dog, next, &region, part);
+            Ok(())
+        },
+    )
+}
+
+/// One DoG level of a whole octave.
+pub(in crate::detector) fn dog_plane(
+    base: &Base<'_>,
+    space: &ScaleSpace,
+    size: (usize, usize),
+    level_index: usize,
+    monitor: &Monitor,
+) -> Result<Plane, Cancelled> {
+    let mut out = Plane::zeros(size.0, size.1);
+    let levels = level_index..level_index + 2;
+    each_tile(base, (space, levels), (size, &whole(size)), (&mut out, 1), monitor, |dog, _, region, part| {
+        for (v, row) in region.rows.clone().zip(part) {
+            row.copy_from_slice(dog.levels[0].row(v));
+        }
+    })?;
+    Ok(out)
+}
+
+/// The first level of the octave after one of `size`, so far as it comes from the pixels `wanted` of that.
+fn next_first_level(
+    base: &Base<'_>,
+    space: &ScaleSpace,
+    size: (usize, usize),
+    wanted: &Region,
+    monitor: &Monitor,
+) -> Result<Plane, Cancelled> {
+    let mut out = Plane::zeros(size.0 / 2, size.1 / 2);
+    each_tile(base, (space, next_level(space)), (size, wanted), (&mut out, 2), monitor, |_, level, region, part| {
+        for (v, row) in part.into_iter().enumerate() {
+            let from = level.row(region.rows.start + 2 * v);
+            row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
+        }
+    })?;
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::params::Interpolation;
+    use crate::detector::params::slope_grid::Slope;
+    use crate::detector::stack::offsets::frame_offsets;
+
+    #[test]
+    fn a_part_of_a_first_level_is_that_of_the_whole() {
+        let frame =
+            |t: usize| Plane::from_fn(701, 423, |u, v| ((u * 7919 + v * 104_729 + t * 31) % 997) as f32 / 997.0);
+        let frames: Vec<Plane> = (0..3).map(frame).collect();
+        let frames: Vec<&Plane> = frames.iter().collect();
+        let offsets = frame_offsets(3, Slope::new(1.3, -0.4), Interpolation::Linear);
+        for first_octave in [-1, 0, 1] {
+            let space = ScaleSpace::new(4, first_octave, 4.0);
+            let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: (701, 423) };
+            let monitor = Monitor::default();
+            let last = first_octave + 3;
+            let planes = stack.first_levels(last, &monitor).expect("not cancelled");
+            assert_eq!(planes.len(), 3);
+            for (octave, plane) in (first_octave + 1..).zip(&planes) {
+                let size = octave_size((701, 423), octave);
+                assert_eq!(plane.size(), size);
+                for region in [
+                    whole(size),
+                    Region { columns: 0..1, rows: 0..1 },
+                    Region { columns: size.0 - 1..size.0, rows: size.1 / 2..size.1 },
+                    Region { columns: size.0 / 3..size.0 / 2, rows: size.1 / 3..size.1 / 3 + 1 },
+                ] {
+                    let part = stack.first_level(octave, &region, &monitor).expect("not cancelled");
+                    for v in region.rows.clone() {
+                        let columns = region.columns.clone();
+                        assert_eq!(part.row(v)[columns.clone()], plane.row(v)[columns], "{first_octave} {octave}");
+                    }
+                }
+            }
+        }
+    }
+}

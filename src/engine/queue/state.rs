@@ -1,0 +1,85 @@
+//! What waits and what runs, and which of it goes next.
+
+use super::{JobKey, Priority, QueuedJob, Standing};
+use crate::monitor::{Monitor, Progress};
+use crate::requests::{JobError, JobId};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+pub(super) struct WaitingJob {
+    pub(super) key: JobKey,
+    pub(super) id: JobId,
+    pub(super) priority: Priority,
+    pub(super) grace: Duration,
+    pub(super) job: Box<dyn QueuedJob>,
+}
+
+pub(super) struct RunningJob {
+    pub(super) key: JobKey,
+    pub(super) id: JobId,
+    pub(super) priority: Priority,
+    pub(super) grace: Duration,
+    pub(super) monitor: Monitor,
+    pub(super) started: Instant,
+    pub(super) standing: Standing,
+    pub(super) progress: Arc<Mutex<Option<Progress>>>,
+}
+
+impl RunningJob {
+    /// Cancels it if it is not the latest and has had its grace.
+    pub(super) fn enforce_grace(&self) {
+        if self.standing != Standing::Latest && self.started.elapsed() >= self.grace {
+            self.monitor.cancel();
+        }
+    }
+}
+
+#[derive(Default)]
+pub(super) struct State {
+    /// In the order in which their keys asked.
+    pub(super) waiting: Vec<WaitingJob>,
+    pub(super) running: Vec<RunningJob>,
+    pub(super) newest: u64,
+    pub(super) kinds: u32,
+    pub(super) stop: bool,
+}
+
+impl State {
+    pub(super) fn next_id(&mut self) -> JobId {
+        self.newest += 1;
+        JobId(self.newest)
+    }
+
+    /// What runs under `key` is not the latest any more.
+    pub(super) fn supersede(&mut self, key: JobKey, standing: Standing) {
+        for job in self.running.iter_mut().filter(|job| job.key == key) {
+            job.standing = job.standing.max(standing);
+            if standing == Standing::Overtaken {
+                job.monitor.cancel();
+            }
+            job.enforce_grace();
+        }
+    }
+
+    /// Takes out what a thread that takes nothing less urgent than `limit` does next: the most urgent, of those the one
+    /// that has waited longest, of a kind of which nothing runs. One piece of work of a kind at a time has all cores,
+    /// and its answers come in the order in which their keys asked.
+    pub(super) fn take(&mut self, limit: Priority) -> Option<WaitingJob> {
+        let is_free = |job: &WaitingJob| {
+            job.priority <= limit
+                && (!self.stop || job.priority == Priority::Write)
+                && !self.running.iter().any(|running| running.key.kind == job.key.kind)
+        };
+        let free = self.waiting.iter().enumerate().filter(|(_, job)| is_free(job));
+        let index = free.min_by_key(|(index, job)| (job.priority, *index))?.0;
+        Some(self.waiting.remove(index))
+    }
+
+    /// What waits under `key` ends without having begun.
+    pub(super) fn end_waiting(&mut self, key: JobKey, why: &JobError) {
+        while let Some(index) = self.waiting.iter().position(|job| job.key == key) {
+            let old = self.waiting.remove(index);
+            old.job.end(old.id, why.clone());
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! What a thread of the queue does: it takes the most urgent work that is free, does it, and publishes its answer.
+
+use super::state::{RunningJob, WaitingJob};
+use super::{Priority, Shared, Standing};
+use crate::engine::OnUpdate;
+use crate::engine::fault;
+use crate::monitor::{Monitor, Progress};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Progress wakes the listener at most this often.
+const PROGRESS_EVERY: Duration = Duration::from_millis(40);
+
+/// One thread of the queue.
+pub(super) fn work(shared: &Shared, thread: &str, limit: Priority) {
+    // Made when there is work for it: many a thread never gets any.
+    let threads = std::cell::LazyCell::new(|| pool(thread));
+    loop {
+        let (WaitingJob { key, id, job, .. }, monitor) = {
+            let mut state = shared.lock();
+            loop {
+                if let Some(next) = state.take(limit) {
+                    let progress = Arc::new(Mutex::new(None));
+                    let monitor = listening_monitor(progress.clone(), shared.on_update.clone());
+                    state.running.push(RunningJob {
+                        key: next.key,
+                        id: next.id,
+                        priority: next.priority,
+                        grace: next.grace,
+                        monitor: monitor.clone(),
+                        started: Instant::now(),
+                        standing: Standing::Latest,
+                        progress,
+                    });
+                    break (next, monitor);
+                }
+                if state.stop {
+                    return;
+                }
+                state = shared.wake.wait(state).unwrap_or_else(PoisonError::into_inner);
+            }
+        };
+        let publish = match &*threads {
+            Some(pool) => pool.install(|| job.run(id, thread, &monitor)),
+            None => job.run(id, thread, &monitor),
+        };
+        let mut state = shared.lock();
+        let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
+        publish(standing);
+        state.running.retain(|job| job.id != id);
+        let waits = state.waiting.iter().any(|job| job.key.kind == key.kind);
+        drop(state);
+        if waits {
+            // It waited for this one to end; another thread may take it.
+            shared.wake.notify_all();
+        }
+        (shared.on_update)();
+    }
+}
+
+fn listening_monitor(progress: Arc<Mutex<Option<Progress>>>, on_update: OnUpdate) -> Monitor {
+    let told = Mutex::new(None::<Instant>);
+    Monitor::with_listener(move |now| {
+        *progress.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
+        let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.is_none_or(|at| at.elapsed() >= PROGRESS_EVERY) {
+            *told = Some(Instant::now());
+            on_update();
+        }
+    })
+}
+
+/// A name that no other thread of the program has, so that the place of a panic is found.
+pub(super) fn unique_key(limit: Priority) -> String {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    format!("{}-{limit:?}", COUNTER.fetch_add(1, Ordering::Relaxed))
+}
+
+/// Threads for the parallel loops of one thread's work, named so that their panics are found; or `None` where the
+/// system has none to give: then the shared pool serves. Work given to the shared pool would wait behind all that a
+/// detection has queued there.
+fn pool(thread: &str) -> Option<rayon::ThreadPool> {
+    let thread = thread.to_owned();
+    rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{thread}.{i}", fault::THREAD_PREFIX)).build().ok()
+}

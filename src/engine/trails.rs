@@ -1,0 +1,220 @@
+//! What the detections of the open bursts left behind, kept for all who ask why.
+//!
+//! A trail costs as much as the detection that it explains. So the detection itself makes it, in the same search, and
+//! puts it here; the probe, the spectrum of slopes, the map of winning slopes and the comparison with the truth find
+//! it. Only where it was not kept is the detection repeated, once for all of them.
+
+use crate::detector::{DetectorParams, SearchParams, memory};
+use crate::inspect::ProbeCache;
+use crate::monitor::Monitor;
+use crate::requests::{BurstId, DetectionSource, JobError, OpenBurst, TrailStore, trail_of};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// The trails that are kept. Cheap to clone.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Trails {
+    state: Arc<Mutex<State>>,
+    /// Trails are kept up to this many bytes; `None` for their part of what searches may take.
+    budget_bytes: Option<usize>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// The one that was used last comes last.
+    kept: Vec<Kept>,
+    /// Those that are being made, so that none is made twice.
+    making: Vec<Key>,
+    repeated: usize,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Key {
+    burst: BurstId,
+    params: DetectorParams,
+}
+
+#[derive(Debug)]
+struct Kept {
+    key: Key,
+    /// The burst as it was opened: its frames are held anyway.
+    open: OpenBurst,
+    cache: Arc<ProbeCache>,
+}
+
+/// How long somebody else's search is waited for at once.
+const WAIT: Duration = Duration::from_millis(5);
+
+impl Trails {
+    /// Keeps trails up to `budget_bytes`.
+    #[cfg(test)]
+    pub(super) fn new(budget_bytes: usize) -> Self {
+        Self { state: Arc::default(), budget_bytes: Some(budget_bytes) }
+    }
+
+    fn budget_bytes(&self) -> usize {
+        self.budget_bytes.unwrap_or_else(|| usize::try_from(memory::kept_bytes()).unwrap_or(usize::MAX))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Whole values go in and out, so a poisoned lock still guards whole values.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Forgets what is kept of other bursts than these.
+    pub(super) fn keep_only(&self, bursts: &[BurstId]) {
+        self.lock().kept.retain(|kept| bursts.contains(&kept.key.burst));
+    }
+
+    /// How often a detection was repeated because its trail was not kept.
+    #[cfg(test)]
+    pub(super) fn repeated(&self) -> usize {
+        self.lock().repeated
+    }
+
+    /// How many are kept, and how many bytes they take beside the bursts that are open.
+    pub(super) fn held(&self) -> (usize, usize) {
+        let state = self.lock();
+        (state.kept.len(), state.kept.iter().map(Kept::bytes).sum())
+    }
+
+    /// What `find` finds, or what `make` makes. What somebody else makes at the moment is waited for. What is made
+    /// stays at least until the next one is, whatever room it takes: whoever asks mostly asks again.
+    fn find_or_make(
+        &self,
+        (open, key): (&OpenBurst, &Key),
+        monitor: &Monitor,
+        find: impl Fn() -> Option<Arc<ProbeCache>>,
+        make: impl FnOnce() -> Result<ProbeCache, JobError>,
+    ) -> Result<Arc<ProbeCache>, JobError> {
+        let making = loop {
+            if let Some(cache) = find() {
+                return Ok(cache);
+            }
+            monitor.check()?;
+            if let Some(making) = Making::begin(self, key) {
+                break making;
+            }
+            std::thread::sleep(WAIT);
+        };
+        // It may have been made since it was looked for.
+        if let Some(cache) = find() {
+            return Ok(cache);
+        }
+        self.lock().repeated += 1;
+        self.make_room();
+        let cache = Arc::new(make()?);
+        let kept = Kept { key: key.clone(), open: open.clone(), cache: cache.clone() };
+        self.lock().keep(kept, self.budget_bytes());
+        drop(making);
+        Ok(cache)
+    }
+}
+
+impl TrailStore for Trails {
+    /// If there is room for it; what was not used for longest goes.
+    fn put(&self, open: &OpenBurst, cache: &Arc<ProbeCache>) {
+        let key = Key { burst: open.id, params: cache.made_with() };
+        let kept = Kept { key, open: open.clone(), cache: cache.clone() };
+        if kept.bytes() <= self.budget_bytes() {
+            self.lock().keep(kept, self.budget_bytes());
+        }
+    }
+
+    fn make_room(&self) {
+        self.lock().drop_to(self.budget_bytes(), 0);
+    }
+
+    fn asked(&self, open: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>> {
+        self.lock().used(|kept| kept.key.burst == open.id && kept.cache.asked == *asked)
+    }
+
+    fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>> {
+        let DetectionSource { burst, asked, params, finding } = source;
+        let key = Key { burst: burst.id, params: params.clone() };
+        let mut state = self.lock();
+        let cache = state.used(|kept| kept.key == key)?;
+        if cache.asked == *asked {
+            return Some(cache);
+        }
+        // The same search, asked for in other words.
+        let cache = Arc::new(cache.asked_as(asked, finding.as_ref()));
+        state.kept.last_mut().expect("just found").cache = cache.clone();
+        Some(cache)
+    }
+
+    fn get_or_make_for(
+        &self,
+        burst: &OpenBurst,
+        params: &DetectorParams,
+        monitor: &Monitor,
+    ) -> Result<Arc<ProbeCache>, JobError> {
+        let key = Key { burst: burst.id, params: params.clone() };
+        let kept = || self.lock().used(|kept| kept.key == key);
+        self.find_or_make((burst, &key), monitor, kept, || trail_of(burst, params, monitor))
+    }
+
+    fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError> {
+        let key = Key { burst: source.burst.id, params: source.params.clone() };
+        self.find_or_make((&source.burst, &key), monitor, || self.get(source), || source.trail(monitor))
+    }
+}
+
+impl State {
+    /// The one that `is_it`, which is the one used last from now on.
+    fn used(&mut self, is_it: impl Fn(&Kept) -> bool) -> Option<Arc<ProbeCache>> {
+        let index = self.kept.iter().position(is_it)?;
+        let kept = self.kept.remove(index);
+        let cache = kept.cache.clone();
+        self.kept.push(kept);
+        Some(cache)
+    }
+
+    fn keep(&mut self, kept: Kept, budget_bytes: usize) {
+        self.kept.retain(|other| other.key != kept.key);
+        self.kept.push(kept);
+        self.drop_to(budget_bytes, 1);
+    }
+
+    /// Drops those not used for longest until the rest is within the budget, or only `rest` of them are left.
+    fn drop_to(&mut self, budget_bytes: usize, rest: usize) {
+        let bytes = |kept: &[Kept]| kept.iter().map(Kept::bytes).sum::<usize>();
+        while self.kept.len() > rest && bytes(&self.kept) > budget_bytes {
+            self.kept.remove(0);
+        }
+    }
+}
+
+impl Kept {
+    /// Bytes that it takes beside the burst that is open.
+    fn bytes(&self) -> usize {
+        self.cache.bytes_beside(&self.open.burst)
+    }
+}
+
+/// Says that a trail is being made, as long as it lives.
+struct Making<'a> {
+    trails: &'a Trails,
+    key: &'a Key,
+}
+
+impl<'a> Making<'a> {
+    /// `None` while somebody else makes it.
+    fn begin(trails: &'a Trails, key: &'a Key) -> Option<Self> {
+        let mut state = trails.lock();
+        if state.making.contains(key) {
+            return None;
+        }
+        state.making.push(key.clone());
+        Some(Self { trails, key })
+    }
+}
+
+impl Drop for Making<'_> {
+    fn drop(&mut self) {
+        self.trails.lock().making.retain(|other| other != self.key);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,191 @@
+//! A detection that keeps its trail is the plain one, and nobody who asks afterwards searches again.
+
+use super::{DetectionSource, Trails};
+use crate::baseline::{Searched, search};
+use crate::detector::{DetectorParams, Method, SearchParams, SlopeChoice, SlopeGrid};
+use crate::engine::tests::wait_for;
+use crate::engine::{DEFAULT_CACHE_BYTES, Engine, Update};
+use crate::inspect::ProbeCache;
+use crate::inspect::candidates::SurveyOptions;
+use crate::monitor::Monitor;
+use crate::requests::{
+    AgainstRequest, BurstSource, DetectRequest, Detected, ExplainQuestion, ExplainRequest, MapKind, NothingKept,
+    OpenBurst, PictureKind, PictureRequest, PictureSlot, Reference, TrailStore,
+};
+use crate::synth::{Example, demo_burst};
+use std::sync::Arc;
+
+fn burst() -> OpenBurst {
+    OpenBurst::new(Example::LowContrast.burst(), BurstSource::Example(Example::LowContrast))
+}
+
+fn with(method: Method, slopes: SlopeGrid) -> SearchParams {
+    DetectorParams { method, slopes, octaves: 2, ..DetectorParams::default() }.into()
+}
+
+fn line(count: usize) -> SlopeGrid {
+    SlopeGrid::line(-1.0..=1.0, count)
+}
+
+fn source(burst: &OpenBurst, params: &SearchParams) -> DetectionSource {
+    DetectionSource { burst: burst.clone(), asked: params.clone(), params: params.detector.clone(), finding: None }
+}
+
+fn detected(engine: &Engine, burst: &OpenBurst, params: &SearchParams) -> Detected {
+    engine.detect(DetectRequest { burst: burst.clone(), params: params.clone() });
+    wait_for(|| {
+        engine.poll().into_iter().find_map(|update| match update {
+            Update::Detected(answer) => Some(answer.result.expect("valid")),
+            _ => None,
+        })
+    })
+}
+
+#[test]
+fn a_detection_that_keeps_its_trail_is_the_plain_one() {
+    let (engine, burst) = (Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES), burst());
+    let auto = SearchParams { slopes: SlopeChoice::AUTO, ..with(Method::Buff, line(3)) };
+    let plane = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
+    let asked = [
+        with(Method::Buff, line(5)),
+        with(Method::Buff, plane),
+        with(Method::Merge, line(5)),
+        with(Method::Sift, line(5)),
+        auto,
+    ];
+    for params in asked {
+        let found = detected(&engine, &burst, &params);
+        let Searched { detection: plain, params: made_with, finding, .. } =
+            search(&burst.burst, &params, &Monitor::default()).expect("valid");
+        assert!(!plain.features.is_empty(), "{params:?}");
+        assert_eq!(found.detection.features, plain.features);
+        assert_eq!(found.detection.descriptors, plain.descriptors);
+        assert_eq!(found.detection.tally, plain.tally);
+        assert_eq!(found.detection.slopes, plain.slopes);
+        assert_eq!(found.detection.frames_used, plain.frames_used);
+        assert_eq!((&found.params, &found.asked, &found.finding), (&made_with, &params, &finding));
+        let Detected { asked, params, finding, .. } = found;
+        let kept = engine.probe().kept(&DetectionSource { burst: burst.clone(), asked, params, finding });
+        assert_eq!(kept.expect("it fits").cache.detection().features, plain.features);
+    }
+}
+
+#[test]
+fn nobody_who_asks_after_a_detection_searches_again() {
+    let engine = Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES);
+    // Of the demo it is known what is really there.
+    let burst = OpenBurst::new(demo_burst(), BurstSource::Demo);
+    let params = with(Method::Buff, line(5));
+    let found = detected(&engine, &burst, &params);
+    let of = source(&burst, &params);
+    let answer = |question| {
+        engine.explainer().ask(ExplainRequest { of: of.clone(), question });
+        wait_for(|| engine.explainer().poll().pop()).1.result.expect("valid");
+    };
+    answer(ExplainQuestion::Slopes);
+    answer(ExplainQuestion::Candidates(SurveyOptions::default()));
+    engine.probe().trace(of.clone());
+    let traced = wait_for(|| engine.probe().poll_trail()).expect("valid");
+    assert!(Arc::ptr_eq(&traced.cache, &engine.probe().kept(&of).expect("kept").cache));
+    let truth = Reference::Truth { burst: burst.clone(), params: params.detector.clone() };
+    engine.against.start(AgainstRequest { detection: found.detection.clone(), with: truth });
+    wait_for(|| engine.against.poll().next()).result.expect("the truth is known");
+    let motion = PictureKind::Map { map: MapKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
+    engine.request_picture(PictureSlot(1), PictureRequest::new(burst.clone(), motion, params.detector.clone()));
+    wait_for(|| engine.poll().into_iter().find(|u| matches!(u, Update::Picture(_, a) if a.result.is_ok())));
+    assert_eq!(engine.cache.trails().repeated(), 0);
+    // The same again is the same again.
+    let again = detected(&engine, &burst, &params);
+    assert_eq!(again.detection.times, found.detection.times, "it was not searched again");
+    engine.keep_trails_of(&[burst.id]);
+    assert!(engine.probe().kept(&of).is_some());
+    engine.keep_trails_of(&[self::burst().id]);
+    assert!(engine.probe().kept(&of).is_none());
+    answer(ExplainQuestion::Slopes);
+    assert_eq!(engine.cache.trails().repeated(), 1);
+}
+
+#[test]
+fn answers_are_the_same_whether_trails_are_kept_or_not() {
+    let (burst, params, monitor) = (burst(), with(Method::Buff, line(5)), Monitor::default());
+    let answers = |trails: &dyn TrailStore| {
+        let request = DetectRequest { burst: burst.clone(), params: params.clone() };
+        let features = request.compute(trails, &monitor).expect("valid").detection.features.clone();
+        let motion = PictureKind::Map { map: MapKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
+        let picture = PictureRequest::new(burst.clone(), motion, params.detector.clone());
+        (features, picture.compute_with(trails, &monitor).expect("valid").plane)
+    };
+    let kept = Trails::default();
+    let first = answers(&kept);
+    assert!(!first.0.is_empty() && kept.get(&source(&burst, &params)).is_some());
+    assert_eq!(first, answers(&kept), "asked again of what is kept");
+    assert_eq!(first, answers(&NothingKept));
+}
+
+#[test]
+fn the_same_search_in_other_words_is_the_same_search() {
+    let (trails, burst, monitor) = (Trails::default(), burst(), Monitor::default());
+    let given = with(Method::Buff, line(3));
+    trails.get_or_make_for(&burst, &given.detector, &monitor).expect("valid");
+    let auto = SearchParams { slopes: SlopeChoice::AUTO, ..given.clone() };
+    let of = DetectionSource { asked: auto.clone(), ..source(&burst, &given) };
+    let cache = trails.get_or_make(&of, &monitor).expect("valid");
+    assert_eq!((&cache.asked, trails.repeated()), (&auto, 1));
+    assert!(Arc::ptr_eq(&cache, &trails.get(&of).expect("kept")), "of the same words it stays the same one");
+    assert!(trails.asked(&burst, &auto).is_some());
+    // Another opening of the same files may have other pixels.
+    assert!(trails.get(&source(&self::burst(), &given)).is_none());
+}
+
+#[test]
+fn those_who_ask_at_once_have_it_made_once() {
+    let (trails, burst) = (Trails::default(), burst());
+    let of = source(&burst, &with(Method::Buff, line(3)));
+    let caches: Vec<Arc<ProbeCache>> = std::thread::scope(|scope| {
+        let ask = || trails.get_or_make(&of, &Monitor::default()).expect("valid");
+        let threads: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
+        threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    assert_eq!(trails.repeated(), 1);
+    assert!(caches.iter().all(|cache| Arc::ptr_eq(cache, &caches[0])));
+    // One that is cancelled leaves nothing behind that others wait for.
+    let other = source(&burst, &with(Method::Buff, line(4)));
+    let cancelled = Monitor::default();
+    cancelled.cancel();
+    trails.get_or_make(&other, &cancelled).expect_err("cancelled");
+    trails.get_or_make(&other, &Monitor::default()).expect("valid");
+}
+
+#[test]
+fn what_was_not_used_for_longest_goes_and_what_is_asked_for_stays() {
+    let (burst, monitor) = (burst(), Monitor::default());
+    let params: Vec<SearchParams> = (3..6).map(|count| with(Method::Buff, line(count))).collect();
+    let made = |params| Arc::new(ProbeCache::new(&burst.burst, params, &monitor).expect("valid"));
+    let caches: Vec<Arc<ProbeCache>> = params.iter().map(made).collect();
+    let bytes: Vec<usize> = caches.iter().map(|cache| cache.bytes_beside(&burst.burst)).collect();
+    // The coarser octave of three slopes and more, four bytes a pixel.
+    let (width, height) = burst.burst.size();
+    assert!(
+        bytes[0] > 3 * (width / 2) * (height / 2) * 4
+            && bytes[2] > bytes[0]
+            && bytes[2] < Trails::default().budget_bytes(),
+        "{bytes:?}"
+    );
+    let kept = |trails: &Trails| params.iter().map(|p| trails.asked(&burst, p).is_some()).collect::<Vec<_>>();
+
+    let two = Trails::new(bytes[0] + bytes[2]);
+    two.put(&burst, &caches[0]);
+    two.put(&burst, &caches[1]);
+    assert!(two.asked(&burst, &params[0]).is_some(), "used last");
+    two.put(&burst, &caches[2]);
+    assert_eq!(kept(&two), [true, false, true]);
+
+    let none = Trails::new(bytes[0] - 1);
+    none.put(&burst, &caches[0]);
+    assert_eq!(kept(&none), [false; 3], "nobody asked for it");
+    none.get_or_make(&source(&burst, &params[0]), &monitor).expect("valid");
+    none.put(&burst, &caches[1]);
+    assert_eq!(kept(&none), [true, false, false], "whoever asks mostly asks again");
+    none.get_or_make(&source(&burst, &params[1]), &monitor).expect("valid");
+    assert_eq!((kept(&none), none.repeated()), (vec![false, true, false], 2));
+}

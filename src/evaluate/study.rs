@@ -1,0 +1,242 @@
+//! All studies that are curves, as one type: what the Lab runs, watches growing, and looks into.
+
+use super::EvaluateError;
+use super::accuracy::{AccuracyReport, AccuracyStudy};
+use super::chart::{ChartReport, ChartStudy, LookedChart};
+use super::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots, frames_plots};
+use super::frames::{FramesReport, FramesStudy};
+use super::frames_of_burst::{BurstFramesReport, BurstFramesStudy};
+use super::methods::BurstMethod;
+use super::score::{Curve, Judged};
+use crate::baseline::plain_mean;
+use crate::burst::Burst;
+use crate::monitor::Monitor;
+use crate::plane::Plane;
+use crate::synth::{ChartParams, Truth};
+use std::sync::Arc;
+
+/// A study.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Study {
+    /// What is found in the dark, over ratios: ROC curves, discs found, false features.
+    Chart(Box<ChartStudy>),
+    /// The same over numbers of frames, at one ratio.
+    Frames(Box<FramesStudy>),
+    /// How far places, scales and slopes are off, over ratios.
+    Accuracy(Box<AccuracyStudy>),
+    /// What fewer frames of a burst that is given would have shown.
+    BurstFrames(Box<BurstFramesStudy>, BurstsOfStudy),
+}
+
+/// The bursts of [`Study::BurstFrames`]. Equal are only the same ones, not ones that look alike.
+#[derive(Debug, Clone)]
+pub struct BurstsOfStudy {
+    /// The burst.
+    pub burst: Arc<Burst>,
+    /// What it is matched with.
+    pub second: Option<Arc<Burst>>,
+    /// What is really there, if that is known.
+    pub truth: Option<Arc<Truth>>,
+}
+
+impl PartialEq for BurstsOfStudy {
+    fn eq(&self, other: &Self) -> bool {
+        let same_second = match (&self.second, &other.second) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        Arc::ptr_eq(&self.burst, &other.burst) && same_second
+    }
+}
+
+/// The report of a study, whole or as far as it is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StudyReport {
+    /// Of [`Study::Chart`].
+    Chart(Box<ChartReport>),
+    /// Of [`Study::Frames`].
+    Frames(Box<FramesReport>),
+    /// Of [`Study::Accuracy`].
+    Accuracy(Box<AccuracyReport>),
+    /// Of [`Study::BurstFrames`].
+    BurstFrames(Box<BurstFramesReport>),
+}
+
+/// The point of a curve: which charts it is the mean of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StudyPoint {
+    /// What is varied from row to row, for its row: a ratio, or a number of frames.
+    pub row_value: f64,
+    /// The method; `None` for the one search of a study of accuracy.
+    pub method: Option<BurstMethod>,
+}
+
+/// One chart of a study: that of a point and a seed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartOfStudy {
+    /// The study.
+    pub study: Study,
+    /// The point.
+    pub point: StudyPoint,
+    /// The chart's seed.
+    pub seed: u64,
+}
+
+/// A chart of a study that was made and searched once more, to be looked at. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct ShownChart {
+    /// Which chart.
+    pub of: ChartOfStudy,
+    /// The chart, and what was found on it.
+    pub looked: Arc<LookedChart>,
+    /// The plain mean of its frames.
+    pub mean: Arc<Plane>,
+}
+
+impl ShownChart {
+    /// The features, judged, at the threshold where the share of false ones is that of the study's curves; all that
+    /// were detected where `all` is asked for, or where the study has no such share.
+    pub fn judged(&self, all: bool) -> Vec<Judged> {
+        let fraction = match &self.of.study {
+            Study::Chart(study) => Some(study.false_fraction),
+            Study::Frames(study) => Some(study.charts.false_fraction),
+            Study::Accuracy(_) | Study::BurstFrames(..) => None,
+        };
+        let judged = &self.looked.judged;
+        let threshold = fraction.filter(|_| !all).map(|share| Curve::of(judged).at_false_fraction(share).threshold);
+        judged.iter().filter(|one| threshold.is_none_or(|threshold| one.worth >= threshold)).copied().collect()
+    }
+}
+
+impl ChartOfStudy {
+    /// Makes the chart again and searches it again, as the study did.
+    ///
+    /// # Errors
+    /// As [`Study::run_telling`].
+    pub fn show(self, monitor: &Monitor) -> Result<ShownChart, EvaluateError> {
+        let StudyPoint { row_value, method } = self.point;
+        let looked = match &self.study {
+            Study::Accuracy(study) => study.look(row_value, self.seed, monitor)?,
+            study => {
+                let no_chart = || EvaluateError::param("study", "has no charts", "look at a point of charts");
+                let (study, snr) = study.charts_of_row(row_value).ok_or_else(no_chart)?;
+                let method = method.or_else(|| study.methods.first().copied()).unwrap_or(BurstMethod::Buff1d);
+                study.look(snr, self.seed, method, monitor)?
+            }
+        };
+        let mean = plain_mean(&looked.burst, monitor)?.frames[0].clone();
+        Ok(ShownChart { of: self, looked: Arc::new(looked), mean })
+    }
+
+    /// The parameters of the chart; `None` for a study of a burst that is given.
+    pub fn params(&self) -> Option<ChartParams> {
+        if let Study::Accuracy(study) = &self.study {
+            return Some(study.chart_of(self.point.row_value, self.seed));
+        }
+        self.study.charts_of_row(self.point.row_value).map(|(study, snr)| study.chart_of(snr, self.seed))
+    }
+}
+
+impl Study {
+    /// Runs it; `tell` hears of the report so far whenever a chart is finished.
+    ///
+    /// # Errors
+    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
+    pub fn run_telling(
+        &self,
+        monitor: &Monitor,
+        tell: &(dyn Fn(StudyReport) + Sync),
+    ) -> Result<StudyReport, EvaluateError> {
+        match self {
+            Self::Chart(study) => {
+                let wrapped = |report| StudyReport::Chart(Box::new(report));
+                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
+            }
+            Self::Frames(study) => {
+                let wrapped = |report| StudyReport::Frames(Box::new(report));
+                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
+            }
+            Self::Accuracy(study) => {
+                let wrapped = |report| StudyReport::Accuracy(Box::new(report));
+                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
+            }
+            Self::BurstFrames(study, BurstsOfStudy { burst, second, truth }) => {
+                let wrapped = |report| StudyReport::BurstFrames(Box::new(report));
+                let tell = |report| tell(wrapped(report));
+                study.run_telling(burst, second.as_deref(), truth.as_deref(), monitor, &tell).map(wrapped)
+            }
+        }
+    }
+
+    /// The first seed, and how many there are; `None` for a study of a burst that is given.
+    pub fn seeds(&self) -> Option<(u64, u64)> {
+        match self {
+            Self::Chart(study) => Some((study.first_seed, study.seeds)),
+            Self::Frames(study) => Some((study.charts.first_seed, study.charts.seeds)),
+            Self::Accuracy(study) => Some((study.first_seed, study.seeds)),
+            Self::BurstFrames(..) => None,
+        }
+    }
+
+    /// The study of a row's charts in the dark, and their ratio.
+    fn charts_of_row(&self, row_value: f64) -> Option<(ChartStudy, f64)> {
+        match self {
+            Self::Chart(study) => Some(((**study).clone(), row_value)),
+            Self::Frames(study) => Some((study.charts_of(row_value as usize), study.charts.snrs[0])),
+            Self::Accuracy(_) | Self::BurstFrames(..) => None,
+        }
+    }
+}
+
+impl StudyReport {
+    /// Its plots; of rows whose ROC curves can be shown, those of `roc_row`.
+    pub fn plots(&self, roc_row: usize) -> Vec<StudyPlot> {
+        match self {
+            Self::Chart(report) => chart_plots(report, roc_row),
+            Self::Frames(report) => frames_plots(report, roc_row),
+            Self::Accuracy(report) => accuracy_plots(report),
+            Self::BurstFrames(report) => burst_frames_plots(report),
+        }
+    }
+
+    /// What is varied from row to row, as a label for each row that has ROC curves.
+    pub fn roc_rows(&self) -> Vec<String> {
+        match self {
+            Self::Chart(report) => report.rows.iter().map(|row| self.row_label(row.snr)).collect(),
+            Self::Frames(report) => report.rows.iter().map(|row| self.row_label(row.frames as f64)).collect(),
+            Self::Accuracy(_) | Self::BurstFrames(_) => Vec::new(),
+        }
+    }
+
+    /// A row's value with its name.
+    pub fn row_label(&self, row_value: f64) -> String {
+        match self {
+            Self::Chart(_) | Self::Accuracy(_) => format!("SNR {row_value}"),
+            Self::Frames(_) | Self::BurstFrames(_) => format!("{row_value} frames"),
+        }
+    }
+
+    /// What was studied, in a few words.
+    pub fn summary(&self) -> String {
+        let chart = match self {
+            Self::Chart(report) => &report.chart,
+            Self::Frames(report) => &report.chart,
+            Self::Accuracy(report) => &report.chart,
+            Self::BurstFrames(report) => {
+                return format!("{}: {} features in all frames", report.burst, report.features);
+            }
+        };
+        format!(
+            "{} discs of {} to {} px, contrast {}, {} frames of {}×{}, up to ±{} px/frame in {}",
+            chart.discs,
+            chart.radius[0],
+            chart.radius[1],
+            chart.contrast,
+            chart.frames,
+            chart.width,
+            chart.height,
+            chart.max_slope,
+            chart.motion.to_uppercase(),
+        )
+    }
+}

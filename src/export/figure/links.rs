@@ -1,0 +1,139 @@
+//! Lines from a place of one panel to a place of another: matches.
+
+use super::{Colour, Drawing, FigurePanel, FigureRect, FigureShape, FigureStroke};
+
+/// Length of a dash and of the gap behind it, as multiples of the stroke's width.
+const DASH: f32 = 4.0;
+/// Radius of the ring at an end, as a multiple of the stroke's width.
+const RING: f32 = 2.0;
+
+/// A line between two panels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FigureLink {
+    /// From which panel to which, by their places in reading order.
+    pub panels: [usize; 2],
+    /// Where in each, (u, v) in image pixels.
+    pub ends_image: [[f32; 2]; 2],
+    /// Its colour.
+    pub color: Colour,
+    /// 0 … 1.
+    pub opacity: f32,
+    /// Its width as a multiple of the figure's.
+    pub weight: f32,
+    /// Whether every other piece is left out.
+    pub dashed: bool,
+}
+
+/// Draws lines between the panels of a drawing that was laid out of `rows`. As in the window, a line is drawn where
+/// both its ends are in sight; an end alone is a small ring.
+///
+/// Links to panels that are not there, and those with numbers that are nowhere, are left out.
+pub fn draw_links(drawing: &mut Drawing, rows: &[Vec<FigurePanel>], links: &[FigureLink], stroke_width_px: f32) {
+    let pictures = drawing.shapes.iter().filter_map(|shape| match shape {
+        FigureShape::Picture { rect, .. } => Some(*rect),
+        _ => None,
+    });
+    let panels: Vec<(FigureRect, &FigurePanel)> = pictures.zip(rows.iter().flatten()).collect();
+    let mut shapes = Vec::new();
+    for link in links {
+        let width = stroke_width_px.clamp(0.0, 1000.0) * link.weight;
+        let stroke = FigureStroke { width, color: link.color, opacity: link.opacity.clamp(0.0, 1.0) };
+        let ends = [0, 1].map(|i| {
+            let (rect, panel) = panels.get(link.panels[i])?;
+            seen(rect, panel, link.ends_image[i])
+        });
+        if let [Some(from), Some(to)] = ends {
+            line(from, to, stroke, link.dashed, &mut shapes);
+        }
+        shapes.extend(ends.into_iter().flatten().map(|centre| FigureShape::Circle {
+            centre,
+            radius: RING * width,
+            stroke,
+            dashed: false,
+        }));
+    }
+    drawing.shapes.extend(shapes);
+}
+
+/// Where a place of a panel is on the sheet; `None` if its picture does not reach so far.
+fn seen(rect: &FigureRect, panel: &FigurePanel, at_image: [f32; 2]) -> Option<[f32; 2]> {
+    let scale = rect.size[0] / (panel.size.0 as f32 * panel.image_px_per_px);
+    let at = [0, 1].map(|i| rect.min[i] + (at_image[i] - panel.origin_image[i]) * scale);
+    let inside = (0..2).all(|i| (rect.min[i]..=rect.min[i] + rect.size[i]).contains(&at[i]));
+    inside.then_some(at)
+}
+
+fn line(from: [f32; 2], to: [f32; 2], stroke: FigureStroke, dashed: bool, out: &mut Vec<FigureShape>) {
+    let at = |part: f32| [0, 1].map(|i| from[i] + part * (to[i] - from[i]));
+    let piece = |from, to| FigureShape::Line { points: vec![from, to], stroke, class: "match" };
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let dash = DASH * stroke.width;
+    if !dashed || dash <= 0.0 {
+        out.push(piece(from, to));
+        return;
+    }
+    let count = ((length / dash).ceil() as usize).min(10_000);
+    let part = |i: usize| (i as f32 * dash / length).min(1.0);
+    out.extend((0..count).step_by(2).map(|i| piece(at(part(i)), at(part(i + 1)))));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{FigureOptions, lay_out};
+    use super::*;
+    use std::sync::Arc;
+
+    fn panel() -> FigurePanel {
+        FigurePanel {
+            size: (20, 10),
+            rgba: Arc::new(vec![9; 20 * 10 * 4]),
+            origin_image: [9.5, -0.5],
+            image_px_per_px: 1.0,
+            marks: Vec::new(),
+            title: None,
+            legend: Vec::new(),
+            bar: None,
+        }
+    }
+
+    #[test]
+    fn lines_go_from_place_to_place_and_what_is_out_of_sight_is_left_out() {
+        let rows = vec![vec![panel(), panel()]];
+        let options = FigureOptions { scale: 2.0, ..FigureOptions::default() };
+        let mut drawing = lay_out(&rows, &options);
+        let before = drawing.shapes.len();
+        let link = FigureLink {
+            panels: [0, 1],
+            ends_image: [[9.5, -0.5], [29.5, 9.5]],
+            color: [1; 3],
+            opacity: 1.0,
+            weight: 1.0,
+            dashed: false,
+        };
+        draw_links(&mut drawing, &rows, &[link], 1.5);
+        let rects: Vec<FigureRect> = drawing
+            .shapes
+            .iter()
+            .filter_map(|shape| if let FigureShape::Picture { rect, .. } = shape { Some(*rect) } else { None })
+            .collect();
+        let [FigureShape::Line { points, .. }, FigureShape::Circle { .. }, FigureShape::Circle { .. }] =
+            &drawing.shapes[before..]
+        else {
+            panic!("a line and its ends: {:?}", &drawing.shapes[before..]);
+        };
+        let corner = [rects[1].min[0] + rects[1].size[0], rects[1].min[1] + rects[1].size[1]];
+        assert_eq!(points.as_slice(), [rects[0].min, corner]);
+        let kinds = |links: &[FigureLink]| {
+            let mut drawing = lay_out(&rows, &options);
+            draw_links(&mut drawing, &rows, links, 1.5);
+            let added = &drawing.shapes[before..];
+            let lines = added.iter().filter(|shape| matches!(shape, FigureShape::Line { .. })).count();
+            (lines, added.len() - lines)
+        };
+        assert_eq!(kinds(&[FigureLink { ends_image: [[9.5, -0.5], [5.0, 5.0]], ..link }]), (0, 1), "one end is seen");
+        assert_eq!(kinds(&[FigureLink { ends_image: [[f32::NAN, 0.0], [1e20, 5.0]], ..link }]), (0, 0));
+        assert_eq!(kinds(&[FigureLink { panels: [0, 7], ..link }]), (0, 1));
+        let (pieces, ends) = kinds(&[FigureLink { dashed: true, ..link }]);
+        assert!(pieces > 4 && ends == 2, "{pieces} dashes");
+    }
+}

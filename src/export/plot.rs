@@ -1,0 +1,143 @@
+//! Lines over axes on a [`Sheet`]: curves with their spread, and a legend.
+
+use super::sheet::{Anchor, Area, GRID, INK, Sheet};
+
+/// A line of a plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// What the legend calls it.
+    pub label: String,
+    /// Its colour, as SVG writes it.
+    pub colour: &'static str,
+    /// Its dashes, as SVG writes them; empty for a solid line.
+    pub dashes: &'static str,
+    /// Its width, pixels.
+    pub width: f64,
+    /// Where it goes: x, y, and how far the value may be off to either side, if that is known. Points that are not
+    /// finite break the line.
+    pub points: Vec<(f64, f64, Option<f64>)>,
+}
+
+/// Axes and the lines over them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot<'a> {
+    /// Above the plot.
+    pub title: &'a str,
+    /// Under the horizontal axis.
+    pub label_x: &'a str,
+    /// Beside the vertical axis.
+    pub label_y: &'a str,
+    /// Values at the left and the right end.
+    pub range_x: (f64, f64),
+    /// Values at the lower and the upper end.
+    pub range_y: (f64, f64),
+    /// Whether each point is marked.
+    pub has_dots: bool,
+    /// The lines, the first at the bottom.
+    pub series: &'a [Series],
+}
+
+/// From 0 to a little above the largest finite value that the points reach with their spread; at least 1.
+pub fn range_from_zero(series: &[Series]) -> (f64, f64) {
+    let tops = series.iter().flat_map(|s| &s.points).map(|&(_, y, spread)| y + spread.unwrap_or(0.0));
+    (0.0, 1.06 * tops.filter(|y| y.is_finite()).fold(1.0, f64::max))
+}
+
+impl Sheet {
+    /// Draws a plot into `area`; its labels stand around it: 60 px to the left, 40 px below, 12 px above.
+    pub fn plot(&mut self, area: Area, plot: &Plot<'_>) {
+        let part = |value: f64, range: (f64, f64)| (value - range.0) / (range.1 - range.0);
+        let x_of = |x: f64| area.x + part(x, plot.range_x) * area.width;
+        let y_of = |y: f64| area.bottom() - part(y, plot.range_y) * area.height;
+        for tick in super::sheet::ticks(plot.range_y) {
+            self.line((area.x, y_of(tick)), (area.right(), y_of(tick)), GRID, "");
+        }
+        for tick in super::sheet::ticks(plot.range_x) {
+            self.line((x_of(tick), area.y), (x_of(tick), area.bottom()), GRID, "");
+        }
+        self.styled_text((area.x, area.y - 10.0), 13.0, Anchor::Start, r#"font-weight="bold""#, plot.title);
+        self.axis_below(area, plot.range_x, plot.label_x);
+        self.axis_left(area, plot.range_y, plot.label_y);
+        self.clipped(area, |sheet| {
+            for series in plot.series {
+                let Series { colour, dashes, width, points, .. } = series;
+                let finite =
+                    |&(x, y, _): &(f64, f64, Option<f64>)| (x.is_finite() && y.is_finite()).then(|| (x_of(x), y_of(y)));
+                let style = format!(
+                    r#"stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round""#
+                );
+                for &(x, y, spread) in points {
+                    if let Some(spread) = spread.filter(|s| x.is_finite() && y.is_finite() && s.is_finite()) {
+                        let style = r#"stroke-width="1.2" stroke-opacity="0.75""#;
+                        sheet.line((x_of(x), y_of(y - spread)), (x_of(x), y_of(y + spread)), colour, style);
+                    }
+                }
+                sheet.polyline(points.iter().map(finite), &style);
+                if plot.has_dots {
+                    for place in points.iter().filter_map(finite) {
+                        sheet.circle(place, 3.2, &format!(r#"fill="{colour}" stroke="white""#));
+                    }
+                }
+            }
+        });
+        let (left, bottom) = ((area.x, area.y), (area.x, area.bottom()));
+        self.line(left, bottom, INK, "");
+        self.line(bottom, (area.right(), area.bottom()), INK, "");
+    }
+
+    /// The lines and their names in a row from `at`, in as many rows as `width` needs; answers where the next row would
+    /// stand.
+    pub fn legend(&mut self, at: (f64, f64), width: f64, series: &[Series]) -> f64 {
+        let (mut x, mut y) = at;
+        for Series { label, colour, dashes, width: stroke, .. } in series {
+            // About 6.3 px a letter at this size.
+            let needed = 42.0 + 6.3 * label.chars().count() as f64 + 20.0;
+            if x > at.0 && x + needed > at.0 + width {
+                (x, y) = (at.0, y + 20.0);
+            }
+            let style = format!(r#"stroke-width="{stroke}" stroke-dasharray="{dashes}""#);
+            self.line((x, y), (x + 36.0, y), colour, &style);
+            self.text((x + 42.0, y + 4.0), 12.0, Anchor::Start, label);
+            x += needed;
+        }
+        y + 20.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(points: &[(f64, f64, Option<f64>)]) -> Series {
+        Series { label: "a < b".into(), colour: "#000000", dashes: "", width: 2.0, points: points.to_vec() }
+    }
+
+    #[test]
+    fn a_plot_has_room_for_what_it_shows() {
+        let all = [series(&[(1.0, 5.0, Some(2.0)), (2.0, f64::NAN, None)]), series(&[(1.0, 3.0, None)])];
+        assert!((range_from_zero(&all).1 - 7.42).abs() < 1e-9);
+        assert_eq!(range_from_zero(&[]), (0.0, 1.06));
+    }
+
+    #[test]
+    fn lines_break_where_a_value_is_missing_and_names_are_escaped() {
+        let all = [series(&[(0.0, 1.0, None), (1.0, f64::NAN, None), (2.0, 1.0, Some(0.5)), (3.0, 2.0, None)])];
+        let mut sheet = Sheet::new(300.0, "lines");
+        let plot = Plot {
+            title: "",
+            label_x: "x",
+            label_y: "y",
+            range_x: (0.0, 3.0),
+            range_y: (0.0, 2.0),
+            has_dots: true,
+            series: &all,
+        };
+        sheet.plot(Area { x: 60.0, y: 20.0, width: 100.0, height: 100.0 }, &plot);
+        assert_eq!(sheet.legend((10.0, 10.0), 50.0, &[all[0].clone(), all[0].clone()]), 50.0, "one under the other");
+        let svg = sheet.finish(200.0);
+        let path = svg.lines().find(|line| line.starts_with("<path")).expect("a line");
+        assert!(path.contains("M60.0 70.0M126.7 70.0L160.0 20.0"), "{path}");
+        assert_eq!(svg.matches("<circle").count(), 3);
+        assert!(svg.contains("a &lt; b") && !svg.contains("NaN"), "{svg}");
+    }
+}

@@ -1,0 +1,112 @@
+//! Fig. 9: aliasing and low contrast, on the examples that the program opens too.
+
+use super::drawing::{Panel, RIGHT, WRONG, stretched};
+use super::record::Pieces;
+use super::{FiguresError, Made, MakeFigure};
+use crate::baseline::detect;
+use crate::detector::view::stack_view;
+use crate::detector::{DetectorParams, Feature, Slope, SlopeGrid};
+use crate::export::sheet::{Anchor, Sheet};
+use crate::monitor::{Monitor, Stage};
+use crate::synth::Example;
+use crate::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD, disc_place};
+use std::fmt::Write;
+
+const WIDTH: f64 = 900.0;
+const GAP: f64 = 16.0;
+/// Discs of the low-contrast example.
+const DISCS: usize = 9;
+/// A feature this near to a disc finds it, pixels.
+const NEAR_PX: f32 = 4.0;
+
+/// The two examples; they say themselves what is searched.
+#[derive(Debug)]
+pub(super) struct Failures;
+
+fn params(example: Example) -> DetectorParams {
+    let (range, count) = example.slopes_u();
+    DetectorParams { slopes: SlopeGrid::line(range, count), ..DetectorParams::default() }
+}
+
+impl MakeFigure for Failures {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+        let mut sheet = Sheet::new(WIDTH, "Failure cases");
+        let mut csv = String::from("case,u,v,sigma,slope_u,response,snr,is\n");
+        let end = aliasing(&mut sheet, &mut csv, monitor)?;
+        monitor.report(Stage::Evaluate, 0.5);
+        let end = low_contrast(&mut sheet, &mut csv, end + 52.0, monitor)?;
+        Ok(Made { svg: sheet.finish(end + 40.0), csv, notes: Vec::new() })
+    }
+}
+
+fn write_feature(csv: &mut String, case: &str, f: &Feature, is: &str) {
+    // Writing into a string cannot fail.
+    let _ = writeln!(csv, "{case},{},{},{},{},{},{},{is}", f.u, f.v, f.sigma, f.slope.u, f.response, f.snr);
+}
+
+/// Two pictures side by side; answers where they end.
+fn half() -> f64 {
+    (WIDTH - 3.0 * GAP) / 2.0
+}
+
+fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f64, FiguresError> {
+    let silent = monitor.silent();
+    let (burst, params) = (Example::Aliasing.burst(), params(Example::Aliasing));
+    let detection = detect(&burst, &params, &silent)?;
+    // One period a frame too slow: each lamp lies on its neighbour.
+    let wrong = Slope::new(ALIASING_SLOPE - GARLAND_PERIOD, 0.0);
+    let frame = &burst.frames[burst.len() / 2];
+    let title = "(a) one frame: small lamps every 8 px, larger ones apart";
+    Panel::draw(sheet, (GAP, 34.0), half(), frame, &stretched(frame), title);
+    let stack = stack_view(&burst, &params, wrong, &silent)?;
+    let title = format!("the motion stack at −{:.0} px/frame: nothing moves so", wrong.u.abs());
+    let panel = Panel::draw(sheet, (2.0 * GAP + half(), 34.0), half(), &stack, &stretched(&stack), &title);
+    let is_false = |f: &&Feature| (f.slope.u - wrong.u).abs() < 0.5;
+    sheet.clipped(panel.area, |sheet| {
+        detection.features.iter().filter(is_false).for_each(|f| panel.feature(sheet, f, WRONG));
+    });
+    for f in &detection.features {
+        let is = match f.slope.u {
+            u if (u - ALIASING_SLOPE).abs() < 0.5 => "true slope",
+            u if (u - wrong.u).abs() < 0.5 => "alias",
+            _ => "other slope",
+        };
+        write_feature(csv, "aliasing", f, is);
+    }
+    let count = detection.features.iter().filter(is_false).count();
+    let text = format!("orange: {count} features at that slope; the lamps move by {ALIASING_SLOPE} px/frame");
+    sheet.text((2.0 * GAP + half(), panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
+    Ok(panel.area.bottom())
+}
+
+fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) -> Result<f64, FiguresError> {
+    let silent = monitor.silent();
+    let (burst, params) = (Example::LowContrast.burst(), params(Example::LowContrast));
+    let detection = detect(&burst, &params, &silent)?;
+    let frame = &burst.frames[burst.len() / 2];
+    let title = "(b) one frame: nine discs, each fainter than the one before";
+    Panel::draw(sheet, (GAP, y), half(), frame, &stretched(frame), title);
+    let stack = stack_view(&burst, &params, Slope::new(1.0, 0.0), &silent)?;
+    let title = "the motion stack at their slope, and what is found";
+    let panel = Panel::draw(sheet, (2.0 * GAP + half(), y), half(), &stack, &stretched(&stack), title);
+    let mut found = 0;
+    for index in 0..DISCS {
+        let [u, v] = disc_place(index);
+        let near = |f: &&Feature| (f.u - u).hypot(f.v - v) <= NEAR_PX;
+        let is_found = detection.features.iter().any(|f| near(&f));
+        found += usize::from(is_found);
+        let (colour, dashes) = if is_found { (RIGHT, "") } else { (WRONG, r#"stroke-dasharray="4 3""#) };
+        let style = format!(r#"stroke-width="1.8" {dashes}"#);
+        panel.circle(sheet, [f64::from(u), f64::from(v)], 10.0, colour, &style);
+    }
+    for f in &detection.features {
+        let disc = (0..DISCS).find(|&index| {
+            let [u, v] = disc_place(index);
+            (f.u - u).hypot(f.v - v) <= NEAR_PX
+        });
+        write_feature(csv, "low-contrast", f, &disc.map_or("false".to_owned(), |disc| format!("disc {disc}")));
+    }
+    let text = format!("blue: found ({found} of {DISCS}); orange, dashed: missed");
+    sheet.text((2.0 * GAP + half(), panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
+    Ok(panel.area.bottom())
+}

@@ -1,0 +1,221 @@
+//! The figures and tables of the paper, by name.
+
+use super::MakeFigure;
+use super::apparent_motion::ApparentMotion;
+use super::architecture::Architecture;
+use super::charts::{FramesFigure, RocFigure};
+use super::failures::Failures;
+use super::light::Light;
+use super::matching::MatchingInTheDark;
+use super::reconstruction::{ReconstructionFigure, Shown};
+use super::target::TestTarget;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A figure or table of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs)] // each is described by its title
+pub enum PaperFigure {
+    Fig1,
+    Fig2,
+    Fig3,
+    Fig4,
+    Fig5,
+    Fig6,
+    Fig7,
+    Fig8,
+    Fig9,
+    Table1,
+    Table2,
+    Table3,
+}
+
+/// How large the material is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FigureSize {
+    /// Charts and trajectories from which numbers can be read.
+    #[default]
+    Full,
+    /// So small that everything is there in a minute: to see what there is, not to measure.
+    Quick,
+}
+
+impl FigureSize {
+    /// One of two values.
+    pub(super) fn pick<T>(self, full: T, quick: T) -> T {
+        match self {
+            Self::Full => full,
+            Self::Quick => quick,
+        }
+    }
+}
+
+impl PaperFigure {
+    /// All of them, in the order in which they are made and shown.
+    pub const ALL: [Self; 12] = [
+        Self::Fig1,
+        Self::Fig2,
+        Self::Fig3,
+        Self::Fig4,
+        Self::Fig5,
+        Self::Fig6,
+        Self::Fig7,
+        Self::Fig9,
+        Self::Table1,
+        Self::Table2,
+        Self::Fig8,
+        Self::Table3,
+    ];
+
+    /// The word on the command line, and what its files are called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fig1 => "fig1",
+            Self::Fig2 => "fig2",
+            Self::Fig3 => "fig3",
+            Self::Fig4 => "fig4",
+            Self::Fig5 => "fig5",
+            Self::Fig6 => "fig6",
+            Self::Fig7 => "fig7",
+            Self::Fig8 => "fig8",
+            Self::Fig9 => "fig9",
+            Self::Table1 => "table1",
+            Self::Table2 => "table2",
+            Self::Table3 => "table3",
+        }
+    }
+
+    /// What it is called, with its number in the paper.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Fig1 => "Fig. 1: matching in the dark",
+            Self::Fig2 => "Fig. 2: apparent motion",
+            Self::Fig3 => "Fig. 3: the architecture",
+            Self::Fig4 => "Fig. 4: the test target",
+            Self::Fig5 => "Fig. 5: true against false features",
+            Self::Fig6 => "Fig. 6: the number of frames",
+            Self::Fig7 => "Fig. 7: bright, gold and dark frames",
+            Self::Fig8 => "Fig. 8: trajectories",
+            Self::Fig9 => "Fig. 9: failure cases",
+            Self::Table1 => "Table 1: matching and reconstruction",
+            Self::Table2 => "Table 2: errors of the camera poses",
+            Self::Table3 => "Table 3: time",
+        }
+    }
+
+    /// What there is to see.
+    pub fn caption(self) -> &'static str {
+        match self {
+            Self::Fig1 => {
+                "Two neighbouring bursts of a dark scene. SIFT on one frame of each finds noise; the burst features match. \
+                 A match is right (blue) when it lies within 4 px of where the point of the scene is truly seen in the other view."
+            }
+            Self::Fig2 => {
+                "Features followed from frame to frame in a burst in good light, each frame searched by itself: what they go along is \
+                 close to a line at constant speed, horizontal when the camera goes sideways, in all directions when it goes forward."
+            }
+            Self::Fig3 => {
+                "The detector's own intermediate results on the demo burst: frames, the motion stack, its differences of Gaussians, the \
+                 response over slope and scale at one place, the features."
+            }
+            Self::Fig4 => {
+                "A chart of discs, the upper left part of it, with what each method finds at the threshold where a tenth of its detections is \
+                 false: blue circles find a disc, orange ones do not."
+            }
+            Self::Fig5 => {
+                "Discs found against false features as the threshold falls. The grey line is where a tenth of the detections is false, \
+                 the dot what the method finds at its default threshold (noise gate strict)."
+            }
+            Self::Fig6 => "What more frames are worth, at one signal-to-noise ratio. Bars are standard errors.",
+            Self::Fig7 => {
+                "A view of the scene of Fig. 1 and the tables: a frame in good light, the gold standard (no noise), a frame in the dark as \
+                 it is recorded, and the same with its contrast stretched."
+            }
+            Self::Fig8 => {
+                "The camera's way, seen along the direction in which it spreads least: the true places and those that COLMAP found with the features of \
+                 each method, after a similarity alignment."
+            }
+            Self::Fig9 => {
+                "Top: periodic lamps answer at a slope at which nothing moves (aliasing). Bottom: discs of falling contrast; what is fainter \
+                 than the noise allows is not found."
+            }
+            Self::Table1 => {
+                "Features and their matches with all other images of a trajectory, as means over images and trajectories, and what COLMAP makes of them."
+            }
+            Self::Table2 => {
+                "Mean errors of the reconstructed camera poses against the true ones, after a similarity alignment."
+            }
+            Self::Table3 => {
+                "Time for one trajectory: finding the features, matching them, and COLMAP's mapper, on the machine at hand."
+            }
+        }
+    }
+
+    /// About how long it takes, seconds on two quiet cores, to share out the progress. The first of several that share
+    /// their material pays for it.
+    pub(super) fn cost_secs(self, size: FigureSize) -> f32 {
+        let full = match self {
+            Self::Fig1 => 6.0,
+            Self::Fig2 => 6.0,
+            Self::Fig3 => 2.0,
+            Self::Fig4 => 5.0,
+            Self::Fig5 => 60.0,
+            Self::Fig6 => 70.0,
+            Self::Fig7 => 4.0,
+            Self::Fig9 => 2.0,
+            Self::Table1 => 330.0,
+            Self::Fig8 | Self::Table2 | Self::Table3 => 0.5,
+        };
+        size.pick(full, full.min(10.0))
+    }
+
+    /// What makes it.
+    pub(super) fn maker(self, size: FigureSize, colmap: Option<&Path>) -> Box<dyn MakeFigure> {
+        let of = |shown| Box::new(ReconstructionFigure::new(shown, size, colmap));
+        match self {
+            Self::Fig1 => Box::new(MatchingInTheDark::new(size)),
+            Self::Fig2 => Box::new(ApparentMotion::new(size)),
+            Self::Fig3 => Box::new(Architecture::new(size)),
+            Self::Fig4 => Box::new(TestTarget::new(size)),
+            Self::Fig5 => Box::new(RocFigure::new(size)),
+            Self::Fig6 => Box::new(FramesFigure::new(size)),
+            Self::Fig7 => Box::new(Light::new(size)),
+            Self::Fig9 => Box::new(Failures),
+            Self::Fig8 => of(Shown::Trajectories),
+            Self::Table1 => of(Shown::Matching),
+            Self::Table2 => of(Shown::Poses),
+            Self::Table3 => of(Shown::Time),
+        }
+    }
+}
+
+impl std::str::FromStr for PaperFigure {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wanted = text.trim().to_lowercase();
+        Self::ALL
+            .into_iter()
+            .find(|figure| figure.name() == wanted)
+            .ok_or_else(|| format!("'{text}' is none of them; give fig1 to fig9 or table1 to table3"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_titles_and_numbers_agree() {
+        for figure in PaperFigure::ALL {
+            assert_eq!(figure.name().parse(), Ok(figure));
+            let number = figure.name().trim_start_matches(char::is_alphabetic);
+            assert!(figure.title().contains(&format!(" {number}: ")), "{}", figure.title());
+            assert_eq!(serde_json::to_value(figure).expect("a word"), figure.name());
+            assert!(figure.caption().ends_with('.'));
+        }
+        assert!("fig10".parse::<PaperFigure>().expect_err("there is none").contains("fig1 to fig9"));
+    }
+}

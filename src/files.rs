@@ -1,0 +1,141 @@
+//! Small text files that people write or hand over, and how a file's name is said.
+//!
+//! A parameter file is a few lines. Whatever is much larger, or is a device or a pipe, is no such file: it is refused
+//! before it fills the memory or is waited for. A file's name need not be text; where text is wanted (JSON, a manifest)
+//! its other bytes are written as `\xNN`, so that nothing fails over a name and two names stay two.
+
+use serde::Serializer;
+use std::fmt::Write;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// The largest parameter or camera file, bytes: far above what a person writes.
+pub const MAX_SETTINGS_BYTES: u64 = 1 << 20;
+/// The largest session file, bytes. It holds the views of all panes and nothing of the pictures.
+pub const MAX_SESSION_BYTES: u64 = 16 << 20;
+/// The largest file of numbers as text or JSON, bytes: features, poses, the truth of a synthetic burst.
+pub const MAX_TABLE_BYTES: u64 = 1 << 30;
+
+/// The bytes of the regular file `path`, at most `max_bytes` of them.
+///
+/// # Errors
+/// What the system says; [`io::ErrorKind::InvalidInput`] for what is no regular file (a folder, a device, a pipe), and
+/// [`io::ErrorKind::FileTooLarge`] for a file beyond the limit.
+pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+    // Before it is opened, because opening a pipe waits for whoever writes into it.
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file; name one"));
+    }
+    let mut bytes = Vec::new();
+    // A file may grow while it is read, so the limit is on what is read.
+    File::open(path)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > max_bytes {
+        let problem = format!("this file is larger than {} MiB, too large for what it shall hold", max_bytes >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem));
+    }
+    Ok(bytes)
+}
+
+/// The same as text.
+///
+/// # Errors
+/// As [`read_bytes`], and [`io::ErrorKind::InvalidData`] for what is not UTF-8.
+pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, max_bytes)?)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "this is not text; save it as UTF-8"))
+}
+
+/// The program's version.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// How the line begins that says who wrote a file.
+const WRITTEN_BY: &str = "# Written by Burstscope ";
+
+/// The first line of a parameter or session file: which version of the program wrote it.
+pub fn written_by() -> String {
+    format!("{WRITTEN_BY}{VERSION}\n")
+}
+
+/// The `problem` with a parameter or session file of this text; if a newer program wrote the file, it says so, because
+/// what is unknown here may be known there.
+pub fn explained(text: &str, problem: &str) -> String {
+    let numbers = |version: &str| -> Option<Vec<u64>> { version.split('.').map(|part| part.parse().ok()).collect() };
+    let writer = text.lines().find_map(|line| line.strip_prefix(WRITTEN_BY)).map(str::trim);
+    match writer.filter(|writer| numbers(writer) > numbers(VERSION)) {
+        Some(writer) => {
+            format!(
+                "this file was written by Burstscope {writer}, and this is {VERSION}; open it with the newer one ({problem})"
+            )
+        }
+        None => problem.to_owned(),
+    }
+}
+
+/// The path as text: as it is where it is text, with its other bytes as `\xNN`.
+pub fn path_text(path: &Path) -> String {
+    let mut text = String::new();
+    for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
+        text.push_str(chunk.valid());
+        for byte in chunk.invalid() {
+            // Writing into a string cannot fail.
+            let _ = write!(text, "\\x{byte:02X}");
+        }
+    }
+    text
+}
+
+/// For `#[serde(serialize_with)]`: [`path_text`].
+///
+/// # Errors
+/// Those of the serializer.
+pub fn serialize_path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path_text(path))
+}
+
+/// For `#[serde(serialize_with)]`: [`path_text`] of each.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn serialize_paths<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path_text(path)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read_up_to_their_limit() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("a.toml");
+        std::fs::write(&path, "levels = 4\n").expect("written");
+        assert_eq!(read_text(&path, 11).expect("just fits"), "levels = 4\n");
+        assert_eq!(read_text(&path, 10).expect_err("too large").kind(), io::ErrorKind::FileTooLarge);
+        assert_eq!(read_text(home.path(), 10).expect_err("a folder").kind(), io::ErrorKind::InvalidInput);
+        std::fs::write(&path, [0xff, b'a']).expect("written");
+        assert_eq!(read_text(&path, 10).expect_err("no text").kind(), io::ErrorKind::InvalidData);
+        #[cfg(unix)]
+        assert_eq!(read_text(Path::new("/dev/zero"), 10).expect_err("a device").kind(), io::ErrorKind::InvalidInput);
+    }
+
+    #[test]
+    fn a_newer_writer_is_said() {
+        let older = format!("{}levels = 4\n", written_by());
+        assert_eq!(explained(&older, "unknown field"), "unknown field");
+        assert_eq!(explained("levels = 4", "unknown field"), "unknown field");
+        let newer = "# Written by Burstscope 99.10.2\nlevels = 4\n";
+        let words = explained(newer, "unknown field");
+        assert!(words.contains("99.10.2") && words.contains(VERSION) && words.contains("unknown field"), "{words}");
+        assert_eq!(explained("# Written by Burstscope soon\n", "x"), "x");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn names_that_are_no_text_are_said_and_told_apart() {
+        use std::os::unix::ffi::OsStrExt;
+        let text = |bytes: &[u8]| path_text(Path::new(std::ffi::OsStr::from_bytes(bytes)));
+        assert_eq!(text("nächte/1".as_bytes()), "nächte/1");
+        assert_eq!(text(b"night\xff\xfe1"), "night\\xFF\\xFE1");
+        assert_ne!(text(b"\xff"), text(b"\xfe"));
+    }
+}

@@ -1,0 +1,90 @@
+//! The signal-to-noise ratio of a flat spot on flat ground, measured in a picture.
+
+use crate::plane::Plane;
+
+/// What was measured of a spot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpotSnr {
+    /// Mean of the spot less that of its ground, fraction of full scale.
+    pub signal: f32,
+    /// Standard deviation of one pixel, around the mean of the spot or of the ground, fraction of full scale.
+    pub noise: f32,
+}
+
+impl SpotSnr {
+    /// |signal| over noise; infinite without noise.
+    pub fn ratio(&self) -> f32 {
+        self.signal.abs() / self.noise
+    }
+}
+
+/// Fewer pixels than this, of spot or ground, measure nothing.
+const MIN_PIXELS: usize = 12;
+
+/// Measures the spot around `place` (u, v): its pixels are nearer than `inner`, those of its ground between
+/// `ground[0]` and `ground[1]` away, in pixels. `None` where the picture holds too few of either.
+pub fn spot_snr(picture: &Plane, place: [f32; 2], inner: f32, ground: [f32; 2]) -> Option<SpotSnr> {
+    let (mut spot, mut around) = (Vec::new(), Vec::new());
+    let [u, v] = place;
+    let span = |x: f32, n: usize| {
+        let (first, end) = ((x - ground[1]).floor().max(0.0), (x + ground[1]).ceil() + 1.0);
+        first as usize..(end.max(0.0) as usize).min(n)
+    };
+    for row in span(v, picture.height()) {
+        for column in span(u, picture.width()) {
+            let away = (column as f32 - u).hypot(row as f32 - v);
+            let value = picture.at(column, row);
+            if !value.is_finite() {
+                continue;
+            }
+            if away < inner {
+                spot.push(value);
+            } else if (ground[0]..=ground[1]).contains(&away) {
+                around.push(value);
+            }
+        }
+    }
+    if spot.len() < MIN_PIXELS || around.len() < MIN_PIXELS {
+        return None;
+    }
+    let mean = |values: &[f32]| values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;
+    let means = [mean(&spot), mean(&around)];
+    let squares = |values: &[f32], mean: f64| values.iter().map(|&x| (f64::from(x) - mean).powi(2)).sum::<f64>();
+    // Two means were taken from the same pixels.
+    let free = (spot.len() + around.len() - 2) as f64;
+    let noise = ((squares(&spot, means[0]) + squares(&around, means[1])) / free).sqrt();
+    Some(SpotSnr { signal: (means[0] - means[1]) as f32, noise: noise as f32 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Stream;
+
+    fn picture(frames: usize) -> Plane {
+        let mut stream = Stream::new(7, 0);
+        let mut noise = |_| (0..frames).map(|_| stream.normal()).sum::<f64>() / frames as f64;
+        let values: Vec<f64> = (0..64 * 64).map(&mut noise).collect();
+        Plane::from_fn(64, 64, |u, v| {
+            let disc = (u as f32 - 30.0).hypot(v as f32 - 34.0) < 8.0;
+            0.2 + 0.1 * f32::from(disc) + 0.05 * values[v * 64 + u] as f32
+        })
+    }
+
+    #[test]
+    fn it_measures_what_is_there_and_grows_with_the_root_of_the_frames() {
+        let of = |frames| spot_snr(&picture(frames), [30.0, 34.0], 7.0, [10.0, 20.0]).expect("inside");
+        assert!((of(1).ratio() - 2.0).abs() < 0.2, "{:?}", of(1));
+        for frames in [4, 9] {
+            let growth = of(frames).ratio() / of(1).ratio();
+            assert!((growth / (frames as f32).sqrt() - 1.0).abs() < 0.12, "{frames} frames: {growth}");
+        }
+    }
+
+    #[test]
+    fn a_spot_beside_the_picture_measures_nothing() {
+        for place in [[-40.0, 10.0], [1e9, 0.0], [f32::NAN, 3.0]] {
+            assert_eq!(spot_snr(&picture(1), place, 5.0, [6.0, 9.0]), None);
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Memory for pixels, asked for in a way that can be refused.
+//!
+//! What the user's input sizes (frames, the planes of a search, exported pictures) may be more than the machine has. An
+//! allocation that fails ends the whole program, and with it the window and all that was open in it. So such memory is
+//! asked for here. A refusal unwinds as [`NoMemory`], through all the steps that have no part in it and without a
+//! panic's message, up to where somebody can say it: [`refusable`] makes an error of it, for a file that is opened, a
+//! command, or a piece of work in the background.
+//!
+//! A system may promise memory that it does not have and end the program later; no program can prevent that. The limit
+//! that keeps a search well below it is [`crate::detector`]'s, before it starts.
+
+use bytemuck::Zeroable;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+/// The system refused memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "there is no memory for {} MiB more; take fewer frames or slopes, smaller pictures or a coarser first octave, or close other programs",
+    bytes.div_ceil(1 << 20)
+)]
+pub struct NoMemory {
+    /// How much was asked for at once.
+    pub bytes: u64,
+}
+
+impl NoMemory {
+    fn of<T>(count: usize) -> Self {
+        Self { bytes: (count as u64).saturating_mul(size_of::<T>() as u64) }
+    }
+
+    fn unwind(self) -> ! {
+        // Not a panic: nobody made a mistake, and the hook that prints panics is not called.
+        resume_unwind(Box::new(self))
+    }
+}
+
+/// `count` zeros. Unwinds as [`NoMemory`] where the system refuses them.
+pub fn zeroed<T: Zeroable>(count: usize) -> Vec<T> {
+    bytemuck::try_zeroed_vec(count).unwrap_or_else(|()| NoMemory::of::<T>(count).unwind())
+}
+
+/// An empty vector with room for `count` values. Unwinds as [`NoMemory`] where the system refuses it.
+pub fn with_capacity<T>(count: usize) -> Vec<T> {
+    let mut values = Vec::new();
+    match values.try_reserve_exact(count) {
+        Ok(()) => values,
+        Err(_) => NoMemory::of::<T>(count).unwind(),
+    }
+}
+
+/// Does `work`.
+///
+/// # Errors
+/// [`NoMemory`] where the system refused it memory.
+pub fn refusable<T>(work: impl FnOnce() -> T) -> Result<T, NoMemory> {
+    // What the work has half changed is its own, and dropped with it.
+    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.downcast::<NoMemory>() {
+        Ok(refused) => *refused,
+        Err(panic) => resume_unwind(panic),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::Plane;
+    use rayon::prelude::*;
+
+    #[test]
+    fn what_is_refused_is_an_error_with_its_size() {
+        // 2^40 pixels of 4 bytes are more than a process may address on any machine of today; so is what overflows.
+        let side = 1 << 30;
+        assert_eq!(refusable(|| Plane::zeros(side, side)), Err(NoMemory { bytes: 1 << 62 }));
+        assert!(refusable(|| Plane::from_fn(side, side, |_, _| 0.0)).is_err());
+        assert_eq!(refusable(|| Plane::zeros(usize::MAX, usize::MAX)), Err(NoMemory { bytes: u64::MAX }));
+        assert!(refusable(|| with_capacity::<u64>(usize::MAX)).is_err());
+        assert_eq!(refusable(|| zeroed::<f32>(3)), Ok(vec![0.0; 3]));
+        assert!(refusable(|| with_capacity::<u8>(9)).is_ok_and(|room| room.capacity() >= 9));
+        let words = NoMemory { bytes: 3 << 20 }.to_string();
+        assert!(words.contains("3 MiB"), "{words}");
+    }
+
+    #[test]
+    fn it_comes_through_parallel_loops_and_panics_stay_panics() {
+        let work = || (0..64usize).into_par_iter().map(|i| zeroed::<u8>(if i == 40 { 1 << 62 } else { i }).len()).sum();
+        assert_eq!(refusable::<usize>(work), Err(NoMemory { bytes: 1 << 62 }));
+        let panic = catch_unwind(|| refusable(|| panic!("a mistake")));
+        assert_eq!(panic.expect_err("a panic").downcast_ref::<&str>(), Some(&"a mistake"));
+    }
+}

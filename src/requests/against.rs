@@ -1,0 +1,167 @@
+//! Comparing the features of a burst with others: an earlier result, somebody else's, what is really there.
+
+use super::error::JobError;
+use super::open::OpenBurst;
+use super::trail::TrailStore;
+use crate::baseline::search;
+use crate::detector::{Detection, DetectorParams, SearchParams};
+use crate::inspect::changes::{Changes, Spot, compare};
+use crate::inspect::foreign::{ForeignFeature, read_features};
+use crate::inspect::truth::{AgainstTruth, against_truth};
+use crate::monitor::Monitor;
+use crate::synth::Truth;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// With what features are compared.
+#[derive(Debug, Clone)]
+pub enum Reference {
+    /// An earlier result of the same burst.
+    Earlier {
+        /// The burst.
+        burst: OpenBurst,
+        /// What it was asked for.
+        asked: SearchParams,
+        /// The result; where it is not there any more, it is found again.
+        detection: Option<Arc<Detection>>,
+    },
+    /// Somebody else's features.
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What it holds, once it was read.
+        features: Option<Arc<Vec<ForeignFeature>>>,
+    },
+    /// What is known of a synthetic burst.
+    Truth {
+        /// The burst.
+        burst: OpenBurst,
+        /// The parameters of the detection, with its slopes.
+        params: DetectorParams,
+    },
+}
+
+/// What is compared with what.
+#[derive(Debug, Clone)]
+pub struct AgainstRequest {
+    /// The features.
+    pub detection: Arc<Detection>,
+    /// The others.
+    pub with: Reference,
+}
+
+impl AgainstRequest {
+    /// Whether both ask for the same comparison.
+    pub fn same_comparison(&self, other: &Self) -> bool {
+        let same_reference = match (&self.with, &other.with) {
+            (Reference::Earlier { burst: a, asked: p, .. }, Reference::Earlier { burst: b, asked: q, .. }) => {
+                a.id == b.id && p == q
+            }
+            (Reference::File { path: a, .. }, Reference::File { path: b, .. }) => a == b,
+            (Reference::Truth { burst: a, params: p }, Reference::Truth { burst: b, params: q }) => {
+                a.id == b.id && p == q
+            }
+            _ => false,
+        };
+        same_reference && Arc::ptr_eq(&self.detection, &other.detection)
+    }
+
+    /// Compares. A result or a truth that is not there yet is made; `trails` may have it.
+    ///
+    /// # Errors
+    /// [`JobError::Failed`] for a file that cannot be read or a burst of which nothing is known;
+    /// [`JobError::Cancelled`].
+    pub fn compute(self, trails: &dyn TrailStore, monitor: &Monitor) -> Result<ComparedWith, JobError> {
+        let spots: Vec<Spot> = self.detection.features.iter().map(Spot::from).collect();
+        let against = match &self.with {
+            Reference::Earlier { burst, asked, detection } => {
+                let earlier = match (detection, trails.asked(burst, asked)) {
+                    (Some(earlier), _) => earlier.clone(),
+                    (None, Some(kept)) => Arc::new(kept.detection().clone()),
+                    (None, None) => Arc::new(search(&burst.burst, asked, monitor)?.detection),
+                };
+                let before: Vec<Spot> = earlier.features.iter().map(Spot::from).collect();
+                changes_since(before, &spots, OthersSource::Earlier(earlier))
+            }
+            Reference::File { path, features } => {
+                let read = match features {
+                    Some(features) => features.clone(),
+                    None => Arc::new(read_features(path).map_err(JobError::failed)?),
+                };
+                monitor.check()?;
+                changes_since(read.iter().map(Spot::from).collect(), &spots, OthersSource::File(read))
+            }
+            Reference::Truth { burst, params } => {
+                let truth = burst.truth(monitor).map_err(JobError::failed)?;
+                let truth =
+                    truth.ok_or_else(|| JobError::Failed("nothing is known of what is really there".to_owned()))?;
+                let cache = trails.get_or_make_for(burst, params, monitor)?;
+                let against = against_truth(&cache, &truth, monitor)?;
+                Against::Truth { against: Box::new(against), truth: Arc::new(truth) }
+            }
+        };
+        monitor.check()?;
+        Ok(ComparedWith { request: self, against })
+    }
+}
+
+/// What came of a comparison.
+#[derive(Debug, Clone)]
+pub enum Against {
+    /// Gained, lost and moved.
+    Changes {
+        /// Which.
+        changes: Changes,
+        /// The others, in the order of their indices.
+        before: Arc<Vec<Spot>>,
+        /// What they come from.
+        source: OthersSource,
+    },
+    /// Found, missed, repeated and false.
+    Truth {
+        /// Which.
+        against: Box<AgainstTruth>,
+        /// What is really there.
+        truth: Arc<Truth>,
+    },
+}
+
+/// Where other features come from, to be handed in the next time.
+#[derive(Debug, Clone)]
+pub enum OthersSource {
+    /// An earlier result.
+    Earlier(Arc<Detection>),
+    /// A file.
+    File(Arc<Vec<ForeignFeature>>),
+}
+
+impl Against {
+    /// The earlier result that was compared with.
+    pub fn found_again(&self) -> Option<&Arc<Detection>> {
+        match self {
+            Self::Changes { source: OthersSource::Earlier(detection), .. } => Some(detection),
+            _ => None,
+        }
+    }
+
+    /// What was read of a file.
+    pub fn read(&self) -> Option<&Arc<Vec<ForeignFeature>>> {
+        match self {
+            Self::Changes { source: OthersSource::File(read), .. } => Some(read),
+            _ => None,
+        }
+    }
+}
+
+/// A comparison with what it was made of.
+#[derive(Debug, Clone)]
+pub struct ComparedWith {
+    /// What was asked for.
+    pub request: AgainstRequest,
+    /// What came of it.
+    pub against: Against,
+}
+
+fn changes_since(before: Vec<Spot>, after: &[Spot], source: OthersSource) -> Against {
+    Against::Changes { changes: compare(&before, after), before: Arc::new(before), source }
+}

@@ -1,0 +1,78 @@
+//! How evenly the frames answer for each feature of a detection.
+
+use super::error::JobError;
+use super::trail::{DetectionSource, TrailStore, trail_and_rest};
+use crate::detector::Detection;
+use crate::inspect::shares::coherences;
+use crate::monitor::Monitor;
+use std::sync::Arc;
+
+/// Of which features the coherence is asked for.
+#[derive(Debug, Clone)]
+pub struct CoherenceRequest {
+    /// The detection that found them.
+    pub of: DetectionSource,
+    /// The features.
+    pub detection: Arc<Detection>,
+}
+
+/// The coherences of the features of a detection.
+#[derive(Debug, Clone)]
+pub struct Coherences {
+    /// The detection.
+    pub detection: Arc<Detection>,
+    /// For each feature, 0 … 1; `None` where single frames are too noisy to tell. See
+    /// [`crate::inspect::shares::Shares::coherence`].
+    pub values: Arc<Vec<Option<f32>>>,
+}
+
+impl CoherenceRequest {
+    /// Whether both ask for the same features.
+    pub fn same_features(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.detection, &other.detection)
+    }
+
+    /// Computes them from what the detection left in `trails`, or repeats it.
+    ///
+    /// # Errors
+    /// As the detection; [`JobError::Cancelled`].
+    pub fn compute(self, trails: &dyn TrailStore, monitor: &Monitor) -> Result<Coherences, JobError> {
+        let (cache, rest) = trail_and_rest(trails, &self.of, monitor)?;
+        let values = Arc::new(coherences(&cache.trail, &rest)?);
+        Ok(Coherences { detection: self.detection, values })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::{DetectorParams, SlopeGrid};
+    use crate::inspect::probe::Wanted;
+    use crate::inspect::{ProbeOptions, probe};
+    use crate::requests::{BurstSource, DetectRequest, NothingKept, OpenBurst};
+    use crate::synth::Example;
+
+    #[test]
+    fn the_coherences_of_all_features_are_those_that_the_probe_says_of_each() {
+        let burst = OpenBurst::new(Example::Depths.burst(), BurstSource::Example(Example::Depths));
+        let slopes = SlopeGrid::line(-3.0..=3.0, 7);
+        let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
+        let of = DetectionSource { burst: burst.clone(), asked: params.clone().into(), params, finding: None };
+        let monitor = Monitor::default();
+        let detect = DetectRequest { burst, params: of.asked.clone() };
+        let detection = detect.compute(&NothingKept, &monitor).expect("valid").detection;
+        let request = CoherenceRequest { of: of.clone(), detection };
+        let Coherences { detection, values } = request.compute(&NothingKept, &monitor).expect("valid");
+        assert_eq!(values.len(), detection.features.len());
+        assert!(values.iter().flatten().all(|c| (0.0..=1.0).contains(c)));
+        let cache = of.trail(&monitor).expect("valid");
+        let (mut told, step) = (0, (values.len() / 25).max(1));
+        for index in (0..values.len()).step_by(step) {
+            let options = ProbeOptions { wanted: Wanted::Feature(index), ..ProbeOptions::default() };
+            let probed = probe(&cache, [0.0, 0.0], &options, &monitor).expect("a feature");
+            assert_eq!(probed.shares.coherence, values[index], "feature {index}");
+            told += usize::from(values[index].is_some());
+        }
+        assert!(told > 10, "only {told} were told");
+    }
+}

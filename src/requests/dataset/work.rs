@@ -1,0 +1,144 @@
+//! What is done with a dataset.
+
+use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
+use crate::burst::{BurstSource, Entries, OpenOptions};
+use crate::dataset::{BurstEvent, BurstFeatures, CameraChoice, DatasetSource, FeatureStore, detect_all, match_pairs};
+use crate::detector::SearchParams;
+use crate::matching::MatchParams;
+use crate::monitor::{Monitor, Stage};
+use crate::requests::error::JobError;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+impl DatasetRequest {
+    /// Does it. `tell` hears of each burst and each pair as it is finished.
+    ///
+    /// # Errors
+    /// [`JobError::Failed`] for a folder that cannot be read or written, or parameters that make no sense;
+    /// [`JobError::Cancelled`]: what is finished stays finished.
+    pub fn compute(self, tell: &(dyn Fn(DatasetEvent) + Sync), monitor: &Monitor) -> Result<DatasetAnswer, JobError> {
+        match self {
+            Self::Open { source, folder, params, open } => {
+                look(source, folder, params, open, monitor).map(|open| DatasetAnswer::Opened(Box::new(open)))
+            }
+            Self::Detect { bursts, keeping } => detect(&bursts, &keeping, tell, monitor),
+            Self::Match { bursts, keeping, pairs, matching } => {
+                match_all(&bursts, &keeping, &pairs, &matching, tell, monitor)
+            }
+            #[cfg(feature = "colmap")]
+            Self::Colmap { bursts, request } => {
+                let done = super::colmap::run(&bursts, &request, tell, monitor)?;
+                Ok(DatasetAnswer::Colmap(Box::new(done)))
+            }
+        }
+    }
+}
+
+fn look(
+    source: DatasetSource,
+    folder: Option<PathBuf>,
+    params: SearchParams,
+    open: OpenOptions,
+    monitor: &Monitor,
+) -> Result<OpenDataset, JobError> {
+    monitor.report(Stage::Open, 0.0);
+    let Entries { bursts, strays } = source.entries().map_err(JobError::failed)?;
+    monitor.check()?;
+    let frames_of_one = match &bursts[..] {
+        [one] => one.files().ok().map(|files| files.len()),
+        _ => None,
+    };
+    let folder = folder.or_else(|| source.default_folder());
+    let (mut finished, mut folder_error, mut other_params) = (vec![None; bursts.len()], None, None);
+    if let Some(folder) = &folder {
+        match (Keeping { folder: folder.clone(), params: params.clone(), open: open.clone() }).store() {
+            Ok(store) => {
+                for (index, (burst, finished)) in bursts.iter().zip(&mut finished).enumerate() {
+                    monitor.check()?;
+                    monitor.report(Stage::Open, index as f32 / bursts.len() as f32);
+                    *finished = store.finished(burst);
+                }
+                other_params = other_params_in(folder, &params);
+            }
+            Err(error) => folder_error = Some(error.to_string()),
+        }
+    }
+    let bursts = Arc::new(bursts);
+    Ok(OpenDataset {
+        source,
+        bursts,
+        strays,
+        frames_of_one,
+        folder,
+        folder_error,
+        params,
+        open,
+        finished,
+        other_params,
+    })
+}
+
+fn other_params_in(folder: &Path, params: &SearchParams) -> Option<SearchParams> {
+    FeatureStore::params_in(folder).filter(|stored| stored != params)
+}
+
+fn detect(
+    bursts: &[BurstSource],
+    keeping: &Keeping,
+    tell: &dyn Fn(DatasetEvent),
+    monitor: &Monitor,
+) -> Result<DatasetAnswer, JobError> {
+    keeping.params.validate().map_err(JobError::failed)?;
+    let mut store = keeping.store()?;
+    let mut on = |event: BurstEvent<'_>| {
+        tell(match event {
+            BurstEvent::Begin { index } => DatasetEvent::Begun { index },
+            BurstEvent::Done { index, features } => DatasetEvent::Done { index, finished: features.summary() },
+            BurstEvent::Failed { index, error } => DatasetEvent::Failed { index, error: error.to_string() },
+        });
+    };
+    detect_all(&mut store, bursts, &CameraChoice::default(), &mut on, monitor)?;
+    Ok(DatasetAnswer::Detected)
+}
+
+/// The part of the work of matching that is reading features from files.
+const READING_SHARE: f32 = 0.2;
+
+fn match_all(
+    bursts: &[BurstSource],
+    keeping: &Keeping,
+    pairs: &[(usize, usize)],
+    matching: &MatchParams,
+    tell: &dyn Fn(DatasetEvent),
+    monitor: &Monitor,
+) -> Result<DatasetAnswer, JobError> {
+    matching.validate().map_err(JobError::failed)?;
+    let store = keeping.store()?;
+    let mut wanted: Vec<usize> = pairs.iter().flat_map(|&(a, b)| [a, b]).collect();
+    wanted.sort_unstable();
+    wanted.dedup();
+    // Only what is matched is read; `place_of[index]` is where a burst is among these.
+    let (mut read, mut place_of) = (Vec::<BurstFeatures>::new(), vec![None; bursts.len()]);
+    for (count, &index) in wanted.iter().enumerate() {
+        monitor.check()?;
+        monitor.report(Stage::Open, READING_SHARE * count as f32 / wanted.len() as f32);
+        if let Some(features) = bursts.get(index).and_then(|source| store.kept(source)) {
+            place_of[index] = Some(read.len());
+            read.push(features);
+        }
+    }
+    let place = |index: usize| place_of.get(index).copied().flatten();
+    let (indices, places): (Vec<_>, Vec<_>) =
+        pairs.iter().filter_map(|&(a, b)| Some(((a, b), (place(a)?, place(b)?)))).unzip();
+    let mut next = indices.iter();
+    let mut on = |_, result: &crate::matching::MatchResult| {
+        // Results come in the order of the pairs.
+        if let Some(&pair) = next.next() {
+            tell(DatasetEvent::Matched { pair, counts: result.counts });
+        }
+        Ok(())
+    };
+    let rest = monitor.part(READING_SHARE, 1.0 - READING_SHARE);
+    match_pairs(&read, &places, matching, &mut on, &rest)?;
+    Ok(DatasetAnswer::Matched { left_out: pairs.len() - indices.len() })
+}

@@ -1,0 +1,56 @@
+//! Finding the features of a burst.
+
+use super::error::JobError;
+use super::open::{BurstId, OpenBurst};
+use super::trail::TrailStore;
+use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
+use crate::inspect::ProbeCache;
+use crate::monitor::Monitor;
+use std::sync::Arc;
+
+/// What to detect: a burst and the parameters, both as they were when it was asked.
+#[derive(Debug, Clone)]
+pub struct DetectRequest {
+    /// The burst.
+    pub burst: OpenBurst,
+    /// The parameters, and how the slopes are chosen.
+    pub params: SearchParams,
+}
+
+impl DetectRequest {
+    /// Finds the features, or takes what the same request left in `trails`; what it leaves behind is put there.
+    ///
+    /// # Errors
+    /// [`JobError::Failed`] for parameters that make no sense for this burst; [`JobError::Cancelled`].
+    pub fn compute(self, trails: &dyn TrailStore, monitor: &Monitor) -> Result<Detected, JobError> {
+        let Self { burst, params: asked } = self;
+        let cache = match trails.asked(&burst, &asked) {
+            Some(kept) => kept,
+            None => {
+                trails.make_room();
+                let made = Arc::new(ProbeCache::new(&burst.burst, &asked, monitor)?);
+                trails.put(&burst, &made);
+                made
+            }
+        };
+        let params = cache.made_with();
+        // A method that searches one merged frame made that of all frames.
+        let detection = Detection { frames_used: params.used_frames(burst.burst.len()), ..cache.detection().clone() };
+        Ok(Detected { burst: burst.id, asked, params, finding: cache.finding.clone(), detection: Arc::new(detection) })
+    }
+}
+
+/// A finished detection with what it was made from.
+#[derive(Debug, Clone)]
+pub struct Detected {
+    /// The burst it belongs to.
+    pub burst: BurstId,
+    /// What was asked for.
+    pub asked: SearchParams,
+    /// The parameters it was made with: where slopes were to be found, with those that were.
+    pub params: DetectorParams,
+    /// What was found of the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+    /// The features.
+    pub detection: Arc<Detection>,
+}

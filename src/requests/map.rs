@@ -1,0 +1,136 @@
+//! Maps: pictures of what decides in the search, by place.
+
+use super::error::JobError;
+use super::open::OpenBurst;
+use super::trail::TrailStore;
+use crate::baseline::prepare;
+use crate::detector::view::{coverage_view, gate_noise_map};
+use crate::detector::{DetectorParams, Slope, SlopeGrid};
+use crate::inspect::candidates::{WinningSlopes, winning_slopes};
+use crate::monitor::Monitor;
+use crate::plane::Plane;
+use crate::plane::colour_map::direction_colour;
+use image::{Rgba, RgbaImage};
+use serde::{Deserialize, Serialize};
+
+/// The kinds of map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MapKind {
+    /// σ of the noise in D at the slope, octave and level, as the noise gate takes it; fraction of full scale.
+    Noise,
+    /// The share (0 … 1) of the frames that see each place at the slope.
+    Coverage,
+    /// The slope with the strongest response at each place, at the octave and level: a picture of the motion. Its
+    /// values are that response, over its noise.
+    Motion,
+}
+
+impl MapKind {
+    /// All of them, in the order of menus.
+    pub const ALL: [Self; 3] = [Self::Noise, Self::Coverage, Self::Motion];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Noise => "Local noise",
+            Self::Coverage => "Coverage",
+            Self::Motion => "Winning slope",
+        }
+    }
+
+    /// What it shows.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Noise => {
+                "σ of the noise in the DoG at the slope, octave and level, by place, as the noise gate takes it: \
+                 a candidate must be several times as large"
+            }
+            Self::Coverage => {
+                "The share of the frames that see each place at the slope: \
+                 where it is small, fewer frames are averaged and the noise is stronger"
+            }
+            Self::Motion => {
+                "The slope that answers most strongly at each place, at the octave and level: its direction is the \
+                 colour, and it is the brighter the further all other slopes stay behind"
+            }
+        }
+    }
+
+    /// Whether it depends on octave and level, and has the octave's pixels.
+    pub fn is_of_octave(self) -> bool {
+        match self {
+            Self::Noise | Self::Motion => true,
+            Self::Coverage => false,
+        }
+    }
+
+    /// Whether it depends on the slope.
+    pub fn is_of_slope(self) -> bool {
+        self != Self::Motion
+    }
+
+    /// Makes the map; [`Self::Motion`] with what its colours are made from.
+    pub(super) fn compute(
+        self,
+        open: &OpenBurst,
+        params: &DetectorParams,
+        (slope, octave, level): (Slope, i32, i32),
+        (trails, monitor): (&dyn TrailStore, &Monitor),
+    ) -> Result<(Plane, Option<MotionMap>), JobError> {
+        if self == Self::Motion {
+            let cache = trails.get_or_make_for(open, params, monitor)?;
+            let winning = winning_slopes(&cache.trail, octave, level, monitor)?;
+            return Ok((winning.snr.clone(), Some(MotionMap::new(winning, params.used_slopes()))));
+        }
+        let (burst, params) = prepare(&open.burst, params, monitor)?;
+        let plane = match self {
+            Self::Coverage => coverage_view(&burst, &params, slope, monitor),
+            Self::Noise | Self::Motion => gate_noise_map(&burst, &params, slope, octave, level, monitor),
+        };
+        Ok((plane?, None))
+    }
+}
+
+/// Which slope wins where, and its colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionMap {
+    /// The slopes that win, as indices.
+    pub winning: WinningSlopes,
+    /// The slopes.
+    pub grid: SlopeGrid,
+    /// One opaque pixel for each place: the slope's direction and length as hue and saturation, as features have them;
+    /// the brighter the surer, dark where nothing reaches the noise gate.
+    pub colours: RgbaImage,
+}
+
+/// Brightness of the least sure winner, as a part of that of the surest.
+const LEAST_BRIGHTNESS: f32 = 0.35;
+/// The grey of places where nothing reaches the gate.
+const NOTHING: u8 = 26;
+
+impl MotionMap {
+    fn new(winning: WinningSlopes, grid: SlopeGrid) -> Self {
+        let max = grid.max_magnitude().max(f32::MIN_POSITIVE);
+        let table: Vec<[u8; 3]> =
+            grid.slopes().map(|slope| direction_colour(slope.v.atan2(slope.u), slope.magnitude() / max)).collect();
+        let (width, height) = winning.snr.size();
+        let colours = RgbaImage::from_fn(width as u32, height as u32, |x, y| {
+            let at = (x as usize, y as usize);
+            let sure = winning.confidence.at(at.0, at.1);
+            if sure <= 0.0 {
+                return Rgba([NOTHING, NOTHING, NOTHING, 255]);
+            }
+            let brightness = LEAST_BRIGHTNESS + (1.0 - LEAST_BRIGHTNESS) * sure.sqrt();
+            let [r, g, b] = table[winning.slope_index.at(at.0, at.1) as usize];
+            let dimmed = |c: u8| (f32::from(c) * brightness) as u8;
+            Rgba([dimmed(r), dimmed(g), dimmed(b), 255])
+        });
+        Self { winning, grid, colours }
+    }
+
+    /// The slope that wins at a pixel (column, row), and how surely, 0 … 1.
+    pub fn at(&self, (x, y): (usize, usize)) -> (Slope, f32) {
+        (self.grid.slope(self.winning.slope_index.at(x, y) as usize), self.winning.confidence.at(x, y))
+    }
+}

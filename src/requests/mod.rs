@@ -1,0 +1,51 @@
+//! What can be asked for in the background, and what is answered: values, and the function from the one to the other.
+//!
+//! A request is an immutable snapshot of all that decides its answer: the burst, the parameters, what is asked. Whether
+//! two requests ask for the same can be told from their values. `compute` makes the answer on the calling thread and
+//! its pool, and stops with [`JobError::Cancelled`] once its [`Monitor`](crate::monitor::Monitor) is cancelled. Some
+//! answers need what a detection left behind; where that may be kept already, a [`TrailStore`] is handed in.
+//!
+//! Nothing here runs by itself: when a request is computed, on which thread, and which of several requests wins is
+//! decided above, by [`crate::engine`].
+
+mod against;
+mod coherence;
+mod compare;
+pub mod dataset;
+mod detect;
+mod error;
+mod explain;
+mod losses;
+mod map;
+mod open;
+mod pair;
+mod picture;
+mod poses;
+mod probe;
+mod running;
+mod source;
+mod study;
+mod trail;
+
+pub use against::{Against, AgainstRequest, ComparedWith, OthersSource, Reference};
+pub use coherence::{CoherenceRequest, Coherences};
+pub use compare::{CompareRequest, Compared};
+pub use dataset::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
+#[cfg(feature = "colmap")]
+pub use dataset::{ColmapDone, ColmapRequest};
+pub use detect::{DetectRequest, Detected};
+pub use error::JobError;
+pub use explain::{ExplainQuestion, ExplainRequest, ExplainSubject, Explained, Explanation};
+pub use losses::{FoundLosses, LossesRequest};
+pub use map::{MapKind, MotionMap};
+pub use open::{BurstId, OpenBurst, OpenRequest};
+pub use pair::{MatchRequest, Matched, Patches, PatchesRequest};
+pub(crate) use picture::PictureKey;
+pub use picture::{Picture, PictureKind, PictureRequest, PictureSlot};
+pub use poses::{ComparedPoses, PosesRequest, TrajectorySource};
+pub use probe::{ProbeQuestion, ProbeRequest, Probed, Traced};
+pub use running::{JobId, Running};
+pub use source::BurstSource;
+pub use study::StudyRequest;
+pub(crate) use trail::trail_of;
+pub use trail::{DetectionSource, NothingKept, TrailStore};

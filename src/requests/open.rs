@@ -1,0 +1,119 @@
+//! Opening a burst, and a burst that is open.
+
+use super::error::JobError;
+use super::source::BurstSource;
+use crate::burst::{Burst, OpenOptions, find_bursts};
+use crate::inspect::truth::{TruthError, is_known, truth_of};
+use crate::monitor::Monitor;
+use crate::synth::{FrameLevels, Truth, synth_chart};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A burst to be opened, and how.
+#[derive(Debug, Clone)]
+pub struct OpenRequest {
+    /// Where it comes from.
+    pub source: BurstSource,
+    /// How it is opened: its calibration.
+    pub options: OpenOptions,
+}
+
+impl OpenRequest {
+    /// Opens it.
+    ///
+    /// # Errors
+    /// As [`BurstSource::open`].
+    pub fn compute(self, monitor: &Monitor) -> Result<OpenBurst, JobError> {
+        self.source.open(&self.options, monitor)
+    }
+}
+
+/// Tells one opening of a burst from another, also of the same files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct BurstId(u64);
+
+/// A burst that is open. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct OpenBurst {
+    /// Which opening.
+    pub id: BurstId,
+    /// The frames.
+    pub burst: Arc<Burst>,
+    /// Where they came from.
+    pub source: BurstSource,
+}
+
+impl OpenBurst {
+    /// Gives `burst` an identity of its own.
+    pub fn new(burst: Burst, source: BurstSource) -> Self {
+        static COUNTER: AtomicU64 = AtomicU64::new(1);
+        Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source }
+    }
+
+    /// What is really there, if that is known.
+    ///
+    /// # Errors
+    /// A `truth.json` that cannot be read, is none, or is of pictures of another size.
+    pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, TruthError> {
+        match &self.source {
+            // The chart could be made once, so it can be made again; cancelled there is nobody to tell.
+            BurstSource::Chart(chart) => Ok(synth_chart(chart, monitor).ok().map(|(_, truth)| truth)),
+            _ => truth_of(&self.burst),
+        }
+    }
+
+    /// Whether something is known of what it shows: a cheap look, that reads no file.
+    pub fn has_truth(&self) -> bool {
+        matches!(self.source, BurstSource::Chart(_)) || is_known(&self.burst)
+    }
+}
+
+impl BurstSource {
+    /// Opens it, on the calling thread, with the calibration that `options` say; what is built in needs none.
+    ///
+    /// # Errors
+    /// [`JobError::Several`] for a folder of bursts, [`JobError::Failed`] with a message that names the file,
+    /// [`JobError::Cancelled`] once `monitor` was cancelled.
+    pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<OpenBurst, JobError> {
+        let burst = match self {
+            Self::Demo => crate::synth::demo::demo_burst(),
+            Self::DemoLater => crate::synth::demo::later_demo_burst(),
+            Self::Example(example) => example.burst(),
+            Self::Chart(chart) => {
+                let (burst, _) = synth_chart(chart, monitor).map_err(|error| open_error(&error, monitor))?;
+                Burst { name: self.label(), ..burst }
+            }
+            Self::DarkCopy { of, noise } => {
+                let clear = of.open(options, monitor)?;
+                let mut levels = FrameLevels::default();
+                levels.add(&clear.burst);
+                let exposure = noise.exposure(&levels).map_err(|error| open_error(&error, monitor))?;
+                Burst {
+                    name: self.label(),
+                    sources: Vec::new(),
+                    ..exposure.capture(&clear.burst, noise.seed, 0, monitor)?
+                }
+            }
+            Self::Paths(paths) => {
+                let found = bursts_at(paths);
+                if found.len() > 1 {
+                    return Err(JobError::Several(found));
+                }
+                Burst::open_with(paths, options, monitor).map_err(|error| open_error(&error, monitor))?
+            }
+        };
+        monitor.check()?;
+        Ok(OpenBurst::new(burst, self.clone()))
+    }
+}
+
+/// The bursts at `paths`, when there are any.
+fn bursts_at(paths: &[PathBuf]) -> Vec<BurstSource> {
+    // What is wrong with the paths is said by the opener.
+    find_bursts(paths).unwrap_or_default().into_iter().map(|found| BurstSource::Paths(found.paths)).collect()
+}
+
+fn open_error(error: &impl std::fmt::Display, monitor: &Monitor) -> JobError {
+    if monitor.is_cancelled() { JobError::Cancelled } else { JobError::failed(error) }
+}

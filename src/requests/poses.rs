@@ -1,0 +1,80 @@
+//! Reading trajectories and comparing them.
+
+use super::error::JobError;
+use crate::evaluate::poses::{PoseReport, PoseStudy, Trajectory, evaluate_poses, read_trajectory};
+use crate::monitor::{Monitor, Stage};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A trajectory: still a file, or read already.
+#[derive(Debug, Clone)]
+pub enum TrajectorySource {
+    /// The folder of a sparse model or a trajectory file.
+    Path(PathBuf),
+    /// Read from there.
+    Read(PathBuf, Arc<Trajectory>),
+}
+
+impl TrajectorySource {
+    /// Where it is, or was read from.
+    pub fn path(&self) -> &PathBuf {
+        match self {
+            Self::Path(path) | Self::Read(path, _) => path,
+        }
+    }
+
+    fn read(self) -> Result<(PathBuf, Arc<Trajectory>), JobError> {
+        match self {
+            Self::Path(path) => match read_trajectory(&path) {
+                Ok(trajectory) => Ok((path, Arc::new(trajectory))),
+                Err(error) => Err(JobError::failed(error)),
+            },
+            Self::Read(path, trajectory) => Ok((path, trajectory)),
+        }
+    }
+}
+
+/// What is to be read, and compared if both are there.
+#[derive(Debug, Clone)]
+pub struct PosesRequest {
+    /// The estimate.
+    pub estimate: Option<TrajectorySource>,
+    /// The truth.
+    pub truth: Option<TrajectorySource>,
+    /// How they are compared.
+    pub study: PoseStudy,
+}
+
+impl PosesRequest {
+    /// Reads what is not read yet, and compares if both are there.
+    ///
+    /// # Errors
+    /// [`JobError::Failed`] for a file that cannot be read; [`JobError::Cancelled`].
+    pub fn compute(self, monitor: &Monitor) -> Result<ComparedPoses, JobError> {
+        monitor.report(Stage::Open, 0.0);
+        let estimate = self.estimate.map(TrajectorySource::read).transpose()?;
+        monitor.check()?;
+        monitor.report(Stage::Open, 0.5);
+        let truth = self.truth.map(TrajectorySource::read).transpose()?;
+        monitor.check()?;
+        monitor.report(Stage::Evaluate, 0.8);
+        let report = match (&estimate, &truth) {
+            (Some((_, estimate)), Some((_, truth))) => {
+                Some(evaluate_poses(estimate, truth, &self.study).map(Arc::new).map_err(|e| e.to_string()))
+            }
+            _ => None,
+        };
+        Ok(ComparedPoses { estimate, truth, report })
+    }
+}
+
+/// What was read and what came of the comparison.
+#[derive(Debug, Clone, Default)]
+pub struct ComparedPoses {
+    /// The estimate and where it is from.
+    pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
+    /// The truth and where it is from.
+    pub truth: Option<(PathBuf, Arc<Trajectory>)>,
+    /// The comparison, or why there is none; `None` as long as one of them is missing.
+    pub report: Option<Result<Arc<PoseReport>, String>>,
+}

@@ -1,0 +1,87 @@
+//! Asking what happened at a place, of what a detection left behind.
+
+use super::error::JobError;
+use super::open::BurstId;
+use crate::inspect::candidates::{CandidateMark, SurveyOptions, survey};
+use crate::inspect::probe::Wanted;
+use crate::inspect::{Probe, ProbeCache, ProbeOptions, probe};
+use crate::monitor::Monitor;
+use std::sync::Arc;
+
+/// A detection of a burst with all that it left behind.
+#[derive(Debug, Clone)]
+pub struct Traced {
+    /// The burst.
+    pub burst: BurstId,
+    /// Its detection, with its trail.
+    pub cache: Arc<ProbeCache>,
+}
+
+/// What is asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ProbeQuestion {
+    /// What happened at a place.
+    At {
+        /// (u, v) at mid-burst, input pixels.
+        place: [f32; 2],
+        /// What is looked at more closely.
+        wanted: Wanted,
+    },
+    /// What happened to the strongest candidate of the whole picture, kept or not.
+    Strongest,
+}
+
+/// A question about a detection.
+#[derive(Debug, Clone)]
+pub struct ProbeRequest {
+    /// What it is asked of.
+    pub traced: Traced,
+    /// What is asked.
+    pub question: ProbeQuestion,
+}
+
+impl ProbeRequest {
+    /// Whether both ask the same of the same detection.
+    pub fn same_answer(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.traced.cache, &other.traced.cache) && self.question == other.question
+    }
+
+    /// Answers.
+    ///
+    /// # Errors
+    /// [`JobError::Failed`] for a place outside the picture, or a burst in which nothing is an extremum;
+    /// [`JobError::Cancelled`].
+    pub fn compute(self, monitor: &Monitor) -> Result<Probed, JobError> {
+        let cache = &self.traced.cache;
+        let (place, wanted) = match self.question {
+            ProbeQuestion::At { place, wanted } => (place, wanted),
+            ProbeQuestion::Strongest => {
+                let mark = strongest(cache, monitor)?;
+                (mark.pos_image, Wanted::Candidate(mark.of_sample()))
+            }
+        };
+        let probe = probe(cache, place, &ProbeOptions { wanted, ..ProbeOptions::default() }, monitor)?;
+        Ok(Probed { request: self, probe: Arc::new(probe) })
+    }
+}
+
+/// An answer with what was asked.
+#[derive(Debug, Clone)]
+pub struct Probed {
+    /// What was asked.
+    pub request: ProbeRequest,
+    /// What is known of the place.
+    pub probe: Arc<Probe>,
+}
+
+/// The candidate with the largest |D| over its noise; in a burst without noise with the largest |D|.
+fn strongest(cache: &ProbeCache, monitor: &Monitor) -> Result<CandidateMark, JobError> {
+    let strength = |mark: &CandidateMark| if mark.snr.is_finite() { mark.snr } else { mark.value.abs() };
+    for min_snr in [SurveyOptions::default().min_snr, 0.0] {
+        let marks = survey(&cache.trail, &SurveyOptions { min_snr, test: None }, monitor)?.marks;
+        if let Some(mark) = marks.into_iter().max_by(|a, b| strength(a).total_cmp(&strength(b))) {
+            return Ok(mark);
+        }
+    }
+    Err(JobError::Failed("nothing in this burst is an extremum at any slope and scale".to_owned()))
+}

@@ -1,0 +1,127 @@
+//! What a detection left behind, as requests need it: found where somebody keeps it, or made again.
+
+use super::error::JobError;
+use super::open::OpenBurst;
+use crate::detector::{DetectorParams, SearchParams, SlopeFinding};
+use crate::inspect::ProbeCache;
+use crate::monitor::Monitor;
+use std::sync::Arc;
+
+/// A detection that was made: of which burst, asked for how, and what it was made with.
+#[derive(Debug, Clone)]
+pub struct DetectionSource {
+    /// The burst.
+    pub burst: OpenBurst,
+    /// What was asked for.
+    pub asked: SearchParams,
+    /// The parameters that it was made with, with its slopes.
+    pub params: DetectorParams,
+    /// What was found of the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+}
+
+impl DetectionSource {
+    /// Whether both are the same detection.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.burst.id == other.burst.id && self.asked == other.asked && self.params == other.params
+    }
+
+    /// Makes the detection again, with all that it leaves behind. The slopes are known: they are not looked for again.
+    ///
+    /// # Errors
+    /// As [`ProbeCache::new`].
+    pub fn trail(&self, monitor: &Monitor) -> Result<ProbeCache, JobError> {
+        Ok(trail_of(&self.burst, &self.params, monitor)?.asked_as(&self.asked, self.finding.as_ref()))
+    }
+}
+
+/// Searches `burst` with `params`, and keeps all that the search leaves behind.
+///
+/// # Errors
+/// As [`ProbeCache::new`].
+pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -> Result<ProbeCache, JobError> {
+    Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
+}
+
+/// Who keeps what detections left behind. [`NothingKept`] keeps nothing; whoever does many requests keeps what the next
+/// one may need. The answers are the same.
+pub trait TrailStore {
+    /// Keeps what a detection left.
+    fn put(&self, burst: &OpenBurst, trail: &Arc<ProbeCache>);
+
+    /// Before another trail is made: one that took all the room goes before the new one needs it.
+    fn make_room(&self);
+
+    /// What a detection left that was asked for in the same way, if it is kept.
+    fn asked(&self, burst: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>>;
+
+    /// What `source` left, if it is kept.
+    fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>>;
+
+    /// What `source` left: kept, or made now.
+    ///
+    /// # Errors
+    /// As [`ProbeCache::new`].
+    fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError>;
+
+    /// What the detection of `burst` with `params` left, in whatever words it was asked for: kept, or made now.
+    ///
+    /// # Errors
+    /// As [`ProbeCache::new`].
+    fn get_or_make_for(
+        &self,
+        burst: &OpenBurst,
+        params: &DetectorParams,
+        monitor: &Monitor,
+    ) -> Result<Arc<ProbeCache>, JobError>;
+}
+
+/// Part of the progress that making a trail takes, where it is not kept.
+const TRAIL_SHARE: f32 = 0.6;
+
+/// What `source` left, kept or made now, and a monitor for the rest of the work.
+///
+/// # Errors
+/// As [`TrailStore::get_or_make`].
+pub(super) fn trail_and_rest(
+    trails: &dyn TrailStore,
+    source: &DetectionSource,
+    monitor: &Monitor,
+) -> Result<(Arc<ProbeCache>, Monitor), JobError> {
+    let (trail, share) = match trails.get(source) {
+        Some(kept) => (kept, 0.0),
+        None => (trails.get_or_make(source, &monitor.part(0.0, TRAIL_SHARE))?, TRAIL_SHARE),
+    };
+    Ok((trail, monitor.part(share, 1.0 - share)))
+}
+
+/// Keeps nothing: everything is made anew.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NothingKept;
+
+impl TrailStore for NothingKept {
+    fn put(&self, _: &OpenBurst, _: &Arc<ProbeCache>) {}
+
+    fn make_room(&self) {}
+
+    fn asked(&self, _: &OpenBurst, _: &SearchParams) -> Option<Arc<ProbeCache>> {
+        None
+    }
+
+    fn get(&self, _: &DetectionSource) -> Option<Arc<ProbeCache>> {
+        None
+    }
+
+    fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError> {
+        source.trail(monitor).map(Arc::new)
+    }
+
+    fn get_or_make_for(
+        &self,
+        burst: &OpenBurst,
+        params: &DetectorParams,
+        monitor: &Monitor,
+    ) -> Result<Arc<ProbeCache>, JobError> {
+        trail_of(burst, params, monitor).map(Arc::new)
+    }
+}

@@ -1,0 +1,194 @@
+//! The words that the window uses, each with a sentence or two and the paper's symbol.
+
+use super::part::{field_of, parameters};
+use super::values::Text;
+use serde::Deserialize;
+use std::sync::OnceLock;
+
+const TEXT: &str = include_str!("../../assets/glossary.toml");
+
+/// The kinds of picture, by the names that the glossary has for them.
+pub const PICTURES: [&str; 9] =
+    ["frame", "stack", "dog", "merge", "noise", "coverage", "motion", "slice", "difference"];
+
+/// One word.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WordTable {
+    name: Text,
+    word: Text,
+    symbol: Option<Text>,
+    text: Text,
+    #[serde(default)]
+    parameters: Vec<String>,
+    #[serde(default)]
+    pictures: Vec<String>,
+}
+
+/// One word.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Word {
+    /// What links name it by: small letters and dashes.
+    pub name: String,
+    /// The word as the window has it.
+    pub word: String,
+    /// The paper's symbol, where it has one.
+    pub symbol: Option<String>,
+    /// What it means, in CommonMark.
+    pub text: String,
+    /// The parameters that it explains, by their names in files.
+    pub parameters: Vec<String>,
+    /// The kinds of picture that it explains; of [`PICTURES`].
+    pub pictures: Vec<String>,
+}
+
+/// All words, in alphabetical order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Glossary {
+    words: Vec<Word>,
+}
+
+/// The glossary of the program.
+pub fn glossary() -> &'static Glossary {
+    static GLOSSARY: OnceLock<Glossary> = OnceLock::new();
+    GLOSSARY.get_or_init(|| match Glossary::read(TEXT) {
+        Ok(glossary) => glossary,
+        Err(error) => unreachable!("a test reads the glossary: {error}"),
+    })
+}
+
+impl Glossary {
+    /// Reads the text of a glossary.
+    ///
+    /// # Errors
+    /// What is wrong, with its place.
+    pub fn read(text: &str) -> Result<Self, String> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct File {
+            word: Vec<WordTable>,
+        }
+        let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
+        let mut words = Vec::new();
+        for table in file.word {
+            let WordTable { name, word, symbol, text, parameters: explained, pictures } = table;
+            if let Some(name) = explained.iter().find(|name| !parameters().any(|doc| field_of(doc.name) == **name)) {
+                return Err(format!("{}: there is no parameter '{name}'", word.0));
+            }
+            if let Some(name) = pictures.iter().find(|name| !PICTURES.contains(&name.as_str())) {
+                return Err(format!("{}: there is no kind of picture '{name}'", word.0));
+            }
+            let symbol = symbol.map(|symbol| symbol.0);
+            words.push(Word { name: name.0, word: word.0, symbol, text: text.0, parameters: explained, pictures });
+        }
+        words.sort_by_key(|word| word.word.to_lowercase());
+        Ok(Self { words })
+    }
+
+    /// All words, in alphabetical order.
+    pub fn words(&self) -> &[Word] {
+        &self.words
+    }
+
+    /// The word that links name so.
+    pub fn find(&self, name: &str) -> Option<&Word> {
+        self.words.iter().find(|word| word.name == name)
+    }
+
+    /// The word that explains a parameter, which is named as on the command line.
+    pub fn of_parameter(&self, name: &str) -> Option<&Word> {
+        let field = field_of(name);
+        self.words.iter().find(|word| word.parameters.contains(&field))
+    }
+
+    /// The word that explains a kind of picture.
+    pub fn of_picture(&self, name: &str) -> Option<&Word> {
+        self.words.iter().find(|word| word.pictures.iter().any(|picture| picture == name))
+    }
+
+    /// The words in which `text` is found, those first that begin with it, then those that hold it, then those whose
+    /// explanation does. Everything for an empty text.
+    pub fn search(&self, text: &str) -> Vec<&Word> {
+        let text = text.trim().to_lowercase();
+        let rank = |word: &Word| {
+            let title = word.word.to_lowercase();
+            let symbol = word.symbol.as_ref().is_some_and(|symbol| symbol.to_lowercase() == text);
+            if title.starts_with(&text) || symbol {
+                Some(0)
+            } else if title.contains(&text) {
+                Some(1)
+            } else {
+                word.text.to_lowercase().contains(&text).then_some(2)
+            }
+        };
+        let mut found: Vec<(i32, &Word)> =
+            self.words.iter().filter_map(|word| rank(word).map(|rank| (rank, word))).collect();
+        // Within a rank they stay in alphabetical order.
+        found.sort_by_key(|(rank, _)| *rank);
+        found.into_iter().map(|(_, word)| word).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_parameter_and_every_kind_of_picture_has_its_word() {
+        let glossary = Glossary::read(TEXT).expect("good");
+        for doc in parameters() {
+            assert!(glossary.of_parameter(doc.name).is_some(), "{} is not explained", doc.name);
+        }
+        for picture in PICTURES {
+            assert!(glossary.of_picture(picture).is_some(), "the picture {picture} is not explained");
+        }
+        let explained: Vec<&String> = glossary.words().iter().flat_map(|word| &word.parameters).collect();
+        let mut once = explained.clone();
+        once.sort();
+        once.dedup();
+        assert_eq!(once.len(), explained.len(), "a parameter has two words");
+    }
+
+    #[test]
+    fn words_are_short_have_names_of_their_own_and_link_to_one_another() {
+        let glossary = glossary();
+        let mut names: Vec<&str> = glossary.words().iter().map(|word| word.name.as_str()).collect();
+        let count = names.len();
+        assert!(count >= 50, "{count} words");
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), count, "two words have one name");
+        for word in glossary.words() {
+            let is_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+            assert!(word.name.chars().all(is_name), "{}", word.name);
+            let length = word.text.split_whitespace().count();
+            assert!((6..=75).contains(&length), "{}: {length} words", word.word);
+            for link in word.text.split("](word:").skip(1) {
+                let name = link.split(')').next().expect("a part");
+                assert!(glossary.find(name).is_some(), "{}: no word is called '{name}'", word.word);
+            }
+        }
+    }
+
+    #[test]
+    fn words_are_found_by_their_beginnings_parts_symbols_and_explanations() {
+        let first = |text: &str| glossary().search(text).first().map(|word| word.name.as_str());
+        assert_eq!(first("slope"), Some("slope"));
+        assert_eq!(first("λ"), Some("slope"));
+        assert_eq!(first("gate"), Some("noise-gate"));
+        assert_eq!(first("qqqq"), None);
+        assert_eq!(glossary().search(" ").len(), glossary().words().len());
+    }
+
+    #[test]
+    fn a_glossary_with_a_mistake_is_refused() {
+        for text in [
+            "",
+            "[[word]]\nname = 'a'",
+            "[[word]]\nname='a'\nword='A'\ntext='x'\nparameters=['gate']",
+            "[[word]]\nname='a'\nword='A'\ntext='x'\npictures=['photo']",
+        ] {
+            assert!(Glossary::read(text).is_err(), "{text}");
+        }
+    }
+}

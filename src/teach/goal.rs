@@ -1,0 +1,301 @@
+//! When what a step asks for is done: conditions that all have to hold.
+
+use super::part::{field_of, parameters};
+use super::state::{Layout, Place, Shown, Tab};
+use super::values::{Between, finite};
+use crate::detector::{DetectorParams, Slope};
+use crate::matching::MatchParams;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What has to hold; what is not said does not matter.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Goal {
+    /// The horizontal part of the slope, px/frame.
+    pub slope_u: Option<Between>,
+    /// The vertical part of the slope, px/frame.
+    pub slope_v: Option<Between>,
+    /// What the picture in focus shows.
+    pub show: Option<Shown>,
+    /// How the pictures are laid out.
+    pub layout: Option<Layout>,
+    /// The frame, from 0.
+    pub frame: Option<Between>,
+    /// The octave.
+    pub octave: Option<Between>,
+    /// The level in it.
+    pub level: Option<Between>,
+    /// How many frames are used.
+    pub frames_used: Option<Between>,
+    /// How many features were found.
+    pub features: Option<Between>,
+    /// Whether a feature is selected.
+    pub selected: Option<bool>,
+    /// The place that is probed.
+    pub probe: Option<Near>,
+    /// Parameters by their names, each in a range or with a value.
+    pub params: BTreeMap<ParamName, Wanted>,
+    /// The range of slopes u that the search must have within its own.
+    pub searches_u: Option<Between>,
+    /// How many slopes are searched.
+    pub slopes: Option<Between>,
+    /// The open tab.
+    pub tab: Option<Tab>,
+    /// The workspace.
+    pub workspace: Option<Place>,
+    /// How many inliers two bursts have.
+    pub inliers: Option<Between>,
+    /// Whether a match is selected.
+    pub selected_match: Option<bool>,
+}
+
+/// A place, and how near is near enough: `[u, v, radius]`, pixels at mid-burst.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "[f32; 3]")]
+pub struct Near {
+    /// Column and row.
+    pub place: [f32; 2],
+    /// How far away is near enough, pixels.
+    pub radius: f32,
+}
+
+impl TryFrom<[f32; 3]> for Near {
+    type Error = String;
+
+    fn try_from(numbers: [f32; 3]) -> Result<Self, String> {
+        let [u, v, radius] = finite(numbers)?;
+        if radius > 0.0 {
+            Ok(Self { place: [u, v], radius })
+        } else {
+            Err(format!("the third number is how far away is near enough, in pixels, and {radius} is not above 0"))
+        }
+    }
+}
+
+/// The name of a parameter in a file.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(try_from = "String")]
+pub struct ParamName(String);
+
+impl ParamName {
+    /// As in a file, with `_` between words.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl TryFrom<String> for ParamName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        if parameters().any(|doc| field_of(doc.name) == name) {
+            Ok(Self(name))
+        } else {
+            Err(format!("there is no parameter '{name}'; parameters have the names that a parameter file has"))
+        }
+    }
+}
+
+/// What a parameter has to be.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Wanted {
+    /// A number in a range.
+    Between(Between),
+    /// A number.
+    Number(f64),
+    /// On or off.
+    Switch(bool),
+    /// A word.
+    Word(String),
+}
+
+/// What is known of the window when a goal is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Holds<'a> {
+    /// The slope of the picture in focus.
+    pub slope: Slope,
+    /// What it shows, if a lesson has a word for it.
+    pub show: Option<Shown>,
+    /// How the pictures are laid out, if a lesson has a word for it.
+    pub layout: Option<Layout>,
+    /// Its frame, octave and level.
+    pub frame: usize,
+    #[allow(missing_docs)]
+    pub octave: i32,
+    #[allow(missing_docs)]
+    pub level: i32,
+    /// How many frames are used.
+    pub frames_used: usize,
+    /// How many features were found with the present parameters.
+    pub features: Option<usize>,
+    /// Whether one is selected.
+    pub selected: bool,
+    /// The place that is probed, once its answer is there.
+    pub probe: Option<[f32; 2]>,
+    /// The detector's parameters.
+    pub params: &'a DetectorParams,
+    /// The parameters of matching.
+    pub matching: &'a MatchParams,
+    /// The open tab, if a lesson has a word for it.
+    pub tab: Option<Tab>,
+    /// The workspace, likewise.
+    pub workspace: Option<Place>,
+    /// Inliers of the present matches.
+    pub inliers: Option<usize>,
+    /// Whether a match is selected.
+    pub selected_match: bool,
+}
+
+impl Goal {
+    /// Whether something is asked for at all.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether all of it holds.
+    pub fn is_met(&self, now: &Holds<'_>) -> bool {
+        let within = |wanted: Option<Between>, value: f32| wanted.is_none_or(|wanted| wanted.contains(value));
+        let counted = |wanted: Option<Between>, value: Option<usize>| {
+            wanted.is_none_or(|wanted| value.is_some_and(|value| wanted.contains(value as f32)))
+        };
+        let grid = now.params.used_slopes();
+        let near = |wanted: Near| {
+            now.probe.is_some_and(|[u, v]| (u - wanted.place[0]).hypot(v - wanted.place[1]) <= wanted.radius)
+        };
+        within(self.slope_u, now.slope.u)
+            && within(self.slope_v, now.slope.v)
+            && same(self.show, now.show)
+            && same(self.layout, now.layout)
+            && within(self.frame, now.frame as f32)
+            && within(self.octave, now.octave as f32)
+            && within(self.level, now.level as f32)
+            && within(self.frames_used, now.frames_used as f32)
+            && counted(self.features, now.features)
+            && self.selected.is_none_or(|wanted| wanted == now.selected)
+            && self.probe.is_none_or(near)
+            && self.params_are_met(now)
+            && self.searches_u.is_none_or(|wanted| grid.u.min <= wanted.min && wanted.max <= grid.u.max)
+            && within(self.slopes, grid.len() as f32)
+            && same(self.tab, now.tab)
+            && same(self.workspace, now.workspace)
+            && counted(self.inliers, now.inliers)
+            && self.selected_match.is_none_or(|wanted| wanted == now.selected_match)
+    }
+
+    fn params_are_met(&self, now: &Holds<'_>) -> bool {
+        if self.params.is_empty() {
+            return true;
+        }
+        let (detector, matching) = (table_of(now.params), table_of(now.matching));
+        self.params.iter().all(|(name, wanted)| {
+            let value = detector.get(name.as_str()).or_else(|| matching.get(name.as_str()));
+            value.is_some_and(|value| wanted.is_met(value))
+        })
+    }
+}
+
+impl Wanted {
+    fn is_met(&self, value: &toml::Value) -> bool {
+        let number = value.as_float().or_else(|| value.as_integer().map(|x| x as f64));
+        match self {
+            Self::Between(between) => number.is_some_and(|x| between.contains(x as f32)),
+            Self::Number(wanted) => number.is_some_and(|x| (x - wanted).abs() <= 1e-6 * wanted.abs().max(1.0)),
+            Self::Switch(wanted) => value.as_bool() == Some(*wanted),
+            Self::Word(word) => value.as_str() == Some(word),
+        }
+    }
+}
+
+/// Parameters by their names in a file.
+fn table_of(params: &impl Serialize) -> toml::Table {
+    toml::Table::try_from(params).expect("parameters are plain values, which TOML can always hold")
+}
+
+fn same<T: PartialEq>(wanted: Option<T>, now: Option<T>) -> bool {
+    wanted.is_none() || wanted == now
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::{NoiseGate, SlopeGrid};
+
+    fn goal(text: &str) -> Goal {
+        toml::from_str(text).expect(text)
+    }
+
+    fn is_met(text: &str, change: impl FnOnce(&mut Holds<'_>)) -> bool {
+        let params = DetectorParams {
+            noise_gate: NoiseGate::Factor(4.0),
+            slopes: SlopeGrid::line(-3.0..=3.0, 7),
+            ..DetectorParams::default()
+        };
+        let matching = MatchParams::default();
+        let mut now = Holds {
+            slope: Slope::new(-2.0, 0.5),
+            show: Some(Shown::Stack),
+            layout: None,
+            frame: 3,
+            octave: 1,
+            level: 2,
+            frames_used: 10,
+            features: Some(40),
+            selected: false,
+            probe: Some([100.0, 50.0]),
+            params: &params,
+            matching: &matching,
+            tab: Some(Tab::Tally),
+            workspace: Some(Place::Inspect),
+            inliers: None,
+            selected_match: false,
+        };
+        change(&mut now);
+        goal(text).is_met(&now)
+    }
+
+    #[test]
+    fn every_condition_is_looked_at() {
+        for (text, met) in [
+            ("", true),
+            ("slope_u = [-2.2, -1.9]", true),
+            ("slope_u = [-1.9, 0.0]", false),
+            ("slope_v = [0.4, 0.6]\nslope_u = [0, 1]", false),
+            ("show = \"stack\"", true),
+            ("show = \"dog\"", false),
+            ("layout = \"slice\"", false),
+            ("frame = [3, 3]\noctave = [1, 2]\nlevel = [0, 2]", true),
+            ("level = [0, 1]", false),
+            ("frames_used = [10, 10]", true),
+            ("features = [50, 100]", false),
+            ("selected = true", false),
+            ("probe = [103, 54, 5]", true),
+            ("probe = [104, 54, 5]", false),
+            ("params = { noise_gate = [3.9, 4.1] }", true),
+            ("params = { noise_gate = 4 }", true),
+            ("params = { noise_gate = \"auto\" }", false),
+            ("params = { mutual = true, ratio = [0.7, 0.9], method = \"buff\" }", true),
+            ("params = { mutual = false }", false),
+            ("searches_u = [-3, 2]", true),
+            ("searches_u = [-4, 2]", false),
+            ("slopes = [7, 7]", true),
+            ("tab = \"tally\"\nworkspace = \"inspect\"", true),
+            ("workspace = \"pair\"", false),
+            ("inliers = [0, 9]", false),
+            ("selected_match = true", false),
+        ] {
+            assert_eq!(is_met(text, |_| {}), met, "{text}");
+        }
+        assert!(is_met("layout = \"slice\"", |now| now.layout = Some(Layout::Slice)));
+        assert!(is_met("inliers = [5, 9]", |now| now.inliers = Some(7)));
+        assert!(!is_met("probe = [100, 50, 9]", |now| now.probe = None), "its answer is not there yet");
+    }
+
+    #[test]
+    fn a_goal_with_a_mistake_is_none() {
+        for text in ["slope_u = 3", "slope_w = [0, 1]", "params = { gate = 3 }", "probe = [1, 2, 0]", "show = \"x\""] {
+            assert!(toml::from_str::<Goal>(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! What the window shows in a step of a lesson: everything that is set up before the step begins.
+//!
+//! A lesson's file says it in the table `set` for all of its steps, and in a step's own `set` for that step; what
+//! neither says is as in a window that has just been opened.
+
+use super::part::field_of;
+use super::values::finite;
+use crate::detector::{SearchParams, Slope};
+use crate::matching::MatchParams;
+use crate::requests::BurstSource;
+use serde::{Deserialize, Deserializer, de};
+
+/// Which workspace is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// One burst.
+    Inspect,
+    /// Two bursts and their matches.
+    Pair,
+    /// Several methods on the same burst.
+    Methods,
+}
+
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shown {
+    /// One frame.
+    Frame,
+    /// The motion stack.
+    Stack,
+    /// The DoG response.
+    Dog,
+    /// The merged frames.
+    Merge,
+    /// The local noise.
+    Noise,
+    /// The coverage.
+    Coverage,
+    /// The winning slope.
+    Motion,
+}
+
+/// How pictures are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Layout {
+    /// One alone.
+    Single,
+    /// A frame beside the motion stack.
+    FrameAndStack,
+    /// Two slopes, each moved on its own.
+    TwoSlopes,
+    /// Three neighbouring slopes.
+    ThreeSlopes,
+    /// Five neighbouring slopes.
+    FiveSlopes,
+    /// The DoG responses of all levels of the octave.
+    Scales,
+    /// The motion stack above the slice through the probed place.
+    Slice,
+    /// Frame, motion stack, DoG and merged frames.
+    TwoByTwo,
+}
+
+/// A tab below the pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tab {
+    /// One row a feature.
+    Table,
+    /// What each test rejected.
+    Tally,
+    /// The noise.
+    Noise,
+    /// Which slopes are needed.
+    Slopes,
+    /// The features beside others.
+    Compared,
+}
+
+/// A flat spot on flat ground, where the signal-to-noise ratio can be measured: written
+/// `[u, v, inner, from, to]`, pixels of the image at mid-burst.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "[f32; 5]")]
+pub struct Spot {
+    /// Its middle, column and row at mid-burst.
+    pub place: [f32; 2],
+    /// Pixels nearer than this belong to the spot.
+    pub inner: f32,
+    /// Pixels that are between these two away from the middle belong to the ground.
+    pub ground: [f32; 2],
+}
+
+impl TryFrom<[f32; 5]> for Spot {
+    type Error = String;
+
+    fn try_from(numbers: [f32; 5]) -> Result<Self, String> {
+        let [u, v, inner, from, to] = finite(numbers)?;
+        if 0.0 < inner && inner <= from && from < to {
+            Ok(Self { place: [u, v], inner, ground: [from, to] })
+        } else {
+            Err(format!(
+                "a spot is [u, v, inner, from, to] with 0 < inner ≤ from < to, but inner is {inner}, from {from}, to {to}"
+            ))
+        }
+    }
+}
+
+/// What a step sets up.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct State {
+    /// The burst; the demo unless something else is said.
+    #[serde(deserialize_with = "built_in_burst")]
+    pub burst: Option<BurstSource>,
+    /// The second burst.
+    #[serde(deserialize_with = "built_in_burst")]
+    pub second: Option<BurstSource>,
+    /// The workspace.
+    pub workspace: Option<Place>,
+    /// What the picture shows.
+    pub show: Option<Shown>,
+    /// How pictures are laid out, beginning with that one.
+    pub layout: Option<Layout>,
+    /// The frame, from 0.
+    pub frame: Option<usize>,
+    /// The slope, px/frame.
+    #[serde(deserialize_with = "slope")]
+    pub slope: Option<Slope>,
+    /// The octave.
+    pub octave: Option<i32>,
+    /// The level in it.
+    pub level: Option<i32>,
+    /// The middle of the picture and its zoom (points for a pixel of the image): `[u, v, zoom]`. The whole picture
+    /// unless it is said.
+    #[serde(deserialize_with = "view")]
+    pub view: Option<[f32; 3]>,
+    /// The detector's parameters, as a parameter file has them: what they leave out has its default.
+    #[serde(deserialize_with = "params")]
+    pub params: Option<SearchParams>,
+    /// The parameters of matching, likewise.
+    #[serde(deserialize_with = "matching")]
+    pub matching: Option<MatchParams>,
+    /// Whether features are found.
+    pub detect: Option<bool>,
+    /// Whether features are drawn over the pictures.
+    pub features: Option<bool>,
+    /// The open tab below the pictures, which are hidden where none is said.
+    pub tab: Option<Tab>,
+    /// The place that is probed, pixels at mid-burst.
+    #[serde(deserialize_with = "place")]
+    pub probe: Option<[f32; 2]>,
+    /// Whether the strongest feature (or, of two bursts, the best match) is selected.
+    pub select: Option<bool>,
+    /// Where the signal-to-noise ratio is measured.
+    pub spot: Option<Spot>,
+}
+
+impl State {
+    /// What this says, and where it says nothing what `default` says.
+    #[must_use]
+    pub(super) fn over(self, default: &Self) -> Self {
+        let d = default.clone();
+        Self {
+            burst: self.burst.or(d.burst),
+            second: self.second.or(d.second),
+            workspace: self.workspace.or(d.workspace),
+            show: self.show.or(d.show),
+            layout: self.layout.or(d.layout),
+            frame: self.frame.or(d.frame),
+            slope: self.slope.or(d.slope),
+            octave: self.octave.or(d.octave),
+            level: self.level.or(d.level),
+            view: self.view.or(d.view),
+            params: self.params.or(d.params),
+            matching: self.matching.or(d.matching),
+            detect: self.detect.or(d.detect),
+            features: self.features.or(d.features),
+            tab: self.tab.or(d.tab),
+            probe: self.probe.or(d.probe),
+            select: self.select.or(d.select),
+            spot: self.spot.or(d.spot),
+        }
+    }
+
+    /// The burst that is opened.
+    pub fn burst(&self) -> BurstSource {
+        self.burst.clone().unwrap_or(BurstSource::Demo)
+    }
+}
+
+fn built_in_burst<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<BurstSource>, D::Error> {
+    let name = String::deserialize(deserializer)?;
+    BurstSource::named(&name).map(Some).ok_or_else(|| {
+        let names: Vec<&str> = BurstSource::built_in().iter().filter_map(BurstSource::name).collect();
+        de::Error::custom(format!("no built-in burst is called '{name}'; give one of {}", names.join(", ")))
+    })
+}
+
+fn slope<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Slope>, D::Error> {
+    let [u, v] = finite(<[f32; 2]>::deserialize(deserializer)?).map_err(de::Error::custom)?;
+    Ok(Some(Slope::new(u, v)))
+}
+
+fn place<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 2]>, D::Error> {
+    finite(<[f32; 2]>::deserialize(deserializer)?).map(Some).map_err(de::Error::custom)
+}
+
+fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 3]>, D::Error> {
+    let [u, v, zoom] = finite(<[f32; 3]>::deserialize(deserializer)?).map_err(de::Error::custom)?;
+    if (0.01..=100.0).contains(&zoom) {
+        Ok(Some([u, v, zoom]))
+    } else {
+        Err(de::Error::custom(format!("a zoom of {zoom} is not from 0.01 to 100 points for a pixel")))
+    }
+}
+
+fn params<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SearchParams>, D::Error> {
+    let params = SearchParams::deserialize(deserializer)?;
+    params.validate().map_err(|error| {
+        de::Error::custom(format!("{}: {}; {}", field_of(error.parameter), error.problem, error.remedy))
+    })?;
+    Ok(Some(params))
+}
+
+fn matching<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<MatchParams>, D::Error> {
+    let params = MatchParams::deserialize(deserializer)?;
+    params.validate().map_err(|error| {
+        de::Error::custom(format!("{}: {}; {}", field_of(error.parameter), error.problem, error.remedy))
+    })?;
+    Ok(Some(params))
+}

@@ -1,0 +1,86 @@
+//! Bias and flat frames, levels and linear light on the command line.
+
+use super::support::{run_badly, run_well};
+use image::{ImageBuffer, Luma};
+use std::path::Path;
+
+/// Ten-bit frames of noise with strong fixed spots, and the spots alone.
+fn spotted(home: &Path) {
+    std::fs::create_dir(home.join("night")).expect("made");
+    let spot = |u: u32, v: u32| {
+        let (du, dv) = ((u % 20).abs_diff(10), (v % 20).abs_diff(10));
+        if du * du + dv * dv < 10 { 900u16 } else { 300 }
+    };
+    let picture = |noise: &mut dyn FnMut() -> u16| {
+        ImageBuffer::<Luma<u16>, _>::from_fn(160, 120, |u, v| Luma([spot(u, v) + noise()]))
+    };
+    let mut state = 0x1234_5678u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 26) as u16
+    };
+    for t in 0..6 {
+        picture(&mut noise).save(home.join(format!("night/{t}.png"))).expect("written");
+    }
+    picture(&mut || 32).save(home.join("bias.png")).expect("written");
+}
+
+fn features(home: &Path, options: &[&str]) -> (u64, serde_json::Value) {
+    let search = [
+        "detect",
+        "night",
+        "--out",
+        "found",
+        "--json",
+        "--slopes-u",
+        "-1:1:3",
+        "--noise-model",
+        "white",
+        "--noise-gate",
+        "4",
+    ];
+    let json = run_well(home, &[&search, options].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    (json["bursts"][0]["features"].as_u64().expect("a number"), json["bursts"][0].clone())
+}
+
+#[test]
+fn a_bias_counts_in_whatever_file_it_comes() {
+    let home = tempfile::tempdir().expect("a folder");
+    spotted(home.path());
+    let (without, burst) = features(home.path(), &[]);
+    assert_eq!((&burst["encoding"], &burst["binning"]), (&"linear".into(), &1.into()));
+    assert_eq!(burst["suggested_full_scale"], 1023.0, "{burst}");
+    let (with, _) = features(home.path(), &["--bias", "bias.png"]);
+    assert!(without > 20 && with < without / 10, "{with} of {without} spots are left");
+    // What `stack` writes of the bias: fractions of full scale, as float.
+    run_well(home.path(), &["stack", "bias.png", "--method", "sift", "--slope", "0,0", "--out", "bias.tiff"]);
+    let (float, _) = features(home.path(), &["--bias", "bias.tiff"]);
+    assert_eq!(float, with);
+    // A black level moves all values alike, so the spots stay; a full scale makes them larger.
+    let (levels, burst) = features(home.path(), &["--black-level", "300", "--full-scale", "1023"]);
+    assert!(levels > 20 && burst["full_scale"] == 1023.0 && burst.get("suggested_full_scale").is_none(), "{burst}");
+    let words = run_badly(home.path(), &["detect", "night", "--out", "found", "--black-level", "70000"], 1);
+    assert!(words.contains("black level"), "{words}");
+    let words = run_badly(home.path(), &["detect", "demo", "--out", "found", "--flat", "bias.png"], 2);
+    assert!(words.contains("--flat"), "{words}");
+}
+
+#[test]
+fn pictures_for_screens_are_said_to_be_so() {
+    let home = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(home.path().join("night")).expect("made");
+    for t in 0..3u8 {
+        let picture =
+            image::RgbImage::from_fn(64, 48, |u, v| image::Rgb([(3 * u + t as u32) as u8, (2 * v) as u8, 90]));
+        picture.save(home.path().join(format!("night/{t}.png"))).expect("written");
+    }
+    let search = ["detect", "night", "--out", "found", "--slopes-u", "-1:1:3"];
+    let text = run_well(home.path(), &search);
+    assert!(text.contains("encoded for screens (sRGB)") && text.contains("--linearise"), "{text}");
+    let text = run_well(home.path(), &[&search[..], &["--linearise"]].concat());
+    assert!(!text.contains("sRGB"), "{text}");
+    std::fs::write(home.path().join("film.mp4"), b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2").expect("written");
+    let words = run_badly(home.path(), &["detect", "film.mp4", "--out", "found"], 1);
+    assert!(words.contains("ffmpeg -i 'film.mp4' frames/frame_%05d.png"), "{words}");
+}

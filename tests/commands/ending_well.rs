@@ -1,0 +1,371 @@
+//! Odd names, odd files, a terminal that is gone, and interruptions: nothing aborts, hangs, or loses what was done.
+
+use super::support::{names, program, run, run_badly, run_well, stderr};
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File};
+use std::os::unix::ffi::{OsStrExt, OsStringExt};
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A small chart of four frames in the folder `home/name`.
+fn chart(home: &Path, name: &OsStr) {
+    let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
+    let mut making = program(home, &["synth", "chart", "--quiet", "--out"]);
+    let output = making.arg(name).args(size).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+/// Runs the program with arguments that need not be text.
+fn run_os(home: &Path, arguments: &[&OsStr]) -> Output {
+    program(home, &[]).args(arguments).output().expect("it starts")
+}
+
+fn os(text: &str) -> &OsStr {
+    OsStr::new(text)
+}
+
+const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
+
+#[test]
+fn a_full_or_closed_standard_error_stops_nothing() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b", "c"] {
+        chart(home.path(), os(&format!("nights/{name}")));
+    }
+    fs::write(home.path().join("nights/b/frame_001.png"), "broken").expect("written");
+    let arguments = [&["detect", "nights", "--out", "found"][..], &SEARCH].concat();
+    let full = File::options().write(true).open("/dev/full").expect("the full device");
+    let output = program(home.path(), &arguments).stderr(full).output().expect("it starts");
+    assert_eq!((output.status.code(), output.status.signal()), (Some(1), None));
+    assert_eq!(names(&home.path().join("found")), ["a.csv", "c.csv"]);
+    let line = format!("exec \"$0\" {} 2>&-", arguments.join(" ").replace("found", "closed"));
+    let mut shell = Command::new("sh");
+    shell.current_dir(home.path()).args(["-c", &line, env!("CARGO_BIN_EXE_burstscope")]).stdout(Stdio::null());
+    assert_eq!(shell.status().expect("a shell").code(), Some(1));
+    assert_eq!(names(&home.path().join("closed")), ["a.csv", "c.csv"]);
+    // Wrong use and what cannot be opened, too.
+    for (wrong, code) in [
+        (&["detect", "nights", "--out", "x", "--levels", "0"][..], 2),
+        (&["stack", "gone", "--slope", "0,0", "--out", "x.tiff"], 1),
+    ] {
+        let full = File::options().write(true).open("/dev/full").expect("the full device");
+        let status = program(home.path(), wrong).stderr(full).status().expect("it starts");
+        assert_eq!(status.code(), Some(code), "{wrong:?}");
+    }
+}
+
+// Elsewhere file systems take names only that are text.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_that_are_no_text_work_everywhere() {
+    let home = tempfile::tempdir().expect("a folder");
+    let odd = |text: &[u8]| OsString::from_vec(text.to_vec());
+    let folder = odd(b"n\xffight");
+    for name in [&b"n\xffight/a\xfe"[..], b"n\xffight/b"] {
+        chart(home.path(), &odd(name));
+    }
+    let (one, tiff, png, out) = (odd(b"n\xffight/a\xfe"), odd(b"m\xff.tiff"), odd(b"w\xff.png"), odd(b"o\xffut"));
+    let small = ["--size", "640x480", "--no-detect"].map(os);
+    let search = SEARCH.map(os);
+    let runs: [Vec<&OsStr>; 8] = [
+        vec![os("stack"), &one, os("--slope"), os("0,0"), os("--out"), &tiff],
+        vec![os("merge"), &one, os("--out"), &tiff, os("--json")],
+        vec![os("synth"), os("noisy"), &one, os("--out"), OsStr::from_bytes(b"noisy\xff"), os("--json")],
+        [&[os("render"), &one, os("--out"), &png][..], &small].concat(),
+        [&[os("detect"), &folder, os("--out"), &out, os("--json")][..], &search].concat(),
+        [&[os("probe"), &one, os("--at"), os("40,40"), os("--json")][..], &search].concat(),
+        [&[os("match"), &one, OsStr::from_bytes(b"n\xffight/b"), os("--out"), &out, os("--json")][..], &search]
+            .concat(),
+        [&[os("colmap"), &folder, os("--out"), OsStr::from_bytes(b"rec\xff"), os("--json")][..], &search].concat(),
+    ];
+    for arguments in runs {
+        let output = run_os(home.path(), &arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+        if arguments.contains(&os("--json")) {
+            let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+            assert!(json.to_string().contains("\\\\xFF"), "{arguments:?}: {json}");
+        }
+    }
+    for made in [&tiff, &png] {
+        assert!(home.path().join(made).is_file(), "{made:?}");
+    }
+    let rec = home.path().join(OsStr::from_bytes(b"rec\xff"));
+    assert!(rec.join("database.db").is_file() && names(&rec.join("features")).len() == 2);
+    // What is finished is found again.
+    let output = run_os(
+        home.path(),
+        &[&[os("colmap"), &folder, os("--out"), OsStr::from_bytes(b"rec\xff")][..], &search].concat(),
+    );
+    assert!(String::from_utf8_lossy(&output.stdout).matches("from an earlier run").count() == 2, "{}", stderr(&output));
+}
+
+#[test]
+fn one_stray_or_unreadable_entry_does_not_stop_the_others() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b", "c"] {
+        chart(home.path(), os(&format!("nights/{name}")));
+    }
+    let nights = home.path().join("nights");
+    fs::copy(nights.join("a/frame_000.png"), nights.join("preview.png")).expect("copied");
+    fs::write(nights.join("notes.txt"), "about the nights").expect("written");
+    fs::create_dir(nights.join("plots")).expect("made");
+    // Whoever may read everything does not see what others are refused: then the program runs as somebody else.
+    let closed = nights.join("b");
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o000)).expect("closed");
+    let reads_all = fs::read_dir(&closed).is_ok();
+    fs::set_permissions(home.path(), fs::Permissions::from_mode(0o777)).expect("opened");
+    for (command, made) in [("detect", "a.csv"), ("colmap", "images")] {
+        let out = format!("out {command}");
+        let mut running = program(home.path(), &[&[command, "nights", "--out", &out][..], &SEARCH].concat());
+        if reads_all {
+            running.uid(65_534).gid(65_534);
+        }
+        let output = running.output().expect("it starts");
+        let words = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{words}");
+        assert!(words.contains("preview.png") && words.contains("belongs to none"), "{words}");
+        assert!(words.contains("nights/b") && words.contains("denied"), "{words}");
+        assert!(names(&home.path().join(&out)).contains(&made.to_owned()), "{words}");
+    }
+    assert_eq!(names(&home.path().join("out detect")), ["a.csv", "c.csv"]);
+    assert_eq!(names(&home.path().join("out colmap/images")), ["a.png", "c.png"]);
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o755)).expect("opened");
+}
+
+#[test]
+fn a_camera_of_another_size_is_refused_before_the_search() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), os("a"));
+    chart(home.path(), os("b"));
+    let camera = ["--camera", "SIMPLE_PINHOLE,640,480,600,320,240"];
+    for command in [&["match", "a", "b"][..], &["colmap", "a", "b"]] {
+        let words = run_badly(home.path(), &[command, &["--out", "out"], &camera, &SEARCH].concat(), 1);
+        assert!(words.contains("640×480") && words.contains("96×72"), "{words}");
+        assert!(!home.path().join("out/a.csv").exists());
+    }
+}
+
+#[test]
+fn render_checks_frame_octave_level_and_slope() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), os("a"));
+    for (wrong, word) in [
+        (["--kind", "frame", "--frame", "4"], "give 0 to 3"),
+        (["--kind", "dog", "--octave", "9"], "no octave 9"),
+        (["--kind", "dog", "--level", "77"], "no DoG level 77"),
+        (["--kind", "stack", "--slope", "500,0"], "out of the 96×72 image"),
+    ] {
+        let words =
+            run_badly(home.path(), &[&["render", "a", "--no-detect", "--out", "x.png"][..], &wrong].concat(), 2);
+        assert!(words.contains(word), "{words}");
+        assert!(!home.path().join("x.png").exists());
+    }
+}
+
+#[test]
+fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), os("a"));
+    let at = |name: &str| home.path().join(name);
+    File::create(at("large.toml")).and_then(|file| file.set_len(3 << 20)).expect("a hole is large");
+    std::os::unix::fs::symlink("/dev/zero", at("device.toml")).expect("linked");
+    assert!(Command::new("mkfifo").arg(at("pipe.toml")).status().expect("mkfifo runs").success());
+    let started = Instant::now();
+    for (file, word) in [
+        ("large.toml", "larger than 1 MiB"),
+        ("device.toml", "not a regular file"),
+        ("pipe.toml", "not a regular file"),
+    ] {
+        let words = run_badly(home.path(), &["detect", "a", "--out", "out", "--params", file], 1);
+        assert!(words.contains(file) && words.contains(word), "{words}");
+        let words = run_badly(home.path(), &["match", "a", "a", "--out", "out", "--camera", file], 2);
+        assert!(words.contains(file) && words.contains(word), "{words}");
+        // As a session the window refuses them as well.
+        let words = run_badly(home.path(), &["evaluate", "poses", "--estimate", file, "--truth", file], 1);
+        assert!(words.contains(file), "{words}");
+    }
+    assert!(started.elapsed() < Duration::from_secs(60), "nothing was waited for");
+}
+
+#[test]
+fn names_of_255_bytes_work() {
+    let home = tempfile::tempdir().expect("a folder");
+    let [long, other] = ["n", "m"].map(|letter| format!("nights/{}", letter.repeat(255)));
+    chart(home.path(), os(&long));
+    chart(home.path(), os(&other));
+    run_well(
+        home.path(),
+        &[&["detect", "nights", "--out", "found", "--format", "csv,colmap,npz"][..], &SEARCH].concat(),
+    );
+    assert_eq!(names(&home.path().join("found")).len(), 6);
+    run_well(home.path(), &[&["match", &long, &other, "--out", "matched"][..], &SEARCH].concat());
+    assert_eq!(names(&home.path().join("matched")).len(), 4);
+    run_well(home.path(), &[&["colmap", "nights", "--out", "rec"][..], &SEARCH].concat());
+    assert_eq!(names(&home.path().join("rec/images")).len(), 2);
+    let tiff = format!("{}.tiff", "t".repeat(250));
+    run_well(home.path(), &["stack", &long, "--slope", "0,0", "--out", &tiff]);
+    assert!(home.path().join(tiff).is_file());
+}
+
+#[test]
+fn commands_to_the_terminal_in_names_do_not_reach_it() {
+    let home = tempfile::tempdir().expect("a folder");
+    let name = "a\u{1b}]0;owned\u{7}\u{9b}2J";
+    chart(home.path(), os(name));
+    let harmless = |bytes: &[u8]| {
+        let text = String::from_utf8_lossy(bytes);
+        assert!(!text.contains(|c: char| c.is_control() && c != '\n' && c != '\t'), "{text:?}");
+        assert!(text.contains("owned"), "{text}");
+    };
+    let output = run(home.path(), &[&["detect", name, "--out", "out"][..], &SEARCH].concat());
+    assert_eq!(output.status.code(), Some(0));
+    harmless(&output.stdout);
+    let json = run(home.path(), &[&["detect", name, "--out", "out", "--json"][..], &SEARCH].concat()).stdout;
+    harmless(&json);
+    assert!(String::from_utf8_lossy(&json).contains("\\u009b"));
+    fs::write(home.path().join(name).join("frame_001.png"), "broken").expect("written");
+    harmless(&run(home.path(), &[&["detect", name, "--out", "out"][..], &SEARCH].concat()).stderr);
+    harmless(&run(home.path(), &["stack", name, "--slope", "0,0", "--out", "x.tiff"]).stderr);
+}
+
+#[test]
+fn what_killed_runs_left_is_cleared_by_the_next() {
+    let home = tempfile::tempdir().expect("a folder");
+    let hidden = |prefix: &str| -> Vec<String> {
+        names(home.path()).into_iter().filter(|name| name.starts_with(prefix)).collect()
+    };
+    let large = ["--width", "2000", "--height", "1500", "--frames", "20", "--threads", "1"];
+    let mut making = program(home.path(), &[&["synth", "chart", "--out", "big"][..], &large].concat());
+    let mut making = making.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+    let end = Instant::now() + Duration::from_secs(120);
+    while hidden(".synth-").is_empty() && Instant::now() < end {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    making.kill().expect("it is ours");
+    making.wait().expect("it ends");
+    assert_eq!(hidden(".synth-").len(), 1, "it was killed while it wrote");
+    // As a killed run leaves the file that it was writing.
+    fs::write(home.path().join(".burstscope-abc.tmp"), "half").expect("written");
+    chart(home.path(), os("a"));
+    run_well(home.path(), &["stack", "a", "--slope", "0,0", "--out", "a.tiff"]);
+    assert_eq!(names(home.path()), ["a", "a.tiff"]);
+}
+
+#[test]
+fn an_interrupted_render_ends_cleanly() {
+    let home = tempfile::tempdir().expect("a folder");
+    // A search that takes long beside what is waited for here.
+    chart(home.path(), os("a"));
+    let arguments =
+        ["render", "a", "--out", "x.png", "--slopes-u", "-3:3:61", "--slopes-v", "-3:3:61", "--first-octave", "-1"];
+    let mut drawing = program(home.path(), &arguments);
+    let drawing = drawing.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+    std::thread::sleep(Duration::from_millis(2500));
+    let killed = Command::new("kill").args(["-INT", &drawing.id().to_string()]).status().expect("kill runs");
+    assert!(killed.success());
+    let started = Instant::now();
+    let output = drawing.wait_with_output().expect("an end");
+    assert_eq!((output.status.code(), output.status.signal()), (Some(130), None), "{}", stderr(&output));
+    // Libraries of the desktop may say something before.
+    assert!(
+        stderr(&output).trim().ends_with("interrupted") && !stderr(&output).contains("panicked"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());
+    assert_eq!(names(home.path()), ["a"]);
+}
+
+#[test]
+fn opengl_draws_or_says_why_not() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), os("a"));
+    let file: PathBuf = home.path().join("x.png");
+    let mut drawing = program(home.path(), &["render", "a", "--no-detect", "--size", "640x480", "--out", "x.png"]);
+    let output = drawing.env("WGPU_BACKEND", "gl").output().expect("it starts");
+    match output.status.code() {
+        Some(0) => {
+            let drawn = image::open(&file).expect("a picture").into_rgb8();
+            let colours: std::collections::HashSet<[u8; 3]> = drawn.pixels().map(|p| p.0).collect();
+            assert!(colours.len() > 50, "an empty picture is no drawing: {} colours", colours.len());
+        }
+        Some(1) => assert!(stderr(&output).contains("graphics") && !file.exists(), "{}", stderr(&output)),
+        other => panic!("{other:?}: {}", stderr(&output)),
+    }
+}
+
+#[test]
+fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_number() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), os("a"));
+    let search = ["detect", "a", "--out", "found", "--slopes-u", "-2:2:64", "--slopes-v", "-2:2:64"];
+    let all = ["--slope-extrema", "joint", "--slope-neighbours", "all", "--memory"];
+    let words = run_badly(home.path(), &[&search[..], &all, &["30M"]].concat(), 1);
+    assert!(words.contains("--memory: this search of 4096 slopes") && words.contains("30 MB may be used"), "{words}");
+    assert!(words.contains("slope-neighbours adjacent"), "{words}");
+    assert!(!home.path().join("found").exists());
+    let few = ["detect", "a", "--out", "few", "--slopes-u", "-1:1:3", "--memory", "50%"];
+    run_well(home.path(), &few);
+    let words = run_badly(home.path(), &[&search[..], &["--memory", "lots"]].concat(), 2);
+    assert!(words.contains("8G or 500M"), "{words}");
+
+    // What is held for all of these slopes is about 2 MB, and one thread's window 6 MB.
+    let some = ["detect", "a", "--threads", "1", "--slopes-u", "-2:2:16", "--slopes-v", "-2:2:16", "--out"];
+    run_well(home.path(), &[&some[..], &["whole"]].concat());
+    run_well(home.path(), &[&some[..], &["grouped", "--memory", "8M"]].concat());
+    let features = |folder: &str| fs::read_to_string(home.path().join(folder).join("a.csv")).expect("features");
+    assert!(features("whole").lines().count() > 1);
+    assert_eq!(features("whole"), features("grouped"));
+}
+
+#[test]
+fn unknown_keys_are_errors_and_a_newer_programs_are_said_to_be_that() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), os("a"));
+    let file = home.path().join("p.toml");
+    let detect = || run_badly(home.path(), &["detect", "a", "--out", "found", "--params", "p.toml"], 2);
+    fs::write(&file, "[slopes]\ndirection = 90\n").expect("written");
+    let words = detect();
+    assert!(words.contains("p.toml") && words.contains("`direction`") && words.contains("direction_deg"), "{words}");
+    fs::write(&file, "# Written by Burstscope 99.0.0\nwavelets = true\n").expect("written");
+    let words = detect();
+    assert!(words.contains("written by Burstscope 99.0.0") && words.contains("wavelets"), "{words}");
+}
+
+/// A program that may address little memory: what is refused is said with its size, and nothing is aborted.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_is_refused_is_said() {
+    use std::io::Write;
+    let home = tempfile::tempdir().expect("a folder");
+    // A stack of two frames of 1 GiB each, none of which is on the disk.
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 16384, 16384), }";
+    let header = format!("{header:117}\n");
+    let mut file = std::fs::File::create(home.path().join("large.npy")).expect("made");
+    file.write_all(b"\x93NUMPY\x01\x00").expect("written");
+    file.write_all(&(header.len() as u16).to_le_bytes()).expect("written");
+    file.write_all(header.as_bytes()).expect("written");
+    file.set_len(10 + header.len() as u64 + (2 << 30)).expect("sparse");
+    let program = env!("CARGO_BIN_EXE_burstscope");
+    for (arguments, named) in [
+        ("detect large.npy --out found", "large.npy"),
+        ("stack large.npy --slope 0,0 --out a.tiff", "large.npy"),
+        ("synth chart --width 16384 --height 16384 --frames 2 --max-slope 1 --out chart", "1024 MiB"),
+        ("synth scene --width 16384 --height 16384 --frames 2 --max-slope 1 --out scene", "MiB"),
+    ] {
+        let script = format!("ulimit -v 1000000; exec '{program}' {arguments}");
+        let output = std::process::Command::new("sh")
+            .args(["-c", &script])
+            .current_dir(home.path())
+            .env("RAYON_NUM_THREADS", "2")
+            .output()
+            .expect("it runs");
+        let words = super::support::stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments}: {words}");
+        assert!(words.contains("there is no memory for") && words.contains(named), "{arguments}: {words}");
+    }
+    assert_eq!(super::support::names(home.path()), ["large.npy"]);
+}

@@ -1,0 +1,140 @@
+//! `figures`: every figure and table of the paper.
+
+use super::support::{names, program, run_badly, run_well, stderr};
+use serde_json::Value;
+use std::path::Path;
+
+const ALL: [&str; 12] =
+    ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "fig7", "fig8", "fig9", "table1", "table2", "table3"];
+
+/// A picture that is valid and readable alone, and numbers: a head and rows as long as it.
+fn assert_whole(folder: &Path, name: &str) {
+    let text = std::fs::read_to_string(folder.join(format!("{name}.svg"))).expect("a picture");
+    let document = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+    assert!(document.root_element().has_tag_name("svg") && !text.contains("NaN"), "{name}");
+    let mut ids: Vec<&str> = document.descendants().filter_map(|node| node.attribute("id")).collect();
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count, "{name}: names of one document are given once");
+    for image in document.descendants().filter(|node| node.has_tag_name("image")) {
+        let href = image.attribute(("http://www.w3.org/1999/xlink", "href")).expect("a picture in it");
+        assert!(href.starts_with("data:image/png;base64,"), "{name} needs another file");
+    }
+    let csv = std::fs::read_to_string(folder.join(format!("{name}.csv"))).expect("numbers");
+    let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
+    assert!(columns.len() > 1 && columns[0] > 2, "{name}: {csv}");
+    assert!(columns.iter().all(|&count| count == columns[0]), "{name}: rows are as long as the head");
+}
+
+fn figures(report: &Value) -> Vec<(&str, bool)> {
+    let all = report["figures"].as_array().expect("figures").iter();
+    all.map(|f| (f["figure"].as_str().expect("a name"), f["resumed"].as_bool().expect("a word"))).collect()
+}
+
+#[test]
+fn all_figures_are_made_once_and_kept() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folder = home.path().join("paper");
+    let arguments = ["figures", "--out", "paper", "--quick", "--no-colmap", "--json"];
+    let made: Value = serde_json::from_str(&run_well(home.path(), &arguments)).expect("JSON");
+    let mut found: Vec<&str> = figures(&made).into_iter().map(|(name, _)| name).collect();
+    found.sort_unstable();
+    assert_eq!(found, ALL);
+    assert!(figures(&made).iter().all(|(_, resumed)| !resumed));
+    ALL.iter().for_each(|name| assert_whole(&folder, name));
+    let page = std::fs::read_to_string(folder.join("index.html")).expect("a page");
+    for name in ALL {
+        assert!(page.contains(&format!("src=\"{name}.svg\"")) && page.contains(&format!("href=\"{name}.csv\"")));
+    }
+    assert!(page.contains("COLMAP took no part") && page.contains("--quick"));
+    let table = std::fs::read_to_string(folder.join("table1.csv")).expect("a table");
+    assert!(table.contains("1D,BuFF 1D,,,") && table.contains("2D,gold standard,,,"), "{table}");
+
+    // Again: all of it is kept, but for what was altered.
+    let dates = || names(&folder).iter().map(|n| folder.join(n).metadata().and_then(|m| m.modified()).ok()).collect();
+    let before: Vec<_> = dates();
+    let seconds = made["figures"][4]["seconds"].clone();
+    std::fs::write(folder.join("fig7.csv"), "altered").expect("written");
+    let again: Value = serde_json::from_str(&run_well(home.path(), &arguments)).expect("JSON");
+    for (name, resumed) in figures(&again) {
+        assert_eq!(resumed, name != "fig7", "{name}");
+    }
+    assert_eq!(again["figures"][4]["seconds"], seconds);
+    assert_whole(&folder, "fig7");
+    let after: Vec<_> = dates();
+    assert_eq!(before.len(), after.len());
+    assert!(before.iter().zip(&after).filter(|(a, b)| a == b).count() >= 20, "what was kept is as it was");
+}
+
+#[test]
+fn only_some_and_only_in_a_folder_of_figures() {
+    let home = tempfile::tempdir().expect("a folder");
+    let only = ["figures", "--out", "paper", "--quick", "--no-colmap", "--only", "fig9,fig3"];
+    let text = run_well(home.path(), &only);
+    assert!(text.contains("Fig. 3") && text.contains("Fig. 9") && !text.contains("Fig. 4"), "{text}");
+    let found = names(&home.path().join("paper"));
+    let shown: Vec<&String> = found.iter().filter(|name| !name.starts_with('.')).collect();
+    assert_eq!(shown, ["fig3.csv", "fig3.svg", "fig9.csv", "fig9.svg", "index.html", "records"]);
+    for (arguments, code, words) in [
+        (vec!["figures"], 2, "--out"),
+        (vec!["figures", "--out", "paper", "--only", "fig12"], 2, "fig1 to fig9 or table1 to table3"),
+        (vec!["figures", "--out", "paper/fig3.svg"], 2, "this is not a folder"),
+    ] {
+        assert!(run_badly(home.path(), &arguments, code).contains(words), "{arguments:?}");
+    }
+    std::fs::create_dir(home.path().join("own")).expect("made");
+    std::fs::write(home.path().join("own/fig3.svg"), "mine").expect("written");
+    let error = run_badly(home.path(), &["figures", "--out", "own", "--quick"], 1);
+    assert!(error.contains("this folder holds files"), "{error}");
+    assert_eq!(names(&home.path().join("own")), ["fig3.svg"]);
+}
+
+/// Stands for COLMAP: its mapper answers with the true poses, in a model of text.
+#[cfg(all(unix, feature = "colmap"))]
+const MAPPER: &str = r#"#!/bin/sh
+set -e
+[ "$1" = mapper ] && [ "$2" = --database_path ] && [ "$4" = --image_path ] && [ "$6" = --output_path ]
+[ -s "$3" ] && [ -f "$5/burst_000.png" ]
+mkdir -p "$7/0"
+printf '1 0 0 9 0 0 0 0.5 1 0 2 0\n' > "$7/0/points3D.txt"
+awk '!/^#/ { w=$8; qx=-$5; qy=-$6; qz=-$7; x=$2; y=$3; z=$4
+  tx=(1-2*(qy*qy+qz*qz))*x+2*(qx*qy-w*qz)*y+2*(qx*qz+w*qy)*z
+  ty=2*(qx*qy+w*qz)*x+(1-2*(qx*qx+qz*qz))*y+2*(qy*qz-w*qx)*z
+  tz=2*(qx*qz-w*qy)*x+2*(qy*qz+w*qx)*y+(1-2*(qx*qx+qy*qy))*z
+  printf "%d %.12f %.12f %.12f %.12f %.12f %.12f %.12f 1 burst_%03d.png\n1 1 1\n", $1+1, w, qx, qy, qz, -tx, -ty, -tz, $1
+}' "$(dirname "$3")/../way/poses.txt" > "$7/0/images.txt"
+"#;
+
+#[cfg(all(unix, feature = "colmap"))]
+#[test]
+fn where_colmap_is_installed_it_fills_the_columns() {
+    use std::os::unix::fs::PermissionsExt;
+    let home = tempfile::tempdir().expect("a folder");
+    let tool = home.path().join("bin/colmap");
+    std::fs::create_dir(home.path().join("bin")).expect("made");
+    std::fs::write(&tool, MAPPER).expect("written");
+    std::fs::set_permissions(&tool, std::fs::Permissions::from_mode(0o755)).expect("set");
+    let path = std::env::var("PATH").unwrap_or_default();
+    let arguments = ["figures", "--out", "paper", "--quick", "--only", "table1,table2,table3,fig8", "--json"];
+    let mut command = program(home.path(), &arguments);
+    let output = command.env("PATH", format!("{}:{path}", home.path().join("bin").display())).output().expect("runs");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let folder = home.path().join("paper");
+    ["table1", "table2", "table3", "fig8"].iter().for_each(|name| assert_whole(&folder, name));
+    let csv = |name: &str| -> Vec<Vec<String>> {
+        let text = std::fs::read_to_string(folder.join(name)).expect("a table");
+        text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    for row in csv("table1.csv") {
+        assert_eq!((row[2].as_str(), row[3].as_str()), ("1", "100"), "{row:?}");
+    }
+    for row in csv("table2.csv") {
+        let errors: Vec<f64> = row[2..].iter().map(|x| x.parse().expect("a number")).collect();
+        assert!(errors.iter().all(|&error| error < 1e-3), "{row:?}");
+    }
+    assert!(csv("table3.csv").iter().all(|row| row[3].parse::<f64>().is_ok_and(|secs| secs > 0.0)));
+    assert!(csv("fig8.csv").iter().any(|row| row[1] == "buff-2d"));
+    // What was needed on the way is gone.
+    assert!(names(&folder.join("records/pieces")).iter().all(|name| name.ends_with(".json")));
+}

@@ -1,0 +1,196 @@
+//! A window that lives long: hundreds of bursts of one dataset through its engine, and it holds no more at the end than
+//! it did soon after the beginning.
+//!
+//! One test, alone in its program, so that nothing else is counted. What the operating system counts is held too where
+//! it tells.
+
+#[path = "common/resident.rs"]
+mod resident;
+
+use burstscope::dataset::DatasetSource;
+use burstscope::detector::{DetectorParams, SearchParams, Slope, SlopeGrid};
+use burstscope::engine::{DatasetUpdate, Engine, Held, Update};
+use burstscope::requests::{
+    BurstSource, Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DetectRequest, Keeping, OpenBurst, PictureKind,
+    PictureRequest, PictureSlot,
+};
+use resident::resident_bytes;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+const BURSTS: usize = 500;
+const FRAMES: usize = 3;
+const SIDE: usize = 24;
+/// From this burst on nothing grows: what is made once is made, and what has a budget has used it.
+const SETTLED: usize = 100;
+/// The cache of pictures: full before the hundredth burst.
+const CACHE_BYTES: usize = 64 << 10;
+/// What one detection of such a burst leaves at most, however much was found.
+const TRAIL_BYTES: usize = 64 << 10;
+/// What the program may take more of the system at the end than at the hundredth burst: room for its allocator. 400
+/// bursts with their frames, pictures and trails are 6 MB.
+const GROWTH_BYTES: u64 = 3 << 20;
+
+/// After this something that is awaited does not come any more.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// A long sequence of small frames: a blob that goes to and fro over noise.
+fn write_frames(folder: &Path) {
+    let mut state = 7u32;
+    for t in 0..BURSTS * FRAMES {
+        let (burst, dt) = (t / FRAMES, (t % FRAMES) as f32 - 1.0);
+        let (u0, v0) = (8.0 + (burst % 8) as f32 + dt, 8.0 + (burst / 8 % 8) as f32);
+        let pixels: Vec<u8> = (0..SIDE * SIDE)
+            .map(|at| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let (u, v) = ((at % SIDE) as f32, (at / SIDE) as f32);
+                let blob = 160.0 * (-((u - u0).powi(2) + (v - v0).powi(2)) / 12.0).exp();
+                (40.0 + blob + (state >> 28) as f32) as u8
+            })
+            .collect();
+        let frame = image::GrayImage::from_raw(SIDE as u32, SIDE as u32, pixels).expect("so many pixels");
+        frame.save(folder.join(format!("{t:04}.png"))).expect("written");
+    }
+}
+
+/// Waits for news that `wanted` knows.
+fn wait_for<T>(engine: &Engine, mut wanted: impl FnMut(Update) -> Option<T>) -> T {
+    let end = Instant::now() + PATIENCE;
+    loop {
+        if let Some(found) = engine.poll().into_iter().find_map(&mut wanted) {
+            return found;
+        }
+        assert!(Instant::now() < end, "nothing happened in {PATIENCE:?}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// What was held, and taken of the system, as the bursts went by.
+#[derive(Default)]
+struct Soak {
+    held: Vec<Held>,
+    resident: Vec<Option<u64>>,
+}
+
+impl Soak {
+    fn note(&mut self, engine: &Engine) {
+        self.held.push(engine.held());
+        self.resident.push(resident_bytes());
+    }
+
+    /// Holds the end against what there was at [`SETTLED`].
+    fn assert_does_not_grow(&self, what: &str) {
+        assert_eq!(self.held.len(), BURSTS, "{what}");
+        let most = |held: &[Held], of: fn(&Held) -> usize| held.iter().map(of).max().unwrap_or(0);
+        let (before, after) = self.held.split_at(SETTLED);
+        for of in [|h: &Held| h.trails, |h: &Held| h.requests] {
+            assert!(most(after, of) <= most(before, of), "{what}: {:?} and then {:?}", before.last(), after.last());
+        }
+        assert!(most(after, |h| h.picture_bytes) <= CACHE_BYTES, "{what}");
+        assert!(most(after, |h| h.trail_bytes) <= TRAIL_BYTES, "{what}");
+        if let (Some(soon), Some(late)) = (self.resident[SETTLED], self.resident[BURSTS - 1]) {
+            println!("{what}: {} kB at burst {SETTLED}, {} kB at the end", soon >> 10, late >> 10);
+            assert!(late.saturating_sub(soon) < GROWTH_BYTES, "{what}: {soon} and then {late}");
+        }
+    }
+}
+
+/// The features of all bursts, as the Matches workspace finds them.
+fn find_all(engine: &Engine, bursts: &Bursts, keeping: &Keeping) -> Soak {
+    let mut soak = Soak::default();
+    engine.datasets.request_thumbnails(bursts.to_vec(), 16, burstscope::burst::OpenOptions::default());
+    engine.datasets.submit(DatasetRequest::Detect { bursts: bursts.clone(), keeping: keeping.clone() });
+    let mut found = 0;
+    wait_for(engine, |update| match update {
+        Update::Dataset(DatasetUpdate::Event(DatasetEvent::Done { finished, .. })) => {
+            found += finished.features;
+            soak.note(engine);
+            None
+        }
+        Update::Dataset(DatasetUpdate::Event(DatasetEvent::Failed { error, .. })) => panic!("{error}"),
+        Update::Dataset(DatasetUpdate::Ended(answer)) => Some(answer.result.expect("all are found")),
+        _ => None,
+    });
+    assert!(found >= BURSTS / 2, "{found} features: blobs that are seen by nobody test nothing");
+    soak
+}
+
+/// One burst after the other opened, searched and looked at, as a person goes through a filmstrip.
+fn look_at_each(engine: &Engine, bursts: &Bursts, params: &SearchParams) -> Soak {
+    let mut soak = Soak::default();
+    for source in bursts.iter() {
+        engine.open(BurstSource::Paths(source.paths.clone()));
+        let burst: OpenBurst = wait_for(engine, |update| match update {
+            Update::Opened(answer) => Some(answer.result.expect("it opens")),
+            _ => None,
+        });
+        engine.keep_trails_of(&[burst.id]);
+        engine.detect(DetectRequest { burst: burst.clone(), params: params.clone() });
+        wait_for(engine, |update| match update {
+            Update::Detected(answer) => Some(answer.result.expect("it is searched")),
+            _ => None,
+        });
+        for (slot, u) in [0.0, 1.0].into_iter().enumerate() {
+            let kind = PictureKind::Stack { slope: Slope::new(u, 0.0) };
+            let slot = PictureSlot(slot as u32);
+            engine.request_picture(slot, PictureRequest::new(burst.clone(), kind, params.detector.clone()));
+            wait_for(engine, |update| match update {
+                Update::Picture(of, answer) if of == slot => Some(answer.result.expect("a picture")),
+                _ => None,
+            });
+        }
+        assert!(engine.wait_idle(PATIENCE));
+        soak.note(engine);
+        assert_eq!(engine.held().trails, 1, "that of the burst that is open");
+    }
+    soak
+}
+
+#[test]
+fn five_hundred_bursts_leave_no_more_behind_than_one_hundred() {
+    let home = tempfile::tempdir().expect("a folder");
+    let frames = home.path().join("frames");
+    std::fs::create_dir(&frames).expect("a folder");
+    write_frames(&frames);
+    let source = DatasetSource { paths: vec![frames], burst_length: Some(FRAMES), burst_step: None };
+    let slopes = SlopeGrid::line(-1.0..=1.0, 3);
+    let params: SearchParams = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() }.into();
+    let folder = home.path().join("kept");
+    let keeping = Keeping { folder: folder.clone(), params: params.clone(), open: Default::default() };
+
+    let engine = Engine::new(Arc::new(|| {}), CACHE_BYTES);
+    let request = DatasetRequest::Open {
+        source,
+        folder: Some(folder.clone()),
+        params: params.clone(),
+        open: keeping.open.clone(),
+    };
+    engine.datasets.submit(request);
+    let dataset = wait_for(&engine, |update| match update {
+        Update::Dataset(DatasetUpdate::Ended(answer)) => match answer.result.expect("it opens") {
+            DatasetAnswer::Opened(dataset) => Some(dataset),
+            other => panic!("{other:?}"),
+        },
+        _ => None,
+    });
+    assert_eq!(dataset.bursts.len(), BURSTS);
+
+    find_all(&engine, &dataset.bursts, &keeping).assert_does_not_grow("a dataset");
+    look_at_each(&engine, &dataset.bursts, &params).assert_does_not_grow("bursts one by one");
+    assert!(engine.wait_idle(PATIENCE));
+    engine.keep_trails_of(&[]);
+    let left = engine.held();
+    assert_eq!((left.trails, left.trail_bytes, left.requests), (0, 0, 0));
+
+    // What is kept of a burst is as large as that of any other: nothing lists all bursts in each.
+    let sizes: Vec<u64> = std::fs::read_dir(folder.join("records"))
+        .expect("records")
+        .map(|entry| entry.expect("an entry").metadata().expect("a file").len())
+        .collect();
+    assert_eq!(sizes.len(), BURSTS);
+    let (min, max) = (sizes.iter().min().expect("some"), sizes.iter().max().expect("some"));
+    assert!(max - min < 64, "records of {min} to {max} bytes");
+    let manifest = std::fs::metadata(folder.join("manifest.json")).expect("a manifest").len();
+    assert!(manifest < 2 * max, "a manifest of {manifest} bytes");
+}

@@ -1,0 +1,143 @@
+//! The window is closed while files are written: what was begun is finished, what was cancelled leaves nothing half done.
+
+use crate::support::{Start, Window};
+use burstscope::engine::{Jobs, Priority};
+use burstscope::export::is_temporary_name;
+use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
+use burstscope::monitor::Monitor;
+use burstscope::requests::JobError;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, mpsc};
+use std::time::Duration;
+
+/// All files below `folder`.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
+    }
+    found.sort();
+    found
+}
+
+fn assert_nothing_half_written(folder: &Path) {
+    for file in files(folder) {
+        assert!(!is_temporary_name(file.file_name().unwrap()), "{}", file.display());
+        let text = || std::fs::read_to_string(&file).unwrap();
+        match file.extension().and_then(|extension| extension.to_str()) {
+            Some("svg") => assert!(text().trim_end().ends_with("</svg>"), "{}", file.display()),
+            Some("png") => assert!(image::open(&file).is_ok(), "{}", file.display()),
+            Some("json") => assert!(serde_json::from_str::<serde_json::Value>(&text()).is_ok(), "{}", file.display()),
+            Some("csv") => assert!(text().ends_with('\n'), "{}", file.display()),
+            _ => {}
+        }
+    }
+}
+
+/// Keeps files from being written until the window is being closed: then, and only then, the work is cancelled that
+/// this lets the first file wait for.
+fn hold_files_until_closing(window: &Window) -> Jobs<(), ()> {
+    let engine = &window.app().engine;
+    let (release, held) = mpsc::channel::<()>();
+    let release = Mutex::new(Some(release));
+    let until_closing = move |(): (), monitor: &Monitor| -> Result<(), JobError> {
+        while !monitor.is_cancelled() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        release.lock().unwrap().take();
+        Ok(monitor.check()?)
+    };
+    let closing = Jobs::new(engine.queue(), Priority::Search, Duration::ZERO, until_closing);
+    closing.submit(());
+    engine.task("Hold", move || {
+        // It ends when the other end is dropped.
+        let _ = held.recv();
+        Ok(String::new())
+    });
+    closing
+}
+
+#[test]
+fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start::without_auto_detect().open();
+    window.click("Detect");
+    window.settle();
+    let count = window.app().model.features().len();
+    let closing = hold_files_until_closing(&window);
+    let exports = [
+        ("features as csv", "f.csv"),
+        ("features for colmap", "f.txt"),
+        ("features as npz", "f.npz"),
+        ("32-bit tiff", "p.tiff"),
+        ("picture as png", "p.png"),
+        ("figure as svg", "p.svg"),
+        ("figure as png", "figure.png"),
+        ("save parameters", "params.toml"),
+        ("save session", "session.toml"),
+    ];
+    for (action, name) in exports {
+        window.dialogs.will_choose(folder.path().join(name));
+        window.run_action(action);
+        window.wait("the file is chosen", |app| !app.is_asking());
+    }
+    assert_eq!(files(folder.path()), Vec::<PathBuf>::new());
+    drop((window, closing));
+    let mut wanted: Vec<PathBuf> = exports.iter().map(|(_, name)| folder.path().join(name)).collect();
+    wanted.sort();
+    assert_eq!(files(folder.path()), wanted);
+    assert_nothing_half_written(folder.path());
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(text("f.csv").lines().count(), count + 1);
+    assert_eq!(text("f.txt").lines().count(), count + 1);
+    ndarray_npy::NpzReader::new(std::fs::File::open(folder.path().join("f.npz")).unwrap()).unwrap();
+    assert_eq!(burstscope::Burst::open(folder.path().join("p.tiff")).unwrap().size(), (480, 360));
+    burstscope::detector::SearchParams::from_toml(&text("params.toml")).unwrap();
+    burstscope::app::session::Session::from_toml(&text("session.toml")).unwrap();
+}
+
+#[test]
+fn figures_that_are_being_made_are_whole_or_not_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("paper");
+    let window = Start::nothing_open().open_without_waiting();
+    let only = vec![PaperFigure::Fig9, PaperFigure::Fig5];
+    window.app().engine.figures.start(FiguresJob { out: out.clone(), only, size: FigureSize::Quick, colmap: None });
+    while files(&out).is_empty() {
+        assert!(!window.app().engine.is_idle(), "it ended without a file");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    drop(window);
+    assert_nothing_half_written(&out);
+}
+
+#[cfg(feature = "colmap")]
+#[test]
+fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
+    use crate::datasets::{dataset, few_slopes, start, walk};
+    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, ImageKind, export_colmap};
+    use burstscope::matching::{CameraModel, MatchParams, PairSelection};
+    let home = tempfile::tempdir().unwrap();
+    let mut window = start(walk(home.path())).open();
+    let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
+    let bursts = dataset(&window).bursts.clone();
+    window.dialogs.will_choose(&ours);
+    window.run_action("export colmap database");
+    window.wait("the first features are there", |_| {
+        files(&ours).iter().any(|file| file.starts_with(ours.join("features")))
+    });
+    drop(window);
+    assert_nothing_half_written(&ours);
+    let job = ColmapJob {
+        features: FeatureJob { detector: few_slopes().into(), open: Default::default(), images: ImageKind::default() },
+        matching: MatchParams::default(),
+        pairs: PairSelection::All,
+        camera: CameraChoice::Guessed(CameraModel::SimpleRadial),
+    };
+    for out in [&ours, &theirs] {
+        export_colmap(&bursts, out, &job, &mut |_| {}, &Monitor::default()).unwrap();
+    }
+    let database = |folder: &Path| std::fs::read(folder.join("database.db")).unwrap();
+    assert_eq!(database(&ours), database(&theirs));
+}

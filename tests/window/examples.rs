@@ -1,0 +1,89 @@
+//! The two failures of the Help menu: each opens with the probe on the place that shows it.
+
+use crate::probe::answer;
+use crate::support::{Start, Window};
+use burstscope::detector::{NoiseGate, SlopeChoice, Test};
+use burstscope::inspect::suspicion::Kind;
+use burstscope::requests::BurstSource;
+use burstscope::synth::Example;
+use burstscope::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD};
+use egui::Key;
+use egui_kittest::kittest::Queryable;
+
+/// As the program starts with an example of the Help menu: slopes are found unless the example has its own.
+fn example(example: Example) -> Window {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::automatic() };
+    start.startup.source = Some(BurstSource::Example(example));
+    start.open()
+}
+
+#[test]
+fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
+    let mut window = example(Example::LowContrast);
+    let place = Example::LowContrast.place();
+    assert_eq!(answer(&window).probe.pos_image, place);
+    assert_eq!(window.app().model.slopes, SlopeChoice::Given);
+    assert!(window.shows("Nothing was kept here") && window.shows("Below the noise gate"), "it is said at once");
+    let first = answer(&window).probe.subject_fate().expect("a candidate").remedy.clone().expect("a remedy");
+    assert!(window.shows(&first.change.label()) && first.then_fails.is_none(), "and what would keep it");
+    window.snapshot("probe_low_contrast");
+    let fates = answer(&window).probe.fates.clone();
+    let lost = fates
+        .iter()
+        .position(|fate| {
+            fate.first_failed == Some(Test::NoiseGate) && fate.remedy.as_ref().is_some_and(|r| r.then_fails.is_none())
+        })
+        .expect("a candidate that only the gate takes");
+    assert!(lost < 6, "it is among the first that came far: {lost}");
+    let name = format!("Candidate {}: noise gate", lost + 1);
+    window.harness.query_all_by_label_contains(&name).next().expect("it is listed").click();
+    window.harness.run_steps(2);
+    window.settle();
+    assert_eq!(answer(&window).probe.subject_fate().map(|f| f.of_sample()), Some(fates[lost].of_sample()));
+    assert!(window.shows("Below the noise gate"));
+    let (before, change) = (window.app().model.params.clone(), fates[lost].remedy.clone().unwrap().change);
+    window.click(&format!("Apply {}", change.label()));
+    window.settle();
+    let gate = window.app().model.params.noise_gate;
+    assert!(matches!(gate, NoiseGate::Factor(_)) && gate != before.noise_gate);
+    let now = answer(&window);
+    assert!(!window.app().model.probe_is_stale());
+    let fate = now.probe.fates.iter().find(|f| f.of_sample() == fates[lost].of_sample()).expect("the same candidate");
+    assert_ne!(fate.first_failed, Some(Test::NoiseGate));
+    window.ctrl(Key::Z);
+    window.settle();
+    assert_eq!(window.app().model.params, before);
+    assert_eq!(window.app().model.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
+    // Another burst is searched at the slopes that are found in it again.
+    window.run_action("open demo burst");
+    window.settle();
+    assert!(window.app().model.slopes.is_auto() && window.app().model.probe.place().is_none());
+}
+
+#[test]
+fn the_garlands_open_on_an_alias_with_its_evidence() {
+    let mut window = example(Example::Aliasing);
+    let probed = &answer(&window).probe;
+    assert_eq!(probed.pos_image, Example::Aliasing.place());
+    let fate = probed.subject_fate().expect("a candidate").clone();
+    assert!(fate.is_kept() && (fate.slope.u - Example::Aliasing.slope_u()).abs() < 0.5, "{fate:?}");
+    let alias = probed.suspicions.iter().find(|s| s.kind == Kind::Alias).expect("an alias").clone();
+    // What really moves there answers more strongly, a whole period of the texture away.
+    let other = alias.other_slope.expect("another slope");
+    assert!((other.u - ALIASING_SLOPE).abs() < 0.2 && alias.number > 1.0, "{alias:?}");
+    assert!(window.shows("An alias?") && window.shows("repeats itself every 8 px"), "it is said at once");
+    // The picture is that of the slope at which nothing moves, and yet the garlands are sharp.
+    let slope = window.app().model.cursor().slope;
+    assert_eq!((slope.u, slope.v), (ALIASING_SLOPE - GARLAND_PERIOD, 0.0));
+    assert_eq!(Example::Aliasing.slope_u(), slope.u);
+    window.snapshot("probe_aliasing");
+    // With other parameters the place is asked about still.
+    window.app_mut().model.params.edge_threshold = 10.0;
+    window.settle();
+    assert_eq!(answer(&window).probe.pos_image, Example::Aliasing.place());
+    // With slopes and octaves of one's own there is an answer too.
+    let mut start = Start::default();
+    start.startup.params.detector.first_octave = 1;
+    start.startup.source = Some(BurstSource::Example(Example::Aliasing));
+    assert_eq!(answer(&start.open()).probe.pos_image, Example::Aliasing.place());
+}

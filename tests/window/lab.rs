@@ -1,0 +1,200 @@
+//! The Lab: studies of charts, their curves, and the chart behind a point.
+
+use crate::support::{Start, Window};
+use burstscope::Monitor;
+use burstscope::app::project::against::With;
+use burstscope::app::project::workspace::Workspace;
+use burstscope::evaluate::curves::curves_csv;
+use burstscope::evaluate::{BurstMethod, ChartStudy, FramesStudy, Study, StudyReport};
+use burstscope::synth::ChartParams;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+/// A small chart, so that a study takes a second or two.
+fn small_chart() -> ChartParams {
+    ChartParams { width: 240, height: 180, discs: 12, radius: 3.6..=11.0, max_slope: 2.0, ..ChartParams::default() }
+}
+
+/// The Lab with small charts, and SNRs as a person types them.
+fn lab(size: [f32; 2]) -> Window {
+    let mut window = Start { size, ..Start::automatic() }.open();
+    window.run_action("lab");
+    assert_eq!(window.app().model.workspace, Workspace::Lab);
+    window.app_mut().model.lab.chart = small_chart();
+    window.app_mut().model.lab.seeds = 3;
+    type_snrs(&mut window, "0.5, 0.9, 1.8");
+    window
+}
+
+fn type_snrs(window: &mut Window, text: &str) {
+    window.harness.get_by_role_and_label(Role::TextInput, "SNR").focus();
+    window.harness.run_steps(2);
+    window.ctrl(egui::Key::A);
+    window.harness.get_by_role_and_label(Role::TextInput, "SNR").type_text(text);
+    window.harness.run_steps(2);
+    window.key(egui::Key::Enter);
+}
+
+fn run(window: &mut Window) {
+    window.click("Run study");
+    window.wait("the study is finished", |app| {
+        app.model.lab.running.is_none() && app.model.lab.current.as_ref().is_some_and(|result| result.is_whole)
+    });
+    window.settle();
+}
+
+/// What the command computes with the same settings.
+fn expected() -> ChartStudy {
+    ChartStudy {
+        chart: small_chart(),
+        snrs: vec![0.5, 0.9, 1.8],
+        seeds: 3,
+        methods: vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d],
+        ..ChartStudy::default()
+    }
+}
+
+#[test]
+fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
+    let mut window = lab([1280.0, 800.0]);
+    run(&mut window);
+    let report = expected().run(&Monitor::default()).unwrap();
+    let result = window.app().model.lab.current.clone().unwrap();
+    assert_eq!(result.study, Study::Chart(Box::new(expected())));
+    assert_eq!(result.report, StudyReport::Chart(Box::new(report.clone())));
+    for plot in result.report.plots(0) {
+        let name = format!("Plot: {}, 3 curves", plot.title);
+        assert!(window.harness.query_by_role_and_label(Role::Image, &name).is_some(), "{name}");
+    }
+    // A point is chosen, and its chart made again: what is marked is what was counted.
+    window.harness.get_by_role_and_label(Role::ComboBox, "Point").click();
+    window.harness.run_steps(2);
+    window.click("SIFT, one frame, SNR 0.5");
+    window.click("▶");
+    window.settle();
+    let score = &report.rows[0].methods[0].charts[1];
+    let shown = window.app().model.lab.current_chart().expect("a chart");
+    assert_eq!((shown.of.seed, shown.looked.truth.features.len()), (score.seed, 12));
+    // At the threshold of the curves, and all that was detected.
+    assert!(window.shows(&format!("{} found", score.true_positives)));
+    assert!(window.shows(&format!("{} missed", 12 - score.true_positives)));
+    window.harness.get_by_role_and_label(Role::CheckBox, "All that was detected").click();
+    window.settle();
+    assert!(window.shows(&format!("{} found", score.default_true_positives)));
+    assert!(window.shows(&format!("{} false", score.default_false_features)));
+    window.harness.get_by_role_and_label(Role::CheckBox, "All that was detected").click();
+    window.settle();
+    window.snapshot("lab");
+    // It opens as a burst that knows its truth.
+    window.click("Look at chart as burst");
+    window.settle();
+    assert_eq!(window.app().model.workspace, Workspace::Inspect);
+    let frames = &window.app().model.burst.as_ref().unwrap().burst.frames;
+    assert_eq!(frames.len(), 10);
+    window.run_action("compare with the truth");
+    window.settle();
+    assert!(window.app().model.against.has(With::Truth));
+    assert!(window.app().model.shown_comparison().expect("a comparison").is_whole_truth);
+}
+
+#[test]
+fn kept_curves_stay_beside_those_of_other_parameters() {
+    let mut window = lab([1280.0, 800.0]);
+    run(&mut window);
+    window.click("Keep curves");
+    window.app_mut().model.params.edge_threshold = 8.0;
+    window.app_mut().model.lab.methods = vec![BurstMethod::SiftMean];
+    run(&mut window);
+    let shown = window.app().model.lab.shown_results().len();
+    assert_eq!(shown, 2);
+    let both = "Plot: ROC at SNR 0.5, 4 curves";
+    assert!(window.harness.query_by_role_and_label(Role::Image, both).is_some());
+    window.snapshot("lab_kept_curves");
+    window.click("Forget");
+    assert!(window.app().model.lab.kept.is_empty());
+}
+
+#[test]
+fn a_study_that_is_cancelled_leaves_the_curves_so_far() {
+    let mut window = lab([1280.0, 800.0]);
+    window.app_mut().model.lab.seeds = 500;
+    window.click("Run study");
+    window.wait("some charts are finished", |app| app.model.lab.current.is_some());
+    window.run_action("cancel study");
+    window.wait("it has stopped", |app| app.model.lab.running.is_none());
+    let result = window.app().model.lab.current.as_ref().unwrap();
+    assert!(!result.is_whole && !result.report.plots(0).is_empty());
+    assert!(window.shows("Curves so far"));
+    assert!(window.app().model.lab.problem.is_none());
+}
+
+#[test]
+fn errors_have_plots_of_their_own_and_are_written_as_a_table() {
+    let mut window = lab([1280.0, 800.0]);
+    window.click("Errors");
+    type_snrs(&mut window, "1, 4");
+    run(&mut window);
+    let result = window.app().model.lab.current.clone().unwrap();
+    let titles: Vec<String> = result.report.plots(0).into_iter().map(|plot| plot.title).collect();
+    assert_eq!(titles, ["Errors of place", "Errors of scale", "Errors of slope"]);
+    window.snapshot("lab_errors");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("errors.csv");
+    window.dialogs.will_choose(&path);
+    window.run_action("export curves as csv");
+    window.wait("it is written", |_| path.is_file());
+    let written = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(written, curves_csv(&[("This study".to_owned(), result.report.plots(usize::MAX))]));
+}
+
+#[test]
+fn the_number_of_frames_is_studied_on_charts_and_on_the_open_burst() {
+    let mut window = lab([1280.0, 800.0]);
+    window.click("Frames");
+    assert!(window.shows("give one SNR"));
+    type_snrs(&mut window, "0.9");
+    window.app_mut().model.lab.counts_text = "2, 4, 8".to_owned();
+    run(&mut window);
+    let study = FramesStudy { charts: ChartStudy { snrs: vec![0.9], ..expected() }, frame_counts: vec![2, 4, 8] };
+    let report = StudyReport::Frames(Box::new(study.run(&Monitor::default()).unwrap()));
+    assert_eq!(window.app().model.lab.current.as_ref().unwrap().report, report);
+    window.snapshot("lab_frames");
+
+    window.click("Frames of A");
+    run(&mut window);
+    let StudyReport::BurstFrames(report) = window.app().model.lab.current.clone().unwrap().report else {
+        panic!("a report on the open burst");
+    };
+    assert_eq!(report.rows.iter().map(|row| row.frames).collect::<Vec<_>>(), [2, 4, 8]);
+    assert!(report.discs.is_some_and(|discs| discs > 0), "the demo tells some of what is there");
+    let image = "Plot: Features of the middle frames of demo, 2 curves";
+    assert!(window.harness.query_by_role_and_label(Role::Image, image).is_some());
+    window.snapshot("lab_frames_of_burst");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.svg");
+    window.dialogs.will_choose(&path);
+    window.run_action("export curves as svg");
+    window.wait("it is written", |_| path.is_file());
+    assert!(std::fs::read_to_string(&path).unwrap().contains("confirmed by all frames"));
+}
+
+#[test]
+fn nonsense_is_said_in_place_and_cannot_be_run() {
+    let mut window = lab([1280.0, 800.0]);
+    type_snrs(&mut window, "0.5, dark");
+    assert!(window.shows("'dark' is no ratio"));
+    window.click("Run study");
+    assert!(window.app().model.lab.running.is_none());
+}
+
+#[test]
+fn a_dark_copy_of_the_open_burst_is_a_burst() {
+    let mut window = lab([1280.0, 800.0]);
+    let size = window.app().model.size();
+    window.app_mut().model.lab.dark_copy.snr = 0.4;
+    window.run_action("dark copy of a");
+    window.settle();
+    let model = &window.app().model;
+    assert!(model.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
+    assert_eq!(model.size(), size);
+}

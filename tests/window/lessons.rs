@@ -1,0 +1,398 @@
+//! Lessons: every step of every one, played by its own data; leaving and coming back; lessons from files.
+
+use crate::support::{Memory, Start, Window};
+use burstscope::app::dialogs::Purpose;
+use burstscope::app::pane::SavedPanes;
+use burstscope::app::parts;
+use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::settings::Settings;
+use burstscope::detector::Slope;
+use burstscope::requests::BurstSource;
+use burstscope::teach::{Between, Goal, Layout, Lesson, Near, Place, Shown, Tab, Wanted, built_in};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, pos2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use std::sync::Arc;
+
+/// The step of each lesson that its picture shows, from 1.
+const KEY_STEPS: [(&str, usize); 6] = [
+    ("out-of-the-dark", 5),
+    ("slope-is-depth", 4),
+    ("blobs-at-every-scale", 6),
+    ("what-noise-does", 3),
+    ("when-it-fails", 3),
+    ("from-features-to-cameras", 4),
+];
+
+fn nothing_open() -> Window {
+    Start { size: [1280.0, 800.0], ..Start::nothing_open() }.open()
+}
+
+fn lesson(name: &str) -> Arc<Lesson> {
+    built_in().iter().find(|lesson| lesson.name == name).expect("a lesson").clone()
+}
+
+fn key(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.harness.key_press_modifiers(modifiers, key);
+    window.harness.run_steps(2);
+}
+
+/// Does what the goal asks for, as a person does it.
+fn fulfil(window: &mut Window, goal: &Goal) {
+    let Goal { slope_u, slope_v, show, layout, frame, octave, level, frames_used, .. } = goal.clone();
+    if let Some(layout) = layout {
+        window.run_action(match layout {
+            Layout::Single => "layout: single",
+            Layout::FrameAndStack => "layout: frame and",
+            Layout::TwoSlopes => "layout: two slopes",
+            Layout::ThreeSlopes => "strip of 3",
+            Layout::FiveSlopes => "strip of 5",
+            Layout::Scales => "strip of scales",
+            Layout::Slice => "stack and slice",
+            Layout::TwoByTwo => "2 × 2",
+        });
+    }
+    if let Some(show) = show {
+        let (modifiers, letter) = match show {
+            Shown::Frame => (Modifiers::NONE, Key::Num1),
+            Shown::Stack => (Modifiers::NONE, Key::Num2),
+            Shown::Dog => (Modifiers::NONE, Key::Num3),
+            Shown::Merge => (Modifiers::NONE, Key::Num4),
+            Shown::Noise => (Modifiers::SHIFT, Key::N),
+            Shown::Coverage => (Modifiers::SHIFT, Key::C),
+            Shown::Motion => (Modifiers::SHIFT, Key::V),
+        };
+        key(window, modifiers, letter);
+    }
+    let sliders = [
+        ("Slope u", slope_u),
+        ("Slope v", slope_v),
+        ("Frame", frame),
+        ("Octave", octave),
+        ("Level", level),
+        ("Frames", frames_used),
+    ];
+    for (label, wanted) in sliders {
+        if let Some(wanted) = wanted {
+            window.slide(label, f64::from(wanted.middle()));
+        }
+    }
+    if goal.features.is_some() {
+        window.click("Detect");
+    }
+    if goal.selected == Some(true) || goal.selected_match == Some(true) {
+        window.key(Key::Home);
+    }
+    if let Some(near) = goal.probe {
+        probe(window, near);
+    }
+    for (name, wanted) in &goal.params {
+        set_parameter(window, name.as_str(), wanted);
+    }
+    if let Some(Between { min, max }) = goal.searches_u {
+        let axis = fields(window, "Slopes u");
+        set(window, axis[0], f64::from(min));
+        set(window, axis[1], f64::from(max));
+    }
+    if let Some(slopes) = goal.slopes {
+        if slopes.min == 49.0 {
+            window.click("BuFF 2D");
+        } else {
+            let axis = fields(window, "Slopes u");
+            set(window, axis[2], f64::from(slopes.min));
+        }
+    }
+    match goal.tab {
+        Some(Tab::Compared) => window.run_action("compare with the truth"),
+        Some(tab) => {
+            let label = format!("{tab:?}");
+            window.harness.get_by_role_and_label(Role::Button, &label).click();
+            window.harness.run_steps(2);
+        }
+        None => {}
+    }
+    match goal.workspace {
+        Some(Place::Methods) => window.ctrl(Key::Num3),
+        Some(Place::Pair) => window.ctrl(Key::Num2),
+        Some(Place::Inspect) => window.ctrl(Key::Num1),
+        None => {}
+    }
+}
+
+fn probe(window: &mut Window, near: Near) {
+    // Features that are drawn would be probed in place of the places beside them.
+    let [u, v] = near.place;
+    let pos = window.app().ui_from_image(pos2(u, v)).expect("drawn");
+    window.harness.hover_at(pos);
+    window.harness.run_steps(1);
+    for pressed in [true, false] {
+        let button = egui::PointerButton::Primary;
+        let event = egui::Event::PointerButton { pos, button, pressed, modifiers: Modifiers::SHIFT };
+        window.harness.event_modifiers(event, Modifiers::SHIFT);
+        window.harness.run_steps(1);
+    }
+    window.harness.run_steps(1);
+}
+
+/// The number fields of a parameter, by their place.
+fn fields(window: &Window, label: &str) -> Vec<egui::accesskit::NodeId> {
+    let nodes = window.harness.query_all_by_role_and_label(Role::SpinButton, label);
+    nodes.map(|node| node.accesskit_node().locate().0).collect()
+}
+
+fn set(window: &mut Window, field: egui::accesskit::NodeId, value: f64) {
+    let by_id = egui_kittest::kittest::by().predicate(move |node| node.locate().0 == field);
+    window.harness.get(by_id).set_value_accesskit(value);
+    window.harness.run_steps(2);
+}
+
+fn set_parameter(window: &mut Window, name: &str, wanted: &Wanted) {
+    let doc = burstscope::detector::params::doc::ALL
+        .into_iter()
+        .chain(burstscope::matching::params::doc::ALL)
+        .find(|doc| doc.name.replace('-', "_") == name)
+        .expect("a parameter");
+    match wanted {
+        Wanted::Between(between) => {
+            if name == "noise_gate" && fields(window, doc.label).is_empty() {
+                choose(window, doc.label, "Factor");
+            }
+            let field = fields(window, doc.label)[0];
+            set(window, field, f64::from(between.middle()));
+        }
+        Wanted::Number(number) => {
+            let field = fields(window, doc.label)[0];
+            set(window, field, *number);
+        }
+        Wanted::Word(word) => {
+            let entry = match word.as_str() {
+                "sift" => "SIFT",
+                "merge" => "Merge + SIFT",
+                word => &format!("{}{}", word[..1].to_uppercase(), &word[1..]),
+            };
+            choose(window, doc.label, entry);
+        }
+        Wanted::Switch(_) => {
+            window.harness.get_by_role_and_label(Role::CheckBox, doc.label).click();
+            window.harness.run_steps(2);
+        }
+    }
+}
+
+/// Chooses an entry of a drop-down.
+fn choose(window: &mut Window, label: &str, entry: &str) {
+    window.harness.get_by_role_and_label(Role::ComboBox, label).click();
+    window.harness.run_steps(4);
+    let found = window.harness.query_all_by_label(entry).last();
+    found.unwrap_or_else(|| panic!("'{label}' has no entry '{entry}'")).click();
+    window.harness.run_steps(4);
+}
+
+/// Plays a lesson to its end.
+fn play(name: &str) {
+    let lesson = lesson(name);
+    let mut window = nothing_open();
+    window.app_mut().start_lesson(lesson.clone());
+    for (place, step) in lesson.steps.iter().enumerate() {
+        let what = format!("{name}, step {} '{}'", place + 1, step.title);
+        window.settle();
+        let errors = format!("{:?}", window.app().model.messages.errors());
+        let open = window.app().lessons.open.as_ref().unwrap_or_else(|| panic!("{what}: the lesson was left"));
+        assert!(open.step == place && open.is_ready, "{what}: {} {errors}", open.step);
+        assert!(!open.is_done(), "{what}: done before anything was tried");
+        assert!(window.app().model.param_error.is_none(), "{what}: {:?}", window.app().model.param_error);
+        let drawn = parts::drawn(&window.harness.ctx);
+        for part in &step.highlight {
+            let rect = drawn.iter().find(|(drawn, _)| drawn == part);
+            assert!(rect.is_some_and(|(_, rect)| rect.area() > 100.0), "{what}: {part} is not seen: {drawn:?}");
+        }
+        let task = step.task.as_ref().expect("something to try");
+        fulfil(&mut window, &task.goal);
+        window.settle();
+        let open = window.app().lessons.open.as_ref().expect("open");
+        assert!(open.is_done(), "{what}: {:?} was done, and not noticed", task.goal);
+        assert!(window.shows("✔ Done"), "{what}");
+        assert!(window.app().model.messages.errors().is_empty(), "{what}: {:?}", window.app().model.messages.errors());
+        if KEY_STEPS.contains(&(name, place + 1)) {
+            window.snapshot(&format!("lesson_{}", name.replace('-', "_")));
+        }
+        let is_last = place + 1 == lesson.steps.len();
+        window.click(if is_last { "Finish the lesson" } else { "Next step" });
+    }
+    window.settle();
+    assert!(window.app().lessons.open.is_none() && window.app().model.burst.is_none(), "what was open is back");
+    assert_eq!(window.app().lessons.progress[name].done.len(), lesson.steps.len());
+}
+
+#[test]
+fn out_of_the_dark_is_played() {
+    play("out-of-the-dark");
+}
+
+#[test]
+fn slope_is_depth_is_played() {
+    play("slope-is-depth");
+}
+
+#[test]
+fn blobs_at_every_scale_is_played() {
+    play("blobs-at-every-scale");
+}
+
+#[test]
+fn what_noise_does_is_played() {
+    play("what-noise-does");
+}
+
+#[test]
+fn when_it_fails_is_played() {
+    play("when-it-fails");
+}
+
+#[test]
+fn from_features_to_cameras_is_played() {
+    play("from-features-to-cameras");
+}
+
+#[test]
+fn every_lesson_has_its_test_and_its_picture() {
+    for lesson in built_in() {
+        let (_, step) = KEY_STEPS.iter().find(|(name, _)| *name == lesson.name).expect("a key step");
+        assert!((1..=lesson.steps.len()).contains(step));
+    }
+    assert_eq!(built_in().len(), KEY_STEPS.len());
+}
+
+#[test]
+fn nothing_is_lost_of_what_was_open() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    window.key(Key::Num6);
+    window.slide("Slope u", 0.75);
+    window.app_mut().model.params.levels = 4;
+    window.settle();
+    window.key(Key::Home);
+    window.run_action("light theme");
+    window.settle();
+    let state = |window: &Window| {
+        let model = &window.app().model;
+        let mut panes = SavedPanes::of(&model.panes, model.workspace);
+        panes.panes.iter_mut().for_each(|pane| pane.view = Default::default());
+        let burst = model.burst.as_ref().map(|burst| burst.id);
+        (burst, model.params.clone(), model.selected, model.features().to_vec(), panes, model.panels, model.theme)
+    };
+    let before = state(&window);
+    window.key(Key::F1);
+    window.harness.run_steps(5);
+    window.click("Lesson: Out of the dark");
+    window.settle();
+    let (in_lesson, count) = (window.app().model.in_lesson, window.app().model.features().len());
+    assert!(in_lesson && count == 0, "{in_lesson} {count}");
+    window.slide("Frame", 1.0);
+    window.settle();
+    window.click("Next step");
+    window.settle();
+    window.click("Leave lesson");
+    window.settle();
+    assert!(!window.app().model.in_lesson);
+    assert!(state(&window) == before, "everything is as it was");
+    assert!(window.app().model.history.can_undo(), "what was done before can be undone");
+    // Coming back begins where it was left, with what was done.
+    window.run_action("lessons");
+    window.harness.run_steps(5);
+    assert!(window.shows("step 2 of"));
+    window.click("Lesson: Out of the dark");
+    window.settle();
+    let open = window.app().lessons.open.as_ref().expect("open");
+    assert_eq!((open.step, open.done.clone()), (1, [0].into()));
+    assert!(window.app().model.focused().shows(ViewKind::Frame), "set up as the step begins");
+    window.click("Step back");
+    window.settle();
+    assert_eq!(window.app().lessons.open.as_ref().map(|open| (open.step, open.is_done())), Some((0, true)));
+    // What the window remembers is what was set outside the lesson, and how far one came in it.
+    let mut memory = Memory::default();
+    eframe::App::save(window.app_mut(), &mut memory);
+    let settings = Settings::load(&memory);
+    assert!(settings.panels.bottom && settings.auto_detect, "the lesson's panels are nobody's setting");
+    assert_eq!(settings.lessons["out-of-the-dark"].done, [0].into());
+}
+
+#[test]
+fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
+    let mut window = nothing_open();
+    window.app_mut().start_lesson(lesson("slope-is-depth"));
+    window.settle();
+    window.slide("Slope u", 2.5);
+    window.settle();
+    window.click("Set the step up again");
+    window.settle();
+    assert_eq!(window.app().model.cursor().slope, Slope::new(-2.1, 0.0));
+    // A step far away, by its dot.
+    window.click("Step 3: A slice through time");
+    window.settle();
+    let source = window.app().model.burst.as_ref().map(|burst| burst.source.clone());
+    assert_eq!(source.and_then(|source| source.name()), Some("demo-depths"));
+    window.run_action("open demo burst");
+    window.settle();
+    assert!(window.app().lessons.open.is_none() && !window.app().model.in_lesson);
+    assert_eq!(window.app().model.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
+    assert_eq!(window.app().lessons.progress["slope-is-depth"].step, 2);
+}
+
+#[test]
+fn frames_are_added_one_by_one_and_the_ratio_grows_as_the_root() {
+    let mut window = nothing_open();
+    window.app_mut().lessons.progress.entry("out-of-the-dark".to_owned()).or_default().step = 3;
+    window.app_mut().start_lesson(lesson("out-of-the-dark"));
+    window.settle();
+    let ratio = |window: &Window| -> f64 {
+        let node = window.harness.query_all_by_label_contains("SNR ").next().expect("it is measured");
+        let text = node.accesskit_node().value().or_else(|| node.accesskit_node().label()).expect("a text");
+        text.trim_start_matches("SNR ").parse().expect("a number")
+    };
+    let one = ratio(&window);
+    window.slide("Frames", 4.0);
+    window.settle();
+    let four = ratio(&window);
+    assert!((1.6..2.9).contains(&(four / one)), "{one} → {four}");
+    window.click("▶ Add one by one");
+    window.wait("all frames are added", |app| {
+        app.lessons.open.as_ref().is_some_and(|open| open.is_done()) && app.model.pictures_are_current()
+    });
+    window.settle();
+    let ten = ratio(&window);
+    assert!((2.5..4.4).contains(&(ten / one)), "{one} → {ten}");
+}
+
+#[test]
+fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mine.toml");
+    let good =
+        "title = \"My own\"\nabout = \"About it.\"\n\n[[step]]\ntitle = \"First\"\ncaption = \"Look at *this*.\"\n";
+    std::fs::write(&file, good.replace("caption", "captoin")).unwrap();
+    let mut window = nothing_open();
+    window.dialogs.will_choose(folder.path());
+    window.run_action("open lessons");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows("mine.toml, line 6") && window.shows("captoin"));
+    std::fs::write(&file, good).unwrap();
+    window.dialogs.will_choose(folder.path());
+    window.run_action("open lessons");
+    window.wait("the list", |app| app.lessons.list_is_open);
+    assert!(window.app().model.messages.errors().is_empty(), "the mistake is mended");
+    window.harness.run_steps(5);
+    window.click("Lesson: My own");
+    window.settle();
+    assert!(window.app().model.in_lesson, "it is open");
+    assert!(window.shows("First") && window.shows("Step 1 of 1"));
+    assert_eq!(Purpose::OpenLessons.title(), "Open lessons");
+}
+
+#[test]
+fn the_first_page_offers_lessons() {
+    let mut window = nothing_open();
+    window.harness.get_by_role_and_label(Role::Link, "Lesson: What noise does").click();
+    window.harness.run_steps(2);
+    window.settle();
+    assert_eq!(window.app().lessons.open.as_ref().map(|open| open.lesson.name.as_str()), Some("what-noise-does"));
+}

@@ -1,0 +1,170 @@
+//! What a burst that moves both ways shows of its motion: the probe's map of both slopes, slices along and across the
+//! motion, and the map of winning slopes.
+
+use crate::support::{Start, Window};
+use burstscope::app::pane::{Content, SliceAxis};
+use burstscope::app::project::cursor::ViewKind;
+use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
+use burstscope::inspect::candidates::winning_slopes;
+use burstscope::requests::MapKind;
+use burstscope::synth::random::Stream;
+use burstscope::{Feature, Monitor};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Rect, pos2, vec2};
+use egui_kittest::kittest::Queryable;
+use ndarray::Array3;
+use std::path::{Path, PathBuf};
+
+/// Discs on the left move by (1, −1), those on the right by (−1, 0.5); as a `.npy` stack.
+const LEFT: Slope = Slope { u: 1.0, v: -1.0 };
+const RIGHT: Slope = Slope { u: -1.0, v: 0.5 };
+const SIZE: (usize, usize) = (240, 160);
+const FRAMES: usize = 7;
+
+fn two_motions(folder: &Path) -> PathBuf {
+    let mut stream = Stream::new(17, 0);
+    let discs = [
+        (LEFT, 40.0, 40.0),
+        (LEFT, 74.0, 92.0),
+        (LEFT, 34.0, 120.0),
+        (RIGHT, 160.0, 50.0),
+        (RIGHT, 206.0, 84.0),
+        (RIGHT, 168.0, 124.0),
+    ];
+    let array = Array3::from_shape_fn((FRAMES, SIZE.1, SIZE.0), |(t, v, u)| {
+        let dt = t as f32 - 0.5 * (FRAMES as f32 - 1.0);
+        let light = |(slope, x, y): (Slope, f32, f32)| {
+            let d2 = (u as f32 - x - dt * slope.u).powi(2) + (v as f32 - y - dt * slope.v).powi(2);
+            (-d2 / (2.0 * 3.0 * 3.0)).exp()
+        };
+        0.1 + 0.12 * discs.into_iter().map(light).sum::<f32>() + 0.02 * stream.normal() as f32
+    });
+    let path = folder.join("two_motions.npy");
+    ndarray_npy::write_npy(&path, &array).unwrap();
+    path
+}
+
+fn open(folder: &Path) -> Window {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::of(&two_motions(folder)) };
+    let slopes = SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5);
+    start.startup.params = DetectorParams { slopes, ..DetectorParams::default() }.into();
+    let mut window = start.open();
+    window.key(Key::D);
+    window.settle();
+    window
+}
+
+/// Selects the strongest feature and asks why it is one.
+fn probe_strongest(window: &mut Window) -> Feature {
+    window.key(Key::Home);
+    window.click("Why?");
+    window.settle();
+    let feature = *window.app().model.selected_feature().expect("there is one");
+    let near = |slope: Slope| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) < 0.3;
+    assert!(near(LEFT) || near(RIGHT), "{feature:?}");
+    feature
+}
+
+fn rect_of(window: &Window, label: &str) -> Rect {
+    window.harness.get_by_role_and_label(Role::Image, label).rect()
+}
+
+#[test]
+fn the_probe_shows_the_response_over_both_slopes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    let feature = probe_strongest(&mut window);
+    // Room for what stands below.
+    window.harness.get_by_label("Candidates here").click();
+    window.settle();
+    let rect = rect_of(&window, "Response over both slopes");
+    assert!(window.harness.ctx.content_rect().contains_rect(rect), "{rect:?}");
+    let plane = window.app().model.probe.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
+    let (columns, rows) = plane.snr.size();
+    let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let (column, row) =
+        cells.max_by(|a, b| plane.snr.at(a.0, a.1).abs().total_cmp(&plane.snr.at(b.0, b.1).abs())).unwrap();
+    let peak = (plane.u.values[column], plane.v.values[row]);
+    assert!((peak.0 - feature.slope.u).abs() < 0.5 && (peak.1 - feature.slope.v).abs() < 0.5, "{peak:?} {feature:?}");
+    window.snapshot("probe_both_slopes");
+    // A click goes to that slope, at the scale of the map. The middle of the range is slope 0.
+    window.click_at(rect.center());
+    window.settle();
+    let (model, scale) = (&window.app().model, plane.scale);
+    let cursor = *model.cursor();
+    let near_zero = |x: f32| x.abs() < 0.4; // A cell of the map is a third of a slope wide.
+    assert!(near_zero(cursor.slope.u) && near_zero(cursor.slope.v), "{:?}", cursor.slope);
+    assert!(model.focused().shows(ViewKind::Dog));
+    assert_eq!((cursor.octave, cursor.level), (scale.octave, scale.level));
+    // A row of the map above chooses the scale of the map below.
+    let above = rect_of(&window, "Response over slope and scale");
+    window.click_at(pos2(above.center().x, above.top() + 0.7 * above.height()));
+    window.settle();
+    let coarser = window.app().model.probe.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
+    assert!(coarser.scale.sigma > scale.sigma, "{} {}", coarser.scale.sigma, scale.sigma);
+}
+
+#[test]
+fn across_the_motion_a_slice_shows_what_is_left_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    let feature = probe_strongest(&mut window);
+    window.run_action("stack and slice");
+    window.settle();
+    let shown = window.app().model.panes.shown();
+    let contents: Vec<Content> = shown.iter().map(|id| window.app().model.panes.get(*id).unwrap().content).collect();
+    let slices = [Content::Slice(SliceAxis::Along), Content::Slice(SliceAxis::Across)];
+    assert_eq!(contents, [Content::Cursor, slices[0], slices[1]]);
+    let probe = &window.app().model.probe.answer.as_ref().unwrap().probe;
+    let [along, across] = [0, 1].map(|axis| probe.slices[axis].direction);
+    assert!((along[0] * across[0] + along[1] * across[1]).abs() < 1e-5, "at right angles");
+    let on = |direction: [f32; 2], slope: Slope| slope.u * direction[0] + slope.v * direction[1];
+    assert!(on(across, feature.slope).abs() < 0.02, "along its own motion nothing moves across");
+    window.snapshot("probe_slice_across");
+    // The line of the slope is dragged to the side: the slope changes across the motion alone.
+    let rect = rect_of(&window, "Slice across the motion");
+    window.click_at(rect.center());
+    let slope = |window: &Window| window.app().model.panes.get(shown[2]).unwrap().cursor.slope;
+    let before = slope(&window);
+    // The slice has room for numbers on its left.
+    let from = rect.center() + vec2(13.0, 45.0);
+    window.drag(from, from + vec2(11.0, 0.0));
+    let after = slope(&window);
+    assert!(on(across, after) > on(across, before) + 0.3, "{before:?} {after:?}");
+    assert!((on(along, after) - on(along, before)).abs() < 1e-3, "{before:?} {after:?}");
+}
+
+#[test]
+fn the_winning_slope_is_a_picture_of_the_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    let feature = probe_strongest(&mut window);
+    window.app_mut().model.focused_mut().cursor.octave = feature.octave;
+    window.app_mut().model.focused_mut().cursor.level = feature.level;
+    // The features would cover it.
+    window.key(Key::O);
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::V);
+    window.harness.run_steps(2);
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.focused().content, Content::Map(MapKind::Motion));
+    let picture = model.picture().unwrap();
+    let motion = picture.motion.clone().expect("a map of the motion");
+    // It is what the library makes of the same detection.
+    let trail = &model.probe.answer.as_ref().unwrap().request.traced.cache.trail;
+    let expected = winning_slopes(trail, feature.octave, feature.level, &Monitor::default()).unwrap();
+    assert_eq!(motion.winning, expected);
+    let step = picture.request.kind.input_px_per_pixel();
+    let at = |u: f32, v: f32| motion.at(((u / step).round() as usize, (v / step).round() as usize));
+    for (slope, u, v) in [(LEFT, 74.0, 92.0), (RIGHT, 206.0, 84.0)] {
+        let (wins, sure) = at(u, v);
+        assert!((wins.u - slope.u).hypot(wins.v - slope.v) < 0.8 && sure > 0.0, "{wins:?} {slope:?} {sure}");
+    }
+    assert_eq!(at(120.0, 20.0).1, 0.0, "where nothing is, nothing is sure");
+    // The value under the pointer is the slope.
+    let place = window.app().ui_from_image(pos2(74.0, 92.0)).unwrap();
+    window.harness.hover_at(place);
+    window.harness.run_steps(3);
+    assert!(window.shows("px/frame, ") && window.shows("sure "));
+    window.snapshot("winning_slope_map");
+}

@@ -1,0 +1,158 @@
+//! The session that is saved by itself, and what is offered after an end that was not ordinary.
+
+use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::Startup;
+use burstscope::app::offscreen::Offscreen;
+use burstscope::app::recovery::{KeptIn, Record};
+use burstscope::app::session::Session;
+use burstscope::app::{BurstscopeApp, gpu};
+use burstscope::detector::Slope;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+const OFFER: &str = "did not end in the ordinary way";
+
+/// A window that keeps its session in `folder`, after each change.
+fn keeping(folder: &Path, start: Start) -> Start {
+    let kept = Some(KeptIn { folder: folder.to_owned(), every: Duration::ZERO });
+    Start { startup: Startup { kept, ..start.startup }, ..start }
+}
+
+/// The sessions that are kept in `folder`.
+fn sessions(folder: &Path) -> Vec<Session> {
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let texts = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
+    texts.map(|path| Session::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap()).collect()
+}
+
+fn end_in_the_ordinary_way(mut window: Window) {
+    eframe::App::on_exit(window.app_mut());
+}
+
+#[test]
+fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("running");
+    let stack = noisy_stack(home.path(), 5, 96, 128);
+    let mut window = keeping(&folder, Start::of(&stack)).open();
+    assert!(!window.shows(OFFER));
+    window.slide("Slope u", 1.25);
+    let kept_slope = || sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(1.25, 0.0));
+    window.wait("the session is kept", |_| kept_slope());
+    window.settle();
+
+    // Another window meanwhile takes it for what it is: somebody else's.
+    let other = keeping(&folder, Start::nothing_open()).open();
+    assert!(!other.shows(OFFER));
+    end_in_the_ordinary_way(other);
+
+    // The first ends without a word.
+    drop(window);
+    let mut next = keeping(&folder, Start::without_auto_detect()).open();
+    assert!(next.shows(OFFER) && next.shows("noisy.npy"));
+    assert_ne!(next.app().model.size(), (128, 96), "not unasked");
+    next.click("Restore");
+    next.settle();
+    assert!(!next.shows(OFFER));
+    assert_eq!(next.app().model.size(), (128, 96));
+    assert_eq!(next.app().model.cursor().slope, Slope::new(1.25, 0.0));
+    // It is this window's own now: a crash right after loses nothing.
+    assert!(kept_slope());
+    drop(next);
+    let next = keeping(&folder, Start::nothing_open()).open();
+    assert!(next.shows(OFFER));
+    // Unanswered it is offered again.
+    end_in_the_ordinary_way(next);
+    let mut last = keeping(&folder, Start::nothing_open()).open();
+    last.click("Forget");
+    assert!(!last.shows(OFFER));
+    end_in_the_ordinary_way(last);
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0, "nothing is left");
+    assert!(stack.is_file());
+}
+
+#[test]
+fn an_offer_that_cannot_be_restored_stays() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("running");
+    let record = Record::new(&folder).unwrap();
+    record.write("version = 3\nburst = { paths = [\"/nowhere/frames\"] }\n").unwrap();
+    drop(record);
+    let mut window = keeping(&folder, Start::nothing_open()).open();
+    window.click("Restore");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows("/nowhere/frames") && window.shows(OFFER));
+    assert_eq!(sessions(&folder).len(), 1);
+}
+
+#[test]
+fn where_nothing_can_be_kept_that_is_said() {
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let window = keeping(&file.join("running"), Start::nothing_open()).open();
+    assert!(window.shows("Save the session by itself"));
+}
+
+#[test]
+fn the_offer_looks_like_this() {
+    let home = tempfile::tempdir().unwrap();
+    for (name, minutes) in [("lanterns", 5), ("harbour", 90)] {
+        let record = Record::new(home.path()).unwrap();
+        record.write(&format!("version = 3\nburst = {{ paths = [\"/data/{name}\"] }}\n")).unwrap();
+        let then = SystemTime::now() - Duration::from_secs(60 * minutes + 20);
+        std::fs::File::options().write(true).open(record.session()).unwrap().set_modified(then).unwrap();
+    }
+    let mut window = keeping(home.path(), Start::nothing_open()).open();
+    window.harness.get_by_role_and_label(Role::Button, "Restore");
+    window.snapshot("recovery_offer");
+}
+
+#[test]
+fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
+    let home = tempfile::tempdir().unwrap();
+    let mut start = keeping(home.path(), Start::without_auto_detect());
+    // Never by itself in this test.
+    start.startup.kept.as_mut().unwrap().every = Duration::from_secs(3600);
+    let mut device = None;
+    let builder = crate::common::builder(start.size).wgpu_setup(crate::common::wgpu_setup());
+    let harness = builder.build_eframe(|cc| {
+        device = cc.wgpu_render_state.as_ref().map(|state| state.device.clone());
+        BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), start.startup)
+    });
+    let mut window = Window { harness, dialogs: Default::default() };
+    window.settle();
+    window.slide("Slope u", -1.5);
+    let commands = |window: &Window| window.harness.output().viewport_output[&egui::ViewportId::ROOT].commands.clone();
+    assert!(!commands(&window).contains(&egui::ViewportCommand::Close));
+    let device = device.unwrap();
+    device.destroy();
+    device.poll(wgpu::PollType::Poll).unwrap();
+    window.harness.step();
+    assert!(commands(&window).contains(&egui::ViewportCommand::Close));
+    assert!(sessions(home.path()).iter().any(|session| session.scrub.slope == Slope::new(-1.5, 0.0)));
+    // The drawing ends; should no other device be found, the session is there at the next start.
+    end_in_the_ordinary_way(window);
+    assert!(keeping(home.path(), Start::nothing_open()).open().shows(OFFER));
+}
+
+#[test]
+fn the_window_is_the_same_on_a_new_device() {
+    let size = egui::vec2(1000.0, 640.0);
+    let mut offscreen = Offscreen::new(size, 1.0, gpu::AdapterChoice::Software).unwrap();
+    let startup = Start::without_auto_detect().startup;
+    let mut app = BurstscopeApp::new(offscreen.context(), None, startup);
+    let mut settled = 0;
+    while settled < 5 {
+        offscreen.frame(Vec::new(), |ui| app.show(ui));
+        settled = if app.is_settled() && app.model.burst.is_some() { settled + 1 } else { 0 };
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let before = offscreen.image().unwrap();
+    offscreen.render_state().device.destroy();
+    assert_eq!(offscreen.image().unwrap(), before);
+    offscreen.frame(Vec::new(), |ui| app.show(ui));
+    assert_eq!(offscreen.image().unwrap(), before);
+}
