@@ -17,8 +17,8 @@ pub struct Thumbnail {
     pub rgb: Vec<u8>,
 }
 
-/// The middle frame of `source`, opened with `options`, stretched so that a dark one can be seen, and reduced by a whole factor so that no
-/// side is longer than `max_side_px` (1 or more). Where each frame is a file, no other is read.
+/// The middle frame of `source`, opened with `options`, stretched so that a dark one can be seen, and reduced by a
+/// whole factor so that no side is longer than `max_side_px` (1 or more). Where each frame is a file, no other is read.
 ///
 /// # Errors
 /// See [`OpenError`].

@@ -24,8 +24,8 @@ pub const OPTION: &str = "memory";
 static BUDGET: AtomicU64 = AtomicU64::new(0);
 
 /// From now on a search of this process may take `bytes`; `None` is [`DEFAULT_PART`] of the machine's memory. Results
-/// do not depend on it: a search that would take more is done in groups of slopes, one after the other, or refused where
-/// even that takes more.
+/// do not depend on it: a search that would take more is done in groups of slopes, one after the other, or refused
+/// where even that takes more.
 pub fn set_budget(bytes: Option<u64>) {
     BUDGET.store(bytes.map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
 }

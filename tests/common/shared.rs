@@ -1,7 +1,8 @@
 //! Where the real input and the published implementations' answers are, if they are here at all.
 //!
-//! They are beside the checkout, in `../shared`, or where `BURSTSCOPE_SHARED` says. A test without its input prints that
-//! it was skipped; with `BURSTSCOPE_REQUIRE_SHARED=1` it fails instead, so that none vanishes where all should run.
+//! They are beside the checkout, in `../shared`, or where `BURSTSCOPE_SHARED` says. A test without its input prints
+//! that it was skipped; with `BURSTSCOPE_REQUIRE_SHARED=1` it fails instead, so that none vanishes where all should
+//! run.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,5 @@
-//! The window is closed while files are written: what was begun is finished, what was cancelled leaves nothing half done.
+//! The window is closed while files are written: what was begun is finished, what was cancelled leaves nothing half
+//! done.
 
 use crate::support::{Start, Window};
 use burstscope::engine::{Jobs, Priority};

@@ -57,7 +57,8 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
         .filter_map(|line| line.split("stroke=\"").nth(1)?.split('"').next())
         .collect();
     assert!(colours.len() > 5 && svg.contains(">0.75"), "{colours:?}");
-    // Another detection has others; what is not known is grey, and a cancelled computation is begun anew by choosing it.
+    // Another detection has others; what is not known is grey, and a cancelled computation is begun anew by choosing
+    // it.
     window.app_mut().model.params.octaves = 2;
     window.run_action("detect");
     window.settle();

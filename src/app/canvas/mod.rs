@@ -12,7 +12,8 @@
 //! # use burstscope::app::canvas::{Canvas, Picture, View, overlay};
 //! # fn example(ui: &mut egui::Ui, picture: &Picture, view: &mut View, features: &[burstscope::Feature]) {
 //! # let display = burstscope::plane::display::Display::default();
-//! let output = Canvas::new("Motion-stack image").picture(Some(picture)).display(&display).full_scale(255.0).show(ui, view);
+//! let canvas = Canvas::new("Motion-stack image").picture(Some(picture)).display(&display);
+//! let output = canvas.full_scale(255.0).show(ui, view);
 //! let scale = overlay::ColourScale::of(overlay::ColourBy::SlopeDirection, features);
 //! overlay::draw_features(&output, features, &overlay::OverlayStyle::new(&scale, 10));
 //! if output.response.clicked() {

@@ -28,6 +28,7 @@ pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
         .striped(true)
         .sense(Sense::click())
         .cell_layout(Layout::left_to_right(Align::Center))
+        .min_scrolled_height(0.0)
         .auto_shrink(false)
         .column(Column::remainder().at_least(120.0))
         .columns(Column::exact(84.0), HEADINGS.len() - 1);

@@ -24,6 +24,7 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
         .striped(true)
         .sense(Sense::click())
         .cell_layout(Layout::left_to_right(Align::Center))
+        .min_scrolled_height(0.0)
         .auto_shrink(false)
         .column(Column::remainder().at_least(120.0))
         .columns(Column::exact(COLUMN_WIDTH), PairColumn::ALL.len() - 1);

@@ -5,8 +5,8 @@
 //! [`PicturePaint`] shape for each pane. Magnified pictures show crisp pixels, small ones are averaged over the area of
 //! a screen pixel, large ones are tiled, and what cannot be shown is said.
 //!
-//! A device can be lost: the driver was reset or updated, the card went to sleep. [`Gpu::lost`] says so; [`install`] for
-//! a new device brings everything to it again.
+//! A device can be lost: the driver was reset or updated, the card went to sleep. [`Gpu::lost`] says so; [`install`]
+//! for a new device brings everything to it again.
 
 mod callback;
 mod layout;

@@ -42,7 +42,8 @@ fn load(cell: vec2u) -> f32 {
     return textureLoad(picture, cell - place * tile, layer, i32(uniforms.level)).r;
 }
 
-// The mean over the part of the picture that one pixel of the screen covers; `edge` is counted from the picture's upper left corner.
+// The mean over the part of the picture that one pixel of the screen covers; `edge` is counted from the picture's upper
+// left corner.
 fn average(edge: vec2f) -> vec2f {
     let cell_size = f32(1u << uniforms.level);
     let half_width = 0.5 * uniforms.picture_px_per_px;

@@ -2,8 +2,8 @@
 //! memory.
 //!
 //! This is what `burstscope render` uses, and what the tests of the card's pictures use. It needs a graphics adapter
-//! that Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough. A device that is lost on the way is set up
-//! again, once for each picture.
+//! that Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough. A device that is lost on the way is set
+//! up again, once for each picture.
 
 mod error;
 mod read_back;

@@ -64,6 +64,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
             .striped(true)
             .sense(Sense::click())
             .cell_layout(Layout::left_to_right(Align::Center))
+            .min_scrolled_height(0.0)
             .auto_shrink(false)
             .column(TableColumn::exact(C::COLUMNS.first().map_or(0.0, |first| first.width())));
         for column in C::COLUMNS.iter().skip(1) {

@@ -1,7 +1,8 @@
 //! Keys that nobody knows, wherever in a file they are.
 //!
 //! Many values of a session are also kept in the window's settings, where what a newer program has added must not make
-//! all the rest unreadable. So it is whoever reads a file that says whether an unknown key is a mistake, not the values.
+//! all the rest unreadable. So it is whoever reads a file that says whether an unknown key is a mistake, not the
+//! values.
 
 use serde::de::DeserializeOwned;
 

@@ -75,7 +75,8 @@ impl Search<'_> {
         Ok(planes.into_iter().map(|planes| FirstLevels::new(slopes.start, planes)).collect())
     }
 
-    /// The features of `keypoints`, with the first levels that they need; `described` is told how many more keypoints are.
+    /// The features of `keypoints`, with the first levels that they need; `described` is told how many more keypoints
+    /// are.
     fn describe_with(
         &self,
         octaves: &Range<i32>,

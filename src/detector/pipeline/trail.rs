@@ -1,5 +1,6 @@
 //! What a detection leaves behind when it is to be asked why: the frames as they were searched, the first levels of the
-//! coarser octaves if there is memory for them, all keypoints with the ones that removed them, and which keypoint each feature comes from.
+//! coarser octaves if there is memory for them, all keypoints with the ones that removed them, and which keypoint each
+//! feature comes from.
 //!
 //! Nothing here decides anything. Whoever explains a detection runs the search's own functions again on the few samples
 //! in question (see [`Trail::neighbourhood`]); the values have the same bits, because those of a tile do not depend on

@@ -54,8 +54,15 @@ mod with_database {
     use crate::evaluate::poses::{PoseStudy, evaluate_poses, read_trajectory};
     use crate::matching::{Camera, CameraModel, PairSelection};
     use crate::synth::write_trajectory;
+    use std::fs::File;
+    use std::io::{Read, Seek, SeekFrom};
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
+
+    /// As much is read of the end of what the mapper said, bytes.
+    const TAIL_BYTES: u64 = 4096;
+    /// As much is repeated of its last line, characters.
+    const LONGEST_LINE: usize = 120;
 
     pub(super) fn reconstruct(
         program: &Path,
@@ -98,9 +105,11 @@ mod with_database {
         let report = export_colmap(&bursts, &out, &job, &mut |_| {}, &silent)?;
         let sparse = out.join("sparse");
         let started = Instant::now();
-        run_mapper(program, &report.database, &report.images_folder, &sparse, monitor)?;
+        let gave_up = run_mapper(program, &report.database, &report.images_folder, &sparse, monitor)?;
         let mapper_secs = started.elapsed().as_secs_f64();
-        Ok(Reconstructed { mapper_secs, ..compared(&sparse, &data.join("poses.txt"), way.cameras.len()) })
+        let compared = compared(&sparse, &data.join("poses.txt"), way.cameras.len());
+        let gave_up = gave_up.filter(|_| compared.registered == 0);
+        Ok(Reconstructed { mapper_secs, gave_up, ..compared })
     }
 
     fn bursts_in(folder: &Path) -> Result<Vec<BurstSource>, FiguresError> {
@@ -108,31 +117,36 @@ mod with_database {
         Ok(found.map_err(crate::dataset::DatasetError::from)?)
     }
 
-    /// Runs the mapper to its end, or ends it once `monitor` was cancelled.
+    /// Runs the mapper to its end, or ends it once `monitor` was cancelled. Gives back what it said last if it gave up:
+    /// from matches that hold no pair to begin with it makes no model, which is an answer.
+    ///
+    /// # Errors
+    /// It could not be started, or did not come to an end of its own.
     fn run_mapper(
         program: &Path,
         database: &Path,
         images: &Path,
         sparse: &Path,
         monitor: &Monitor,
-    ) -> Result<(), FiguresError> {
-        let failed =
-            |error: std::io::Error| FiguresError::Colmap { program: program.into(), reason: error.to_string() };
+    ) -> Result<Option<String>, FiguresError> {
+        let because = |reason: String| FiguresError::Colmap { program: program.into(), reason };
+        let failed = |error: std::io::Error| because(error.to_string());
         std::fs::create_dir_all(sparse).map_err(failed)?;
+        // A file, as a pipe that nobody empties would stop the mapper.
+        let mut said = tempfile::tempfile().map_err(failed)?;
         let mut child = Command::new(program)
             .arg("mapper")
             .args(["--database_path".as_ref(), database.as_os_str()])
             .args(["--image_path".as_ref(), images.as_os_str()])
             .args(["--output_path".as_ref(), sparse.as_os_str()])
             .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
+            .stdout(said.try_clone().map_err(failed)?)
+            .stderr(said.try_clone().map_err(failed)?)
             .spawn()
             .map_err(failed)?;
-        loop {
-            // A mapper that gives up says so by its exit code, and leaves no model: that is an answer.
-            if child.try_wait().map_err(failed)?.is_some() {
-                return Ok(());
+        let status = loop {
+            if let Some(status) = child.try_wait().map_err(failed)? {
+                break status;
             }
             if let Err(cancelled) = monitor.check() {
                 // One that has ended by itself cannot be ended.
@@ -141,7 +155,24 @@ mod with_database {
                 return Err(cancelled.into());
             }
             std::thread::sleep(Duration::from_millis(50));
+        };
+        let mut last = || last_line(&mut said).unwrap_or_default();
+        match status.code() {
+            Some(0) => Ok(None),
+            Some(_) => Ok(Some(last())),
+            None => Err(because(format!("the mapper ended with {status}: {}", last()))),
         }
+    }
+
+    /// The last line with something in it, without control characters, of at most [`LONGEST_LINE`] characters.
+    fn last_line(said: &mut File) -> std::io::Result<String> {
+        let end = said.seek(SeekFrom::End(0))?;
+        said.seek(SeekFrom::Start(end.saturating_sub(TAIL_BYTES)))?;
+        let mut tail = Vec::new();
+        said.read_to_end(&mut tail)?;
+        let tail = String::from_utf8_lossy(&tail);
+        let line = tail.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
+        Ok(line.chars().filter(|c| !c.is_control()).take(LONGEST_LINE).collect())
     }
 
     /// What the model says, if there is one.
@@ -165,5 +196,32 @@ mod with_database {
             result.centres = report.pairs.iter().map(|pair| pair.aligned_centre).collect();
         }
         result
+    }
+
+    #[cfg(all(test, unix))]
+    mod tests {
+        use super::*;
+        use std::os::unix::fs::PermissionsExt;
+
+        /// What comes of a mapper that is this shell script.
+        fn run(script: &str) -> Result<Option<String>, FiguresError> {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let program = folder.path().join("colmap");
+            std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).expect("writable");
+            std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).expect("it is ours");
+            let sparse = folder.path().join("sparse");
+            run_mapper(&program, Path::new("a.db"), folder.path(), &sparse, &Monitor::default())
+        }
+
+        #[test]
+        fn a_mapper_that_gives_up_is_an_answer_with_its_last_words_and_a_crash_is_an_error() {
+            assert_eq!(run("echo fine").expect("it ran"), None);
+            let gave_up = run("echo one; printf 'ERROR: no \\033[31mpair\\n\\n' >&2; exit 1").expect("an answer");
+            assert_eq!(gave_up.as_deref(), Some("ERROR: no [31mpair"));
+            let long = run("head -c 100000 /dev/zero | tr '\\0' x; exit 3").expect("an answer");
+            assert_eq!(long.map(|line| line.len()), Some(LONGEST_LINE));
+            let error = run("echo out of memory >&2; kill -9 $$").expect_err("a crash").to_string();
+            assert!(error.contains("signal") && error.contains("out of memory"), "{error}");
+        }
     }
 }

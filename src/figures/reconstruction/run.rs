@@ -38,6 +38,8 @@ pub(super) struct Reconstructed {
     pub centres: Vec<[f64; 3]>,
     /// How long the mapper took, seconds.
     pub mapper_secs: f64,
+    /// What the mapper said last where it gave up and left no model.
+    pub gave_up: Option<String>,
 }
 
 /// A run with its numbers.

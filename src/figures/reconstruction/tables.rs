@@ -60,8 +60,19 @@ fn made(table: Table) -> Made {
     Made { svg: table.svg(), csv: table.csv(), notes: table.notes }
 }
 
-fn with_missing(study: &Study, missing: Option<&str>) -> Vec<String> {
-    std::iter::once(material(study)).chain(missing.map(str::to_owned)).collect()
+/// What is said under every table: the material, and what is missing of it and why.
+fn notes(study: &Study, runs: &[Run], missing: Option<&str>) -> Vec<String> {
+    std::iter::once(material(study)).chain(missing.map(str::to_owned)).chain(without_model(runs)).collect()
+}
+
+/// For how many runs COLMAP gave up, and what it said when it did so first.
+pub(super) fn without_model<'a>(runs: &'a [Run]) -> Option<String> {
+    let said = |run: &'a Run| Some((run, run.reconstructed.as_ref()?.gave_up.as_deref()?));
+    let mut gave_up = runs.iter().filter_map(said);
+    let (first, words) = gave_up.next()?;
+    let count = 1 + gave_up.count();
+    let name = format!("{} on motion in {}", first.method.label(), motion_name(first.motion).to_uppercase());
+    Some(format!("COLMAP gave up without a model in {count} of {} runs, first with {name}: “{words}”.", runs.len()))
 }
 
 /// Table 1.
@@ -99,7 +110,7 @@ pub(super) fn matching(study: &Study, runs: &[Run], missing: Option<&str>) -> Ma
             (["3D points", "/image"], "points_per_image"),
         ],
         rows: groups(runs).iter().map(row).collect(),
-        notes: with_missing(study, missing),
+        notes: notes(study, runs, missing),
     })
 }
 
@@ -130,7 +141,7 @@ pub(super) fn poses(study: &Study, runs: &[Run], missing: Option<&str>) -> Made 
             (["relative", "rotation, °"], "relative_rotation_deg"),
         ],
         rows: groups(runs).iter().map(row).collect(),
-        notes: with_missing(study, missing),
+        notes: notes(study, runs, missing),
     })
 }
 
@@ -144,7 +155,7 @@ pub(super) fn time(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
         vec![motion, method, Cell::of(features, 2), Cell::of(mapper, 2), Cell::of(whole, 2)]
     };
     let is_timed = |group: &&Group<'_>| group[0].method != MatchMethod::Gold;
-    let mut notes = with_missing(study, missing);
+    let mut notes = notes(study, runs, missing);
     let threads = rayon::current_num_threads();
     notes.push(format!(
         "Seconds for one trajectory with {}, finding and matching features from frames in memory; times of a machine that does other things too are longer.",
@@ -197,11 +208,13 @@ mod tests {
             relative: Some([0.01, 0.5]),
             centres: Vec::new(),
             mapper_secs: 4.0,
+            gave_up: None,
         };
+        let none = Reconstructed { gave_up: Some("ERROR: no pair".into()), ..Reconstructed::default() };
         let runs = [
             run(Motion::OneD, 1, MatchMethod::Gold, None),
             run(Motion::OneD, 1, buff, Some(model.clone())),
-            run(Motion::OneD, 2, buff, Some(Reconstructed::default())),
+            run(Motion::OneD, 2, buff, Some(none)),
         ];
         let table = matching(&study, &runs, Some("no COLMAP"));
         let lines: Vec<&str> = table.csv.lines().collect();
@@ -209,6 +222,9 @@ mod tests {
         // One of two converged; six of eight images and none of eight; precision where there is one.
         assert_eq!(lines[2], "1D,BuFF 1D,0.5,37.5,150,15,12,0.1,0.08,0.8,50");
         assert!(table.notes.iter().any(|note| note == "no COLMAP"));
+        assert!(
+            table.notes.iter().any(|note| note.contains("1 of 3 runs, first with BuFF 1D on motion in 1D: “ERROR"))
+        );
         let errors = poses(&study, &runs, None);
         assert_eq!(errors.csv.lines().nth(2), Some("1D,BuFF 1D,2,1,1,0.5"));
         let times = time(&study, &runs, None);

@@ -1,6 +1,7 @@
 //! Fig. 8: the cameras' places, true and estimated, for the first trajectory of each motion.
 
 use super::run::Run;
+use super::tables::without_model;
 use crate::evaluate::figure::method_line;
 use crate::evaluate::poses::Projection;
 use crate::evaluate::{MatchMethod, motion_name};
@@ -65,7 +66,7 @@ pub(super) fn figure(runs: &[Run], missing: Option<&str>) -> Made {
     }
     sheet.legend((20.0, 54.0), WIDTH - 40.0, &legend);
     let mut end = 470.0;
-    let notes: Vec<String> = missing.map(str::to_owned).into_iter().collect();
+    let notes: Vec<String> = missing.map(str::to_owned).into_iter().chain(without_model(runs)).collect();
     for note in &notes {
         end = sheet.paragraph((20.0, end), 12.0, WIDTH - 40.0, note) + 4.0;
     }

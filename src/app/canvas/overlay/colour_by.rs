@@ -215,8 +215,8 @@ fn map_of(by: ColourBy) -> (ColourMap, f32, f32) {
             (ColourMap::Turbo, 0.08, 0.92)
         }
         ColourBy::Scale | ColourBy::Snr => (ColourMap::Magma, 0.45, 1.0),
-        // What does not answer evenly is told at a glance, red; most features are at the other end, which is light enough
-        // for a dark picture.
+        // What does not answer evenly is told at a glance, red; most features are at the other end, which is light
+        // enough for a dark picture.
         ColourBy::Coherence => (ColourMap::Turbo, 0.92, 0.25),
     }
 }

@@ -101,6 +101,7 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Op
         .striped(true)
         .sense(Sense::click())
         .cell_layout(Layout::left_to_right(Align::Center))
+        .min_scrolled_height(0.0)
         .auto_shrink(false)
         .column(Column::exact(104.0))
         .columns(Column::exact(54.0), 2)

@@ -28,6 +28,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
         TableBuilder::new(ui)
             .striped(true)
             .cell_layout(Layout::left_to_right(Align::Center))
+            .min_scrolled_height(0.0)
             .auto_shrink(false)
             .column(Column::exact(116.0))
             .columns(Column::remainder().at_least(55.0), COLUMNS.len())

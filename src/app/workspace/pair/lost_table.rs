@@ -66,6 +66,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
         .striped(true)
         .sense(Sense::click())
         .cell_layout(Layout::left_to_right(Align::Center))
+        .min_scrolled_height(0.0)
         .auto_shrink(false)
         .column(Column::exact(50.0))
         .column(Column::exact(120.0))
