@@ -1,23 +1,16 @@
-//! Memory is bounded: what a detection needs beyond the burst itself, as the operating system counts it.
+//! Memory is bounded: what a detection needs beyond the burst itself.
 //!
-//! One test, alone in its program, so that nothing else is counted. Where the system has no `/proc` it says so and
-//! stops.
+//! One test, alone in its program, so that nothing else is counted.
 
-#[path = "common/resident.rs"]
-mod resident;
+#[path = "common/allocated.rs"]
+mod allocated;
 
+use allocated::peak_over;
 use burstscope::detector::{DetectorParams, SlopeGrid, memory};
 use burstscope::synth::{SceneParams, synth_scene};
 use burstscope::{Burst, Monitor, detect};
-use resident::{peak_bytes, resident_bytes};
 
 const MB: u64 = 1_000_000;
-
-/// The most memory that `work` had beyond what there was before. `None` where the system cannot tell.
-fn peak_over(work: impl FnOnce()) -> Option<u64> {
-    let before = resident_bytes()?;
-    Some(peak_bytes(work)?.saturating_sub(before))
-}
 
 fn found(burst: &Burst, params: &DetectorParams) -> usize {
     detect(burst, params, &Monitor::default()).expect("valid parameters").features.len()
@@ -25,10 +18,6 @@ fn found(burst: &Burst, params: &DetectorParams) -> usize {
 
 #[test]
 fn a_search_over_a_line_and_over_a_plane_of_slopes_stay_within_their_bounds() {
-    if peak_over(|| ()).is_none() {
-        println!("skipped: this system does not tell how much memory a program has had");
-        return;
-    }
     let scene = SceneParams { width: 1600, height: 1200, snr: 8.0, seed: 7, ..SceneParams::default() };
     let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
     let line = DetectorParams { octaves: 16, levels: 3, peak_threshold: 0.0015, ..DetectorParams::default() };
@@ -38,7 +27,7 @@ fn a_search_over_a_line_and_over_a_plane_of_slopes_stay_within_their_bounds() {
     for (name, params, bound) in [("a line", line, 200 * MB), ("a plane", plane, 400 * MB)] {
         let mut count = 0;
         let params_of = params.clone();
-        let peak = peak_over(|| count = pool.install(|| found(&burst, &params))).expect("it could before");
+        let peak = peak_over(|| count = pool.install(|| found(&burst, &params)));
         println!("{name}: {count} features, {} MB over the burst, at most {} MB", peak / MB, bound / MB);
         let estimate = memory::estimate(&params_of, burst.len(), burst.size());
         println!("{name}: estimated {} MB", estimate / MB);

@@ -1,12 +1,14 @@
 //! The window is closed while files are written: what was begun is finished, what was cancelled leaves nothing half
 //! done.
 
+use crate::lab::run_small_study;
 use crate::support::{Start, Window};
+use burstscope::app::project::measure::MeasuredLine;
 use burstscope::engine::{Jobs, Priority};
 use burstscope::export::is_temporary_name;
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
 use burstscope::monitor::Monitor;
-use burstscope::requests::JobError;
+use burstscope::requests::{BurstSource, JobError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, mpsc};
 use std::time::Duration;
@@ -59,6 +61,24 @@ fn hold_files_until_closing(window: &Window) -> Jobs<(), ()> {
     closing
 }
 
+/// Begins these exports, by their actions and files in `folder`, and none is written yet.
+fn begin(window: &mut Window, folder: &Path, exports: &[(&str, &str)]) {
+    for (action, name) in exports {
+        window.dialogs.will_choose(folder.join(name));
+        window.run_action(action);
+        window.wait("the file is chosen", |app| !app.is_asking());
+    }
+    assert_eq!(files(folder), Vec::<PathBuf>::new());
+}
+
+/// All of them are there, whole, and nothing else is.
+fn assert_written(folder: &Path, exports: &[(&str, &str)]) {
+    let mut wanted: Vec<PathBuf> = exports.iter().map(|(_, name)| folder.join(name)).collect();
+    wanted.sort();
+    assert_eq!(files(folder), wanted);
+    assert_nothing_half_written(folder);
+}
+
 #[test]
 fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
     let folder = tempfile::tempdir().unwrap();
@@ -78,17 +98,9 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
         ("save parameters", "params.toml"),
         ("save session", "session.toml"),
     ];
-    for (action, name) in exports {
-        window.dialogs.will_choose(folder.path().join(name));
-        window.run_action(action);
-        window.wait("the file is chosen", |app| !app.is_asking());
-    }
-    assert_eq!(files(folder.path()), Vec::<PathBuf>::new());
+    begin(&mut window, folder.path(), &exports);
     drop((window, closing));
-    let mut wanted: Vec<PathBuf> = exports.iter().map(|(_, name)| folder.path().join(name)).collect();
-    wanted.sort();
-    assert_eq!(files(folder.path()), wanted);
-    assert_nothing_half_written(folder.path());
+    assert_written(folder.path(), &exports);
     let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     assert_eq!(text("f.csv").lines().count(), count + 1);
     assert_eq!(text("f.txt").lines().count(), count + 1);
@@ -96,6 +108,36 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
     assert_eq!(burstscope::Burst::open(folder.path().join("p.tiff")).unwrap().size(), (480, 360));
     burstscope::detector::SearchParams::from_toml(&text("params.toml")).unwrap();
     burstscope::app::session::Session::from_toml(&text("session.toml")).unwrap();
+}
+
+#[test]
+fn what_was_matched_and_measured_is_whole_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
+    start.startup.second = Some(BurstSource::DemoLater);
+    let mut window = start.open();
+    let matches = window.app().model.pair.matches.as_ref().unwrap().result.counts.putative;
+    run_small_study(&mut window);
+    window.ctrl(egui::Key::Num2);
+    window.settle();
+    let pane = window.app().model.focus();
+    let (from_image, to_image) = (egui::pos2(100.0, 80.0), egui::pos2(160.0, 80.0));
+    window.app_mut().model.measure.line = Some(MeasuredLine { pane, from_image, to_image });
+    let closing = hold_files_until_closing(&window);
+    let of_pair = [
+        ("export matches as csv", "m.csv"),
+        ("export match picture as png", "m.png"),
+        ("export line profile as csv", "l.csv"),
+    ];
+    begin(&mut window, folder.path(), &of_pair);
+    window.ctrl(egui::Key::Num6);
+    let of_lab = [("export curves as csv", "c.csv"), ("export curves as svg", "c.svg")];
+    begin(&mut window, folder.path(), &of_lab);
+    drop((window, closing));
+    assert_written(folder.path(), &[&of_lab[..], &of_pair[..]].concat());
+    let lines = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap().lines().count();
+    assert_eq!(lines("m.csv"), matches + 1);
+    assert!(lines("l.csv") > 60 && lines("c.csv") > 2);
 }
 
 #[test]

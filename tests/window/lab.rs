@@ -18,12 +18,22 @@ fn small_chart() -> ChartParams {
 /// The Lab with small charts, and SNRs as a person types them.
 fn lab(size: [f32; 2]) -> Window {
     let mut window = Start { size, ..Start::automatic() }.open();
+    go_to(&mut window);
+    window
+}
+
+fn go_to(window: &mut Window) {
     window.run_action("lab");
     assert_eq!(window.app().model.workspace, Workspace::Lab);
     window.app_mut().model.lab.chart = small_chart();
     window.app_mut().model.lab.seeds = 3;
-    type_snrs(&mut window, "0.5, 0.9, 1.8");
-    window
+    type_snrs(window, "0.5, 0.9, 1.8");
+}
+
+/// Goes to the Lab and runs a study of a second or two.
+pub fn run_small_study(window: &mut Window) {
+    go_to(window);
+    run(window);
 }
 
 fn type_snrs(window: &mut Window, text: &str) {

@@ -37,7 +37,7 @@ pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts
         Panel::bottom("bottom")
             .frame(bottom_frame(ui))
             .resizable(true)
-            .default_size(190.0)
+            .default_size(276.0)
             .size_range(90.0..=500.0)
             .show(ui, |ui| {
                 panel::bottom::bottom_ui(ui, model, widgets, regions, queue);

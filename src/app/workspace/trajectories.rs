@@ -27,7 +27,7 @@ pub(super) fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &
         Panel::bottom("trajectories bottom")
             .frame(bottom_frame(ui))
             .resizable(true)
-            .default_size(240.0)
+            .default_size(331.0)
             .size_range(120.0..=520.0)
             .show(ui, |ui| {
                 ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {

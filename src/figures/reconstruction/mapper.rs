@@ -193,7 +193,7 @@ mod with_database {
             };
             result.absolute = mean(&report.absolute);
             result.relative = mean(&report.relative);
-            result.centres = report.pairs.iter().map(|pair| pair.aligned_centre).collect();
+            result.centres = report.pairs.iter().map(|pair| (pair.truth, pair.aligned_centre)).collect();
         }
         result
     }

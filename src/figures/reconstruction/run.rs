@@ -5,7 +5,7 @@ use crate::synth::Motion;
 use serde::{Deserialize, Serialize};
 
 /// What a method's features of one trajectory are worth.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Matched {
     /// Features of an image, mean.
     pub keypoints: f64,
@@ -34,8 +34,8 @@ pub(super) struct Reconstructed {
     pub absolute: Option<[f64; 2]>,
     /// Mean error from one pose to the next: metres, and degrees.
     pub relative: Option<[f64; 2]>,
-    /// Centres of the estimated cameras after the alignment, metres.
-    pub centres: Vec<[f64; 3]>,
+    /// The registered cameras by their number on the way, and their estimated centres after the alignment, metres.
+    pub centres: Vec<(usize, [f64; 3])>,
     /// How long the mapper took, seconds.
     pub mapper_secs: f64,
     /// What the mapper said last where it gave up and left no model.

@@ -35,7 +35,7 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
         Panel::bottom("compare bottom")
             .frame(bottom_frame(ui))
             .resizable(true)
-            .default_size(160.0)
+            .default_size(233.0)
             .size_range(90.0..=400.0)
             .show(ui, |ui| table::table_ui(ui, model));
     }

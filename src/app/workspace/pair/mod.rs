@@ -63,7 +63,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         Panel::bottom("pair bottom")
             .frame(bottom_frame(ui))
             .resizable(true)
-            .default_size(190.0)
+            .default_size(300.0)
             .size_range(90.0..=500.0)
             .show(ui, |ui| {
                 mark(ui, Part::Below, ui.max_rect());
