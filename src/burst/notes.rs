@@ -28,6 +28,14 @@ impl Note {
 /// The largest values of converters of 10, 12 and 14 bit.
 const CONVERTERS: [(u32, f32); 3] = [(10, 1023.0), (12, 4095.0), (14, 16383.0)];
 
+/// Values between two looks at whether a converter is ruled out.
+const CHUNK: usize = 4096;
+/// From here to twice as much floats are whole numbers: a small number is rounded by being added to it, and then stands
+/// in the sum's lower bits, which is far faster than rounding each by itself.
+const INTEGERS: f32 = (1 << 23) as f32;
+/// The bits of a float's fraction.
+const MANTISSA: u32 = (1 << 23) - 1;
+
 /// The largest value of the smallest usual converter that could have made these 16-bit frames: `None` where their
 /// values need 16 bits, stand at the top of the word (all are multiples of 2), or a full scale was given.
 pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -> Option<f32> {
@@ -38,18 +46,26 @@ pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -
     if frames.iter().any(|f| f.scale != FileScale::Range(WORD)) {
         return None;
     }
+    let beyond = CONVERTERS[CONVERTERS.len() - 1].1 as u32;
     let of_frame = |frame: &RawFrame| {
-        frame.plane.data().iter().fold((0.0f32, 0u32), |(largest, bits), v| {
-            // Luma of colours is no whole number; rounding keeps what matters here.
-            let value = v * WORD;
-            (largest.max(value), bits | value.round() as u32)
-        })
+        let mut seen = (0, 0);
+        for values in frame.plane.data().chunks(CHUNK) {
+            seen = values.iter().fold(seen, |(largest, bits), v| {
+                // Luma of colours is no whole number; rounding keeps what matters here.
+                let value = (v * WORD + INTEGERS).to_bits() & MANTISSA;
+                (value.max(largest), bits | value)
+            });
+            if seen.0 > beyond {
+                break;
+            }
+        }
+        seen
     };
-    let (largest, bits) = frames.par_iter().map(of_frame).reduce(|| (0.0, 0), |a, b| (a.0.max(b.0), a.1 | b.1));
+    let (largest, bits) = frames.par_iter().map(of_frame).reduce(|| (0, 0), |a, b| (a.0.max(b.0), a.1 | b.1));
     if bits & 1 == 0 {
         return None;
     }
-    CONVERTERS.iter().map(|(_, value)| *value).find(|value| largest.round() <= *value)
+    CONVERTERS.iter().map(|(_, value)| *value).find(|value| largest as f32 <= *value)
 }
 
 impl Burst {

@@ -9,6 +9,7 @@
 
 use super::keypoint::Keypoint;
 use crate::detector::scale_space::levels::ScaleSpace;
+use crate::monitor::{Cancelled, Monitor};
 
 /// When a weaker keypoint is taken for the same blob as a stronger one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,18 +78,27 @@ pub fn would_cover(
 /// things all the same.
 ///
 /// Time grows in proportion to the number of blobs: those that stayed are kept in cells by scale and place.
-pub fn covered_by(blobs: &[Blob], rule: Rule, both_stay: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn covered_by(
+    blobs: &[Blob],
+    rule: Rule,
+    both_stay: impl Fn(usize, usize) -> bool,
+    monitor: &Monitor,
+) -> Result<Vec<Option<usize>>, Cancelled> {
     let mut order: Vec<usize> = (0..blobs.len()).collect();
     order.sort_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
     let mut stayed = Cells::new(blobs, rule);
     let mut out = vec![None; blobs.len()];
     for index in order {
+        monitor.check()?;
         out[index] = stayed.covering(index, &both_stay);
         if out[index].is_none() {
             stayed.insert(index);
         }
     }
-    out
+    Ok(out)
 }
 
 /// No blob.
@@ -196,6 +206,10 @@ mod tests {
 
     fn blob(u: f32, v: f32, sigma: f32, rank: f32) -> Blob {
         Blob { u, v, sigma, rank }
+    }
+
+    fn covered_by(blobs: &[Blob], rule: Rule, both_stay: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
+        super::covered_by(blobs, rule, both_stay, &Monitor::default()).expect("nobody cancels it")
     }
 
     /// The definition: every stronger one that stayed is asked.

@@ -3,7 +3,7 @@
 
 use crate::app::inspector::{Change, inspector_ui};
 use crate::app::panel;
-use crate::app::workspace::{WorkspaceParts, bottom_frame, side_frame, side_width};
+use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
 use egui::{CentralPanel, Frame, Panel, ScrollArea};
 
 /// Draws the workspace. Answers what panes asked for.
@@ -34,14 +34,7 @@ pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts
         });
     }
     if model.panels.bottom {
-        Panel::bottom("bottom")
-            .frame(bottom_frame(ui))
-            .resizable(true)
-            .default_size(276.0)
-            .size_range(90.0..=500.0)
-            .show(ui, |ui| {
-                panel::bottom::bottom_ui(ui, model, widgets, regions, queue);
-            });
+        bottom_panel(ui, "bottom", 276.0, |ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue));
     }
     let pictures = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());

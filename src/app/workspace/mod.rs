@@ -90,14 +90,29 @@ pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Worksp
     WorkspaceWishes { changes, ..WorkspaceWishes::default() }
 }
 
+/// How high a panel below the pictures can be dragged, in points.
+const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
+
+/// The pictures have so much height at first, in points, and what is below them what is left.
+const PICTURES_HEIGHT: f32 = 360.0;
+
 /// The frame of a panel at the side of the window.
 fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
-/// The frame of a panel at the bottom of the window.
-fn bottom_frame(ui: &egui::Ui) -> egui::Frame {
-    egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4))
+/// A panel below the pictures, `height` points high until it is dragged, or less in a small window. It keeps its height
+/// whatever it holds, so that nothing moves under the pointer when features come or another tab is opened.
+fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnOnce(&mut egui::Ui)) {
+    let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4));
+    let height = height.min(ui.available_height() - PICTURES_HEIGHT).max(*BOTTOM_HEIGHTS.start());
+    egui::Panel::bottom(id).frame(frame).resizable(true).default_size(height).size_range(BOTTOM_HEIGHTS).show(
+        ui,
+        |ui| {
+            ui.take_available_height();
+            show(ui);
+        },
+    );
 }
 
 /// Width of a panel at the side, in points: on a small screen the picture needs the room more than the panels do.

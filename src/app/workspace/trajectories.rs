@@ -3,7 +3,7 @@
 use crate::app::actions::Queue;
 use crate::app::dataset::{camera_list, errors_panel, plane_view, points_strip};
 use crate::app::project::Model;
-use crate::app::workspace::{WorkspaceWishes, bottom_frame, side_frame, side_width};
+use crate::app::workspace::{WorkspaceWishes, bottom_panel, side_frame, side_width};
 use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui, vec2};
 
 /// Height of the strip of points, in points of the window.
@@ -24,18 +24,13 @@ pub(super) fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &
         );
     }
     if model.panels.bottom {
-        Panel::bottom("trajectories bottom")
-            .frame(bottom_frame(ui))
-            .resizable(true)
-            .default_size(331.0)
-            .size_range(120.0..=520.0)
-            .show(ui, |ui| {
-                ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
-                    points_strip::points_strip_ui(ui, &mut model.trajectories);
-                });
-                ui.separator();
-                camera_list::camera_list_ui(ui, &mut model.trajectories);
+        bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
+            ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
+                points_strip::points_strip_ui(ui, &mut model.trajectories);
             });
+            ui.separator();
+            camera_list::camera_list_ui(ui, &mut model.trajectories);
+        });
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         plane_view::plane_ui(ui, &mut model.trajectories);

@@ -18,9 +18,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 impl Search<'_> {
     /// For each keypoint the stronger one whose blob it shows too, if there is one; `None` for those that stay.
-    pub(super) fn distinct(&self, keypoints: &[Keypoint], frames: &FramesOfOctaves<'_>) -> Vec<Option<usize>> {
+    pub(super) fn distinct(
+        &self,
+        keypoints: &[Keypoint],
+        frames: &FramesOfOctaves<'_>,
+    ) -> Result<Vec<Option<usize>>, Cancelled> {
         let Distinct::Radius(radius) = self.params.distinct else {
-            return vec![None; keypoints.len()];
+            return Ok(vec![None; keypoints.len()]);
         };
         let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.space)).collect();
         let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
@@ -31,7 +35,7 @@ impl Search<'_> {
             space: &self.space,
             interpolation: self.params.interpolation,
         };
-        distinct::covered_by(&blobs, rule, |a, b| motions.are_two(&keypoints[a], &keypoints[b]))
+        distinct::covered_by(&blobs, rule, |a, b| motions.are_two(&keypoints[a], &keypoints[b]), self.monitor)
     }
 
     /// The features of `keypoints`, which are in order of octaves. What the search left is taken from `bases`; where

@@ -69,7 +69,7 @@ fn search_all(
     let started = Instant::now();
     let Searched { keypoints, bases } = search.octaves(&octaves, &plan.search, &mut tally)?;
     let octave_frames = FramesOfOctaves::new(&planes, &inputs.times, octaves.clone());
-    let covered_by = search.distinct(&keypoints, &octave_frames);
+    let covered_by = search.distinct(&keypoints, &octave_frames)?;
     let kept: Vec<usize> = (0..keypoints.len()).filter(|&index| covered_by[index].is_none()).collect();
     tally.reject(Test::Duplicate, (keypoints.len() - kept.len()) as u64);
     tally.kept = kept.len() as u64;

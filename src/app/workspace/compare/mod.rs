@@ -7,7 +7,7 @@ mod table;
 
 use crate::app::inspector::{Change, inspector_ui};
 use crate::app::panel;
-use crate::app::workspace::{WorkspaceParts, bottom_frame, side_frame, side_width};
+use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
 use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui};
 
 /// Draws the workspace. Answers what panes asked for.
@@ -32,12 +32,7 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
         });
     }
     if model.panels.bottom {
-        Panel::bottom("compare bottom")
-            .frame(bottom_frame(ui))
-            .resizable(true)
-            .default_size(233.0)
-            .size_range(90.0..=400.0)
-            .show(ui, |ui| table::table_ui(ui, model));
+        bottom_panel(ui, "compare bottom", 233.0, |ui| table::table_ui(ui, model));
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         if model.contenders().is_empty() {

@@ -17,7 +17,7 @@ use crate::app::panel;
 use crate::app::panel::patch::PatchTexture;
 use crate::app::parts::mark;
 use crate::app::project::pair::PATCHES;
-use crate::app::workspace::{WorkspaceParts, bottom_frame, side_frame, side_width};
+use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
 use crate::requests::Patches;
 use crate::teach::Part;
 use egui::{CentralPanel, Frame, Panel, ScrollArea};
@@ -60,22 +60,17 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
     }
     let mut in_table = None;
     if model.panels.bottom {
-        Panel::bottom("pair bottom")
-            .frame(bottom_frame(ui))
-            .resizable(true)
-            .default_size(300.0)
-            .size_range(90.0..=500.0)
-            .show(ui, |ui| {
-                mark(ui, Part::Below, ui.max_rect());
-                numbers::numbers_ui(ui, model);
-                ui.separator();
-                lost_table::switch_ui(ui, model);
-                if model.pair.lost.listed {
-                    lost_table::lost_table_ui(ui, model);
-                } else {
-                    in_table = table::table_ui(ui, model, queue);
-                }
-            });
+        bottom_panel(ui, "pair bottom", 300.0, |ui| {
+            mark(ui, Part::Below, ui.max_rect());
+            numbers::numbers_ui(ui, model);
+            ui.separator();
+            lost_table::switch_ui(ui, model);
+            if model.pair.lost.listed {
+                lost_table::lost_table_ui(ui, model);
+            } else {
+                in_table = table::table_ui(ui, model, queue);
+            }
+        });
     }
     // What is between the pictures.
     let between = ui.visuals().panel_fill;
