@@ -10,6 +10,7 @@
 use super::keypoint::Keypoint;
 use crate::detector::scale_space::levels::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
+use rayon::prelude::*;
 
 /// When a weaker keypoint is taken for the same blob as a stronger one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,29 +74,42 @@ pub fn would_cover(
         .map(|(index, _)| index)
 }
 
-/// For each blob the index of the stronger one that stayed and covers it; `None` for those that stay. Of equally strong
-/// blobs the first one goes first. `both_stay(stronger, weaker)` is asked whether two that lie so near are different
-/// things all the same.
+/// So many blobs are asked at once whether those before them cover them.
+const BLOCK: usize = 512;
+
+/// For each blob the index of the strongest one that stayed and covers it; `None` for those that stay. Of equally
+/// strong blobs the first one goes first. `both_stay(stronger, weaker)` is asked whether two that lie so near are
+/// different things all the same.
 ///
-/// Time grows in proportion to the number of blobs: those that stayed are kept in cells by scale and place.
+/// Time grows in proportion to the number of blobs: those that stayed are kept in cells by scale and place. Blobs are
+/// taken in blocks. What stayed of earlier blocks is stronger than a whole block, so that all of the block can be held
+/// against it at once, on all threads; only who is covered by none of those is held against its own block, one after the
+/// other. The answer is that of one after the other throughout.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
 pub fn covered_by(
     blobs: &[Blob],
     rule: Rule,
-    both_stay: impl Fn(usize, usize) -> bool,
+    both_stay: impl Fn(usize, usize) -> bool + Sync,
     monitor: &Monitor,
 ) -> Result<Vec<Option<usize>>, Cancelled> {
     let mut order: Vec<usize> = (0..blobs.len()).collect();
     order.sort_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
-    let mut stayed = Cells::new(blobs, rule);
+    let mut stayed = Cells::new(blobs, rule, &order);
     let mut out = vec![None; blobs.len()];
-    for index in order {
-        monitor.check()?;
-        out[index] = stayed.covering(index, &both_stay);
-        if out[index].is_none() {
-            stayed.insert(index);
+    for (number, block) in order.chunks(BLOCK).enumerate() {
+        let by_earlier = |&index: &usize| {
+            monitor.check()?;
+            Ok(stayed.covering(index, 0, &both_stay))
+        };
+        let by_earlier: Vec<Option<usize>> =
+            block.par_iter().with_min_len(16).map(by_earlier).collect::<Result<_, _>>()?;
+        for (&index, by_earlier) in block.iter().zip(by_earlier) {
+            out[index] = by_earlier.or_else(|| stayed.covering(index, number * BLOCK, &both_stay));
+            if out[index].is_none() {
+                stayed.insert(index);
+            }
         }
     }
     Ok(out)
@@ -126,16 +140,21 @@ struct Cells<'b> {
     grids: Vec<Grid>,
     /// The blob that was inserted before into the same cell.
     before: Vec<u32>,
+    /// The place of each blob in the order of strength, in which they are inserted: 0 for the strongest.
+    place: Vec<u32>,
 }
 
 impl<'b> Cells<'b> {
-    fn new(blobs: &'b [Blob], rule: Rule) -> Self {
+    /// No blob yet; they come in `order`.
+    fn new(blobs: &'b [Blob], rule: Rule, order: &[usize]) -> Self {
         let range = |of: fn(&Blob) -> f32| {
             blobs.iter().map(of).fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)))
         };
         let ((u0, u1), (v0, v1), (s0, s1)) = (range(|b| b.u), range(|b| b.v), range(|b| b.sigma));
-        let mut cells =
-            Self { blobs, rule, start: (u0, v0), sigma_min: s0, grids: Vec::new(), before: vec![NONE; blobs.len()] };
+        let mut place = vec![0; blobs.len()];
+        order.iter().enumerate().for_each(|(at, &index)| place[index] = at as u32);
+        let before = vec![NONE; blobs.len()];
+        let mut cells = Self { blobs, rule, start: (u0, v0), sigma_min: s0, grids: Vec::new(), before, place };
         if blobs.is_empty() {
             return cells;
         }
@@ -168,32 +187,31 @@ impl<'b> Cells<'b> {
         self.before[index] = std::mem::replace(last, index as u32);
     }
 
-    /// The strongest blob that stayed and covers blob `index`.
-    fn covering(&self, index: usize, both_stay: &impl Fn(usize, usize) -> bool) -> Option<usize> {
+    /// Of the blobs that stayed and have at least place `from` in the order, the strongest that covers blob `index`.
+    fn covering(&self, index: usize, from: usize, both_stay: &impl Fn(usize, usize) -> bool) -> Option<usize> {
         let blob = &self.blobs[index];
         let class = self.scale_class(blob.sigma);
         // Scales within the ratio lie at most one class away; one more on each side allows for rounding.
         let classes = class.saturating_sub(2)..(class + 3).min(self.grids.len());
-        let mut best: Option<usize> = None;
+        let mut near: Vec<u32> = Vec::new();
         for grid in self.grids[classes].iter().filter(|grid| !grid.last.is_empty()) {
             let (column, row) = self.cell(grid, blob);
             for y in row.saturating_sub(1)..(row + 2).min(grid.rows) {
                 for x in column.saturating_sub(1)..(column + 2).min(grid.columns) {
                     let mut other = grid.last[y * grid.columns + x];
-                    while other != NONE {
-                        let stronger = &self.blobs[other as usize];
-                        if stronger.covers(blob, self.rule)
-                            && best.is_none_or(|b| self.blobs[b].rank < stronger.rank)
-                            && !both_stay(other as usize, index)
-                        {
-                            best = Some(other as usize);
+                    // The last one inserted is the weakest.
+                    while other != NONE && self.place[other as usize] >= from as u32 {
+                        if self.blobs[other as usize].covers(blob, self.rule) {
+                            near.push(other);
                         }
                         other = self.before[other as usize];
                     }
                 }
             }
         }
-        best
+        // Whether two are different things takes long to say, so the strongest are asked first.
+        near.sort_unstable_by_key(|&other| self.place[other as usize]);
+        near.into_iter().map(|other| other as usize).find(|&other| !both_stay(other, index))
     }
 }
 
@@ -208,19 +226,21 @@ mod tests {
         Blob { u, v, sigma, rank }
     }
 
-    fn covered_by(blobs: &[Blob], rule: Rule, both_stay: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
+    fn covered_by(blobs: &[Blob], rule: Rule, both_stay: impl Fn(usize, usize) -> bool + Sync) -> Vec<Option<usize>> {
         super::covered_by(blobs, rule, both_stay, &Monitor::default()).expect("nobody cancels it")
     }
 
-    /// The definition: every stronger one that stayed is asked.
-    fn by_definition(blobs: &[Blob], rule: Rule) -> Vec<bool> {
+    /// The definition: from the strongest to the weakest, every one that stayed is asked.
+    fn by_definition(blobs: &[Blob], rule: Rule, both_stay: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
         let mut order: Vec<usize> = (0..blobs.len()).collect();
         order.sort_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
-        let mut stays = vec![false; blobs.len()];
+        let mut out: Vec<Option<usize>> = vec![None; blobs.len()];
         for (place, &index) in order.iter().enumerate() {
-            stays[index] = !order[..place].iter().any(|&o| stays[o] && blobs[o].covers(&blobs[index], rule));
+            let covers =
+                |&&o: &&usize| out[o].is_none() && blobs[o].covers(&blobs[index], rule) && !both_stay(o, index);
+            out[index] = order[..place].iter().find(covers).copied();
         }
-        stays
+        out
     }
 
     #[test]
@@ -264,14 +284,33 @@ mod tests {
         ) {
             let rule = Rule { radius, scale_ratio: ratio };
             let blobs: Vec<Blob> = raw.iter().map(|&(u, v, s, rank)| blob(u, v, 0.9 * s.exp2(), f32::from(rank))).collect();
-            let fast = covered_by(&blobs, rule, |_, _| false);
-            let stays = by_definition(&blobs, rule);
-            prop_assert_eq!(fast.iter().map(Option::is_none).collect::<Vec<_>>(), stays.clone());
-            for (index, by) in fast.iter().enumerate() {
-                if let &Some(by) = by {
-                    prop_assert!(stays[by] && blobs[by].covers(&blobs[index], rule));
-                }
+            for different in [1, 3] {
+                let both_stay = |a: usize, b: usize| a % different != b % different;
+                prop_assert_eq!(covered_by(&blobs, rule, both_stay), by_definition(&blobs, rule, both_stay));
             }
         }
+    }
+
+    #[test]
+    fn many_blocks_are_the_definition() {
+        let mut state = 1u32;
+        let mut random = |range: f32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32 * range
+        };
+        let mut one = |_| blob(random(300.0), random(200.0), 1.0 + random(9.0), random(30.0).round());
+        let blobs: Vec<Blob> = (0..5 * BLOCK + 7).map(&mut one).collect();
+        let both_stay = |a: usize, b: usize| (a ^ b) % 5 == 0;
+        let expected = by_definition(&blobs, RULE, both_stay);
+        assert!(expected.iter().flatten().count() > BLOCK && expected.iter().filter(|by| by.is_none()).count() > BLOCK);
+        assert_eq!(covered_by(&blobs, RULE, both_stay), expected);
+    }
+
+    #[test]
+    fn a_cancel_ends_it() {
+        let monitor = Monitor::default();
+        monitor.cancel();
+        let blobs = [blob(0.0, 0.0, 2.0, 9.0)];
+        assert_eq!(super::covered_by(&blobs, RULE, |_, _| false, &monitor), Err(Cancelled));
     }
 }

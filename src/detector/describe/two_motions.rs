@@ -54,6 +54,14 @@ impl<'a> FramesOfOctaves<'a> {
         Self { means: Some(means), ..self }
     }
 
+    /// Makes what is needed of `keypoints`: before many threads ask at once, as none may wait for an octave that another
+    /// one makes while that one waits for the first.
+    pub(in crate::detector) fn make<'k>(&self, keypoints: impl Iterator<Item = &'k Keypoint>) {
+        if let Some(last) = keypoints.map(|keypoint| keypoint.octave).max() {
+            self.of(last);
+        }
+    }
+
     /// Those of `octave`, one of the octaves given.
     pub(in crate::detector) fn of(&self, octave: i32) -> &OctaveFrames<'a> {
         let slot = (octave - self.first_octave) as usize;

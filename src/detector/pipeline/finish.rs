@@ -28,6 +28,8 @@ impl Search<'_> {
         };
         let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.space)).collect();
         let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
+        // Made here, because a thread that makes an octave's frames may take up another keypoint meanwhile.
+        frames.make(keypoints.iter());
         let motions = Motions {
             frames,
             times: self.times,
