@@ -94,7 +94,7 @@ pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Worksp
 const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
 
 /// The pictures have so much height at first, in points, and what is below them what is left.
-const PICTURES_HEIGHT: f32 = 360.0;
+const PICTURES_HEIGHT: f32 = 320.0;
 
 /// The frame of a panel at the side of the window.
 fn side_frame(ui: &egui::Ui) -> egui::Frame {
