@@ -45,19 +45,6 @@ impl Curve {
     pub fn of(largest: f32, linearise: bool) -> Self {
         if linearise { Self::Srgb(largest) } else { Self::Linear(largest) }
     }
-
-    /// What the samples are divided by before they are weighted, and afterwards.
-    fn applied<T: Sample>(self) -> impl Fn(T) -> f32 + Copy {
-        move |sample: T| match self {
-            Self::Linear(_) => sample.to_f32(),
-            Self::Srgb(255.0) => BYTES_LINEAR[(sample.to_f32() as usize).min(255)],
-            Self::Srgb(largest) => linear(f64::from(sample.to_f32()) / f64::from(largest)),
-        }
-    }
-
-    fn divisor(self) -> f32 {
-        if let Self::Linear(divisor) = self { divisor } else { 1.0 }
-    }
 }
 
 static BYTES_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|n| linear(n as f64 / 255.0)));
@@ -67,10 +54,28 @@ fn linear(encoded: f64) -> f32 {
     (if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }) as f32
 }
 
+/// Light from an sRGB-encoded byte.
+fn byte_linear<T: Sample>(byte: T) -> f32 {
+    BYTES_LINEAR[(byte.to_f32() as usize).min(255)]
+}
+
+/// Light from an sRGB-encoded sample of at most `largest`.
+fn sample_linear<T: Sample>(largest: f32) -> impl Fn(T) -> f32 {
+    move |sample| linear(f64::from(sample.to_f32()) / f64::from(largest))
+}
+
 /// One value for each pixel of `samples` (interleaved, `channels` of them: grey, grey + alpha, RGB or RGB + alpha), by
 /// `curve`.
 pub(super) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, curve: Curve) -> Vec<f32> {
-    let (value, divisor) = (curve.applied::<T>(), curve.divisor());
+    // The curve is chosen here, not for each sample: loops over pixels without a branch are twice as fast.
+    match curve {
+        Curve::Linear(divisor) => interleaved(samples, channels, T::to_f32, divisor),
+        Curve::Srgb(255.0) => interleaved(samples, channels, byte_linear, 1.0),
+        Curve::Srgb(largest) => interleaved(samples, channels, sample_linear(largest), 1.0),
+    }
+}
+
+fn interleaved<T: Sample>(samples: &[T], channels: usize, value: impl Fn(T) -> f32, divisor: f32) -> Vec<f32> {
     match channels {
         1 => samples.iter().map(|s| value(*s) / divisor).collect(),
         2 => samples.chunks_exact(2).map(|s| value(s[0]) / divisor).collect(),
@@ -80,7 +85,14 @@ pub(super) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, c
 
 /// One value for each pixel of three planes of colour, by `curve`.
 pub(super) fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue: &[T], curve: Curve) -> Vec<f32> {
-    let (value, divisor) = (curve.applied::<T>(), curve.divisor());
+    match curve {
+        Curve::Linear(divisor) => of_planes([red, green, blue], T::to_f32, divisor),
+        Curve::Srgb(255.0) => of_planes([red, green, blue], byte_linear, 1.0),
+        Curve::Srgb(largest) => of_planes([red, green, blue], sample_linear(largest), 1.0),
+    }
+}
+
+fn of_planes<T: Sample>([red, green, blue]: [&[T]; 3], value: impl Fn(T) -> f32, divisor: f32) -> Vec<f32> {
     red.iter().zip(green).zip(blue).map(|((r, g), b)| luma(value(*r), value(*g), value(*b)) / divisor).collect()
 }
 
