@@ -67,7 +67,7 @@ fn sample_linear<T: Sample>(largest: f32) -> impl Fn(T) -> f32 {
 /// One value for each pixel of `samples` (interleaved, `channels` of them: grey, grey + alpha, RGB or RGB + alpha), by
 /// `curve`.
 pub(super) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, curve: Curve) -> Vec<f32> {
-    // The curve is chosen here, not for each sample: loops over pixels without a branch are twice as fast.
+    // The curve is chosen here, not for each sample: a loop over pixels without a branch is made of vectors.
     match curve {
         Curve::Linear(divisor) => interleaved(samples, channels, T::to_f32, divisor),
         Curve::Srgb(255.0) => interleaved(samples, channels, byte_linear, 1.0),
