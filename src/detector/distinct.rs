@@ -300,7 +300,7 @@ mod tests {
         };
         let mut one = |_| blob(random(300.0), random(200.0), 1.0 + random(9.0), random(30.0).round());
         let blobs: Vec<Blob> = (0..5 * BLOCK + 7).map(&mut one).collect();
-        let both_stay = |a: usize, b: usize| (a ^ b) % 5 == 0;
+        let both_stay = |a: usize, b: usize| (a ^ b).is_multiple_of(5);
         let expected = by_definition(&blobs, RULE, both_stay);
         assert!(expected.iter().flatten().count() > BLOCK && expected.iter().filter(|by| by.is_none()).count() > BLOCK);
         assert_eq!(covered_by(&blobs, RULE, both_stay), expected);

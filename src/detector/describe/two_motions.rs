@@ -54,20 +54,25 @@ impl<'a> FramesOfOctaves<'a> {
         Self { means: Some(means), ..self }
     }
 
-    /// Makes what is needed of `keypoints`: before many threads ask at once, as none may wait for an octave that another
-    /// one makes while that one waits for the first.
+    /// Makes what is needed of `keypoints` now, on all threads where the means are nobody else's.
     pub(in crate::detector) fn make<'k>(&self, keypoints: impl Iterator<Item = &'k Keypoint>) {
         if let Some(last) = keypoints.map(|keypoint| keypoint.octave).max() {
-            self.of(last);
+            self.made(last, self.means.is_none());
         }
     }
 
     /// Those of `octave`, one of the octaves given.
     pub(in crate::detector) fn of(&self, octave: i32) -> &OctaveFrames<'a> {
+        // Many threads may ask at once. The one that makes them must do so alone: were it to wait for others, it would
+        // take up other work meanwhile, which may ask for the same frames and then wait for itself.
+        self.made(octave, false)
+    }
+
+    fn made(&self, octave: i32, in_parallel: bool) -> &OctaveFrames<'a> {
         let slot = (octave - self.first_octave) as usize;
         let make = || match slot {
-            0 => OctaveFrames::new(self.frames, self.times, octave),
-            _ => self.of(octave - 1).coarser(),
+            0 => OctaveFrames::new(self.frames, self.times, octave, in_parallel),
+            _ => self.made(octave - 1, in_parallel).coarser(in_parallel),
         };
         self.octaves[slot].get_or_init(|| match self.means {
             None => make(),
@@ -128,5 +133,32 @@ impl Motions<'_, '_> {
             self.interpolation,
             chosen,
         )[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayon::prelude::*;
+
+    #[test]
+    fn frames_are_the_same_whoever_makes_them_and_nobody_waits_for_himself() {
+        let frames: Vec<Plane> = (0..9).map(|t| Plane::from_fn(64, 48, |u, v| (u * v + t) as f32)).collect();
+        let frames: Vec<&Plane> = frames.iter().collect();
+        let times = FrameTimes::all(9);
+        let alone = FramesOfOctaves::new(&frames, &times, 0..4);
+        let expected: Vec<Plane> = alone.of(3).planes().into_iter().cloned().collect();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("a pool");
+        for _ in 0..20 {
+            let means: Vec<OnceLock<Vec<Plane>>> = (0..4).map(|_| OnceLock::new()).collect();
+            let are_those = |_| {
+                let kept = FramesOfOctaves::new(&frames, &times, 0..4).with_means(&means);
+                kept.of(3).planes().into_iter().eq(&expected)
+            };
+            assert!(pool.install(|| (0..100).into_par_iter().with_max_len(1).all(are_those)));
+        }
+        let together = FramesOfOctaves::new(&frames, &times, 0..4);
+        pool.install(|| together.made(3, true));
+        assert!(together.of(3).planes().into_iter().eq(&expected));
     }
 }

@@ -28,7 +28,6 @@ impl Search<'_> {
         };
         let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.space)).collect();
         let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
-        // Made here, because a thread that makes an octave's frames may take up another keypoint meanwhile.
         frames.make(keypoints.iter());
         let motions = Motions {
             frames,
@@ -97,7 +96,10 @@ impl Search<'_> {
             let octave = in_octave[0].octave;
             let base = |slope_index: usize| self.base(octave, of_octave(octave), slope_index);
             let finer = |slope_index: usize| self.base(octave - 1, of_octave(octave - 1), slope_index);
-            let own_slopes = self.describes_own_slopes(octave).then(|| frames.of(octave));
+            let own_slopes = self.describes_own_slopes(octave).then(|| {
+                frames.make(in_octave.iter());
+                frames.of(octave)
+            });
             let describing = Describing {
                 base: &base,
                 finer: (octave > octaves.start).then_some(&finer as _),

@@ -169,7 +169,6 @@ impl Trail {
         let blobs: Vec<Blob> =
             around.iter().map(|&other| Blob::of(&self.keypoints[other], &self.inputs.space)).collect();
         let covered = self.with_motions(|motions| {
-            motions.frames.make(around.iter().map(|&other| &self.keypoints[other]));
             let are_two = |a: usize, b: usize| motions.are_two(&self.keypoints[around[a]], &self.keypoints[around[b]]);
             distinct::covered_by(&blobs, distinct::Rule { radius, scale_ratio }, are_two, &Monitor::default())
                 .expect("nobody cancels it")

@@ -28,15 +28,24 @@ pub(in crate::detector) struct OctaveFrames<'a> {
 impl<'a> OctaveFrames<'a> {
     /// Of `frames` of one size, taken at `times`, for `octave`, −1 or more. Octaves 0 and −1 take the frames as they
     /// are.
-    pub(in crate::detector) fn new(frames: &'a [&'a Plane], times: &'a FrameTimes, octave: i32) -> Self {
+    pub(in crate::detector) fn new(
+        frames: &'a [&'a Plane],
+        times: &'a FrameTimes,
+        octave: i32,
+        in_parallel: bool,
+    ) -> Self {
         let finest = Self { octave: octave.min(0), means: Cow::Borrowed(&[]), frames, times };
-        (0..octave).fold(finest, |finer, _| finer.coarser())
+        (0..octave).fold(finest, |finer, _| finer.coarser(in_parallel))
     }
 
-    /// The frames for the next octave, made from these.
-    pub(in crate::detector) fn coarser(&self) -> Self {
+    /// The frames for the next octave, made from these: on all threads, or on the one that asks.
+    pub(in crate::detector) fn coarser(&self, in_parallel: bool) -> Self {
         let octave = self.octave + 1;
-        let means = if octave > 0 { self.planes().into_par_iter().map(halved).collect() } else { Vec::new() };
+        let means = match octave > 0 {
+            true if in_parallel => self.planes().into_par_iter().map(halved).collect(),
+            true => self.planes().into_iter().map(halved).collect(),
+            false => Vec::new(),
+        };
         Self { octave, means: Cow::Owned(means), frames: self.frames, times: self.times }
     }
 
@@ -123,7 +132,7 @@ mod tests {
         let frames: Vec<&Plane> = frames.iter().collect();
         for octave in [-1, 0, 1, 2] {
             let times = FrameTimes::all(frames.len());
-            let of_octave = OctaveFrames::new(&frames, &times, octave);
+            let of_octave = OctaveFrames::new(&frames, &times, octave, octave % 2 == 0);
             let (planes, offsets) = (of_octave.planes(), of_octave.offsets(slope, Interpolation::Linear));
             let base = of_octave.base(&planes, &offsets);
             let pixel = 2f32.powi(octave);
