@@ -22,6 +22,27 @@ fn detect_finds_what_the_detector_finds() {
 }
 
 #[test]
+fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    let strongest = &window.app().model.features()[0];
+    let in_picture = window.app().ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
+    let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 2").rect().center();
+    let elsewhere = egui::pos2(640.0, 790.0);
+    for (pos, wanted) in [(in_picture, true), (elsewhere, false), (in_table, true), (elsewhere, false)] {
+        window.harness.hover_at(pos);
+        window.harness.run_steps(3);
+        assert_eq!(window.app().model.hovered.is_some(), wanted, "{pos}");
+    }
+    // A table that is not seen has no row under the pointer.
+    window.harness.hover_at(in_table);
+    window.harness.run_steps(3);
+    assert_eq!(window.app().model.hovered, Some(1));
+    window.ctrl(Key::J);
+    window.harness.run_steps(3);
+    assert_ne!(window.app().model.hovered, Some(1));
+}
+
+#[test]
 fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let mut window = Start::default().open();
     let features = window.app().model.features().to_vec();

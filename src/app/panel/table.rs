@@ -72,7 +72,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
-    model.hovered = pointed.hovered.or(model.hovered);
+    model.hovered = pointed.hovered;
     if let Some(index) = asked {
         model.probe_feature(index);
     }

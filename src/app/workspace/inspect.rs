@@ -3,6 +3,7 @@
 
 use crate::app::inspector::{Change, inspector_ui};
 use crate::app::panel;
+use crate::app::project::BottomTab;
 use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
 use egui::{CentralPanel, Frame, Panel, ScrollArea};
 
@@ -35,6 +36,14 @@ pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts
     }
     if model.panels.bottom {
         bottom_panel(ui, "bottom", 276.0, |ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue));
+    }
+    // Only the table that is open can have the pointer over a row; where that is over a picture, the picture says.
+    let open_tab = Some(model.bottom_tab).filter(|_| model.panels.bottom);
+    if open_tab != Some(BottomTab::Table) {
+        model.hovered = None;
+    }
+    if open_tab != Some(BottomTab::Compared) {
+        model.against.hovered = None;
     }
     let pictures = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());

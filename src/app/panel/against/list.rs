@@ -154,7 +154,7 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Op
                 }
             });
         });
-    model.against.hovered = hovered.or(model.against.hovered);
+    model.against.hovered = hovered;
     (clicked, probed)
 }
 
