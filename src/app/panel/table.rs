@@ -50,6 +50,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to find features"));
         return;
     }
+    let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
     let text = |column: Column, index: usize| column.text(index, &model.features()[index]);
     let (mut chosen, mut asked) = (None, None);
@@ -72,7 +73,10 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
-    model.hovered = pointed.hovered;
+    // Elsewhere it may be over a picture, which says of what.
+    if is_pointed_at {
+        model.hovered = pointed.hovered;
+    }
     if let Some(index) = asked {
         model.probe_feature(index);
     }

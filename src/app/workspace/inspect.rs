@@ -34,20 +34,20 @@ pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts
             });
         });
     }
+    let mut over_rows = None;
     if model.panels.bottom {
-        bottom_panel(ui, "bottom", 276.0, |ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue));
-    }
-    // Only the table that is open can have the pointer over a row; where that is over a picture, the picture says.
-    let open_tab = Some(model.bottom_tab).filter(|_| model.panels.bottom);
-    if open_tab != Some(BottomTab::Table) {
-        model.hovered = None;
-    }
-    if open_tab != Some(BottomTab::Compared) {
-        model.against.hovered = None;
+        let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue);
+        let is_over = bottom_panel(ui, "bottom", 276.0, show);
+        over_rows = Some(model.bottom_tab).filter(|_| is_over);
     }
     let pictures = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());
         inspector_ui(ui, model, widgets, queue)
     });
+    // What the pointer was over is marked as long as it is there: over a picture, or a row of the table that is open.
+    if pictures.inner.drawn.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
+        model.hovered = model.hovered.filter(|_| over_rows == Some(BottomTab::Table));
+        model.against.hovered = model.against.hovered.filter(|_| over_rows == Some(BottomTab::Compared));
+    }
     pictures.inner.changes
 }

@@ -102,17 +102,17 @@ fn side_frame(ui: &egui::Ui) -> egui::Frame {
 }
 
 /// A panel below the pictures, `height` points high until it is dragged, or less in a small window. It keeps its height
-/// whatever it holds, so that nothing moves under the pointer when features come or another tab is opened.
-fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnOnce(&mut egui::Ui)) {
+/// whatever it holds, so that nothing moves under the pointer when features come or another tab is opened. Answers
+/// whether the pointer is over it.
+fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnOnce(&mut egui::Ui)) -> bool {
     let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4));
     let height = height.min(ui.available_height() - PICTURES_HEIGHT).max(*BOTTOM_HEIGHTS.start());
-    egui::Panel::bottom(id).frame(frame).resizable(true).default_size(height).size_range(BOTTOM_HEIGHTS).show(
-        ui,
-        |ui| {
-            ui.take_available_height();
-            show(ui);
-        },
-    );
+    let panel = egui::Panel::bottom(id).frame(frame).resizable(true).default_size(height).size_range(BOTTOM_HEIGHTS);
+    let shown = panel.show(ui, |ui| {
+        ui.take_available_height();
+        show(ui);
+    });
+    ui.rect_contains_pointer(shown.response.rect)
 }
 
 /// Width of a panel at the side, in points: on a small screen the picture needs the room more than the panels do.

@@ -97,6 +97,7 @@ fn what_to_do(model: &Model) -> &'static str {
 fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Option<usize>) {
     let listed: Vec<usize> = (0..shown.rows.len()).filter(|&row| model.against.shows(shown.rows[row].kind)).collect();
     let (mut clicked, mut hovered, mut probed) = (None, None, None);
+    let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let table = TableBuilder::new(ui)
         .striped(true)
         .sense(Sense::click())
@@ -154,7 +155,10 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Op
                 }
             });
         });
-    model.against.hovered = hovered;
+    // Elsewhere it may be over a picture, which says of what.
+    if is_pointed_at {
+        model.against.hovered = hovered;
+    }
     (clicked, probed)
 }
 
