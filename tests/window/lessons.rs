@@ -123,15 +123,7 @@ fn probe(window: &mut Window, near: Near) {
     // Features that are drawn would be probed in place of the places beside them.
     let [u, v] = near.place;
     let pos = window.app().ui_from_image(pos2(u, v)).expect("drawn");
-    window.harness.hover_at(pos);
-    window.harness.run_steps(1);
-    for pressed in [true, false] {
-        let button = egui::PointerButton::Primary;
-        let event = egui::Event::PointerButton { pos, button, pressed, modifiers: Modifiers::SHIFT };
-        window.harness.event_modifiers(event, Modifiers::SHIFT);
-        window.harness.run_steps(1);
-    }
-    window.harness.run_steps(1);
+    window.shift_click_at(pos);
 }
 
 /// The number fields of a parameter, by their place.

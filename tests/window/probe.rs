@@ -8,7 +8,7 @@ use burstscope::app::settings::Settings;
 use burstscope::detector::{Slope, Test};
 use burstscope::requests::Probed;
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, Pos2, pos2};
+use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 
 fn demo() -> Window {
@@ -24,18 +24,6 @@ pub fn answer(window: &Window) -> &Probed {
 fn shift(window: &mut Window, key: Key) {
     window.harness.key_press_modifiers(Modifiers::SHIFT, key);
     window.harness.run_steps(2);
-}
-
-fn shift_click(window: &mut Window, pos: Pos2) {
-    window.harness.hover_at(pos);
-    window.harness.run_steps(1);
-    for pressed in [true, false] {
-        let button = egui::PointerButton::Primary;
-        let event = egui::Event::PointerButton { pos, button, pressed, modifiers: Modifiers::SHIFT };
-        window.harness.event_modifiers(event, Modifiers::SHIFT);
-        window.harness.run_steps(1);
-    }
-    window.harness.run_steps(1);
 }
 
 /// The middle of an image of the panel.
@@ -81,7 +69,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?} {u} {v}");
     };
     let pos = ui(&window, 300.0, 40.0);
-    shift_click(&mut window, pos);
+    window.shift_click_at(pos);
     window.settle();
     near(&window, 300.0, 40.0);
     assert!(window.shows("Place (300"), "the panel says where");
@@ -114,7 +102,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     let (cursor, used) = (*window.app().model.cursor(), window.app().model.frame_count());
     let later = cursor.frame as f32 - 0.5 * (used as f32 - 1.0);
     let pos = ui(&window, 240.0, 100.0);
-    shift_click(&mut window, pos);
+    window.shift_click_at(pos);
     window.settle();
     near(&window, 240.0 - later * cursor.slope.u, 100.0 - later * cursor.slope.v);
     window.click("Clear probe");
@@ -161,7 +149,7 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     let mut window = demo();
     // The moon, which stands still.
     let pos = window.app().ui_from_image(pos2(92.0, 58.0)).unwrap();
-    shift_click(&mut window, pos);
+    window.shift_click_at(pos);
     window.settle();
     window.run_action("stack and slice");
     window.settle();
@@ -203,7 +191,7 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     let file = folder.path().join("probe.burstscope.toml");
     let mut window = demo();
     let pos = window.app().ui_from_image(pos2(92.0, 58.0)).unwrap();
-    shift_click(&mut window, pos);
+    window.shift_click_at(pos);
     window.run_action("stack and slice");
     window.settle();
     let place = window.app().model.probe.place();

@@ -211,6 +211,19 @@ impl Window {
         self.harness.run_steps(2);
     }
 
+    /// Clicks at a place of the window with Shift held.
+    pub fn shift_click_at(&mut self, pos: egui::Pos2) {
+        self.harness.hover_at(pos);
+        self.harness.run_steps(1);
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::SHIFT);
+            let event = egui::Event::PointerButton { pos, button, pressed, modifiers };
+            self.harness.event_modifiers(event, modifiers);
+            self.harness.run_steps(1);
+        }
+        self.harness.run_steps(1);
+    }
+
     /// Clicks twice at a place of the window. A step here takes longer than a hand's double click, so that one may be
     /// slower.
     pub fn double_click_at(&mut self, pos: egui::Pos2) {

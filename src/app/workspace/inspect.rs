@@ -44,10 +44,11 @@ pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts
         crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());
         inspector_ui(ui, model, widgets, queue)
     });
-    // What the pointer was over is marked as long as it is there: over a picture, or a row of the table that is open.
+    // What the pointer was over is marked as long as it is there: in a picture, or in a row of the table that is open.
     if pictures.inner.drawn.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
         model.hovered = model.hovered.filter(|_| over_rows == Some(BottomTab::Table));
         model.against.hovered = model.against.hovered.filter(|_| over_rows == Some(BottomTab::Compared));
+        model.explained.pointed = None;
     }
     pictures.inner.changes
 }

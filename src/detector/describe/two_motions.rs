@@ -142,7 +142,7 @@ mod tests {
     use rayon::prelude::*;
 
     #[test]
-    fn frames_are_the_same_whoever_makes_them_and_nobody_waits_for_himself() {
+    fn frames_are_the_same_whoever_makes_them() {
         let frames: Vec<Plane> = (0..9).map(|t| Plane::from_fn(64, 48, |u, v| (u * v + t) as f32)).collect();
         let frames: Vec<&Plane> = frames.iter().collect();
         let times = FrameTimes::all(9);

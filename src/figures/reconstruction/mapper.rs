@@ -156,6 +156,8 @@ mod with_database {
             }
             std::thread::sleep(Duration::from_millis(50));
         };
+        // An interruption at the terminal ends both at once.
+        monitor.check()?;
         let mut last = || last_line(&mut said).unwrap_or_default();
         match status.code() {
             Some(0) => Ok(None),
@@ -203,14 +205,32 @@ mod with_database {
         use super::*;
         use std::os::unix::fs::PermissionsExt;
 
-        /// What comes of a mapper that is this shell script.
         fn run(script: &str) -> Result<Option<String>, FiguresError> {
+            run_with(script, &Monitor::default())
+        }
+
+        /// What comes of a mapper that is this shell script.
+        fn run_with(script: &str, monitor: &Monitor) -> Result<Option<String>, FiguresError> {
             let folder = tempfile::tempdir().expect("a temporary folder");
             let program = folder.path().join("colmap");
             std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).expect("writable");
             std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).expect("it is ours");
             let sparse = folder.path().join("sparse");
-            run_mapper(&program, Path::new("a.db"), folder.path(), &sparse, &Monitor::default())
+            run_mapper(&program, Path::new("a.db"), folder.path(), &sparse, monitor)
+        }
+
+        #[test]
+        fn a_mapper_that_an_interruption_has_ended_is_cancelled_and_no_crash() {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let (go, monitor) = (folder.path().join("go"), Monitor::default());
+            let script = format!("while [ ! -e '{}' ]; do sleep 0.01; done; kill -INT $$", go.display());
+            std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    monitor.cancel();
+                    std::fs::write(&go, "").expect("writable");
+                });
+                assert!(matches!(run_with(&script, &monitor), Err(FiguresError::Cancelled(_))));
+            });
         }
 
         #[test]

@@ -39,6 +39,8 @@ pub fn marks_ui(ui: &Ui, model: &mut Model, shown: &Shown, picture: Option<&Pict
     let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));
     if pointer.is_some() {
         model.against.hovered = pointed.map(|mark| rows[mark]);
+        // Features are not pointed at under the marks.
+        model.hovered = None;
     }
     // What is selected or pointed at elsewhere is one of ours.
     let of_ours = |feature: usize| rows.iter().position(|row| shown.rows[*row].feature == Some(feature));
