@@ -6,6 +6,10 @@ mod shared;
 
 #[path = "opening/calibrating.rs"]
 mod calibrating;
+#[path = "opening/crafted.rs"]
+mod crafted;
+#[path = "opening/damaged.rs"]
+mod damaged;
 #[cfg(feature = "raw")]
 #[path = "opening/dng.rs"]
 mod dng;
