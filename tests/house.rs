@@ -1,5 +1,5 @@
-//! The walls of the house: which part of the crate may use which, read from the code itself, and what the pure library
-//! depends on.
+//! The walls of the house: which part of the packages may use which, read from the code itself, and what the library
+//! depends on. That the library knows nothing of the program is kept by Cargo.
 
 #[path = "house/circles.rs"]
 mod circles;
