@@ -3,8 +3,8 @@
 //! A robot at night takes bursts of dark, noisy frames. One frame shows little; but if the frames are shifted by the
 //! right apparent motion (a *slope*, in pixels per frame) and averaged, what moves that way comes out of the noise.
 //! Which motion is right differs from place to place, so the detector tries a whole grid of slopes, filters each mean
-//! image over a range of scales, and keeps what is an extremum jointly over place, scale and slope. This is the method
-//! of Ravendran, Bryson and Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv
+//! image over a range of scales, and keeps what is an extremum over place and scale: at each slope for itself, with one
+//! keypoint for each blob, or, as in the paper, jointly over slope too. This is the method of Ravendran, Bryson and Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv
 //! 2209.09470).
 //!
 //! This is the library: everything that needs no window and no command line, which the package `burstscope` puts on top.
