@@ -5,6 +5,8 @@
 mod circles;
 #[path = "house/dependencies.rs"]
 mod dependencies;
+#[path = "house/documents.rs"]
+mod documents;
 #[path = "house/floors.rs"]
 mod floors;
 #[path = "house/reading.rs"]
