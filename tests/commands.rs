@@ -27,6 +27,8 @@ mod matching;
 mod measuring;
 #[path = "commands/real.rs"]
 mod real;
+#[path = "commands/memory.rs"]
+mod memory;
 #[path = "commands/reconstructing.rs"]
 mod reconstructing;
 #[path = "commands/remaking.rs"]

@@ -3,10 +3,10 @@
 //!
 //! The process is set for a whole program, so these tests are a program of their own.
 
-#[allow(dead_code)]
+#[allow(dead_code)] // other tests use more of them
 #[path = "opening/crafted.rs"]
 mod crafted;
-#[allow(dead_code)] // other tests use more of it
+#[allow(dead_code)]
 #[path = "opening/dng.rs"]
 mod dng;
 

@@ -24,7 +24,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let input = resolve_one(&args.inputs, "probe")?;
     let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
     console.begin(format!("{}: ", input.name));
-    let burst = input.open(&options, &console.monitor)?;
+    let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let (width, height) = burst.size();
     if let Some([u, v]) = args.at {
         // Before the long search, not after it.

@@ -5,6 +5,7 @@
 //! them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
 
 mod calibrate;
+mod declared;
 mod decode;
 mod encoding;
 mod error;
@@ -18,6 +19,7 @@ mod sequence;
 mod source;
 
 pub use decode::{DecodeWorker, serve_decoding};
+pub use declared::Declared;
 pub use encoding::Encoding;
 pub use error::OpenError;
 pub use limits::Limits;

@@ -13,7 +13,7 @@ use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 impl Burst {
     /// Opens a folder of frames, a picture, a multi-page TIFF or a `.npy` stack with the default options.
@@ -133,10 +133,16 @@ fn read<'a>(
     let Some(first) = files.first() else {
         return Err(OpenError::NothingGiven);
     };
-    let header = decode::header(first, options, monitor)?;
+    let (header, decoded) = decode::header(first, options, monitor)?;
     if files.len() == 1 {
         let ticker = ticker(header.frames);
-        let frames = decode::stack(first, options, &ticker)?;
+        let frames = match decoded {
+            Some(frame) => {
+                ticker.tick();
+                vec![frame]
+            }
+            None => decode::stack(first, options, &ticker)?,
+        };
         let name = file_name(first);
         let frame_names = match frames.len() {
             1 => vec![name],
@@ -151,9 +157,11 @@ fn read<'a>(
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
     let ticker = ticker(files.len());
     let expected = Expected { first, size };
+    let decoded = Mutex::new(decoded);
     let frames = in_order(files.len(), |i| {
         ticker.check()?;
-        let frame = decode::frame(&files[i], Some(expected), options, monitor)?;
+        let ready = if i == 0 { decoded.lock().unwrap_or_else(PoisonError::into_inner).take() } else { None };
+        let frame = ready.map_or_else(|| decode::frame(&files[i], Some(expected), options, monitor), Ok)?;
         ticker.tick();
         Ok(frame)
     })?;

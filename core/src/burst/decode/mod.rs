@@ -151,22 +151,28 @@ pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
     })
 }
 
-/// What the file declares, checked against the limits. Of a raw file, which says little before it is decoded, the frame
-/// is decoded.
-pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header, OpenError> {
+/// What the file declares, checked against the limits. A raw file says little before it is decoded: of it the frame is
+/// answered too.
+pub(super) fn header(
+    path: &Path,
+    options: &OpenOptions,
+    monitor: &Monitor,
+) -> Result<(Header, Option<RawFrame>), OpenError> {
     let limits = &options.limits;
     let input = InputFile::open(path, usize::MAX)?;
     guarded(path, input.kind, || match input.kind {
         Kind::Raw => {
-            let (width, height) = raw_frame(path, &input, None, options, monitor)?.plane.size();
-            Ok(Header { width, height, frames: 1 })
+            let misnamed = input.misnamed;
+            let frame = RawFrame { misnamed, ..raw_frame(path, &input, None, options, monitor)? };
+            let (width, height) = frame.plane.size();
+            Ok((Header { width, height, frames: 1 }, Some(frame)))
         }
         Kind::Npy => {
             let header = npy_header::read(path, input.file, limits)?;
-            Ok(Header { width: header.width, height: header.height, frames: header.frames })
+            Ok((Header { width: header.width, height: header.height, frames: header.frames }, None))
         }
-        Kind::Tiff => tiff::header(path, input, limits),
-        Kind::Picture(format) => image::header(path, input.file, format, limits),
+        Kind::Tiff => Ok((tiff::header(path, input, limits)?, None)),
+        Kind::Picture(format) => Ok((image::header(path, input.file, format, limits)?, None)),
     })
 }
 

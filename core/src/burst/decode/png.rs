@@ -54,6 +54,8 @@ impl<R: BufRead + Seek> ImageDecoder for PngPicture<R> {
 
     fn read_image(mut self, buffer: &mut [u8]) -> ImageResult<()> {
         self.reader.next_frame(buffer).map_err(failure)?;
+        // All pixels are there; so must be the end of the file.
+        self.reader.finish().map_err(failure)?;
         if self.color.bytes_per_pixel() == 2 * self.color.channel_count() {
             for bytes in buffer.as_chunks_mut::<2>().0 {
                 *bytes = u16::from_be_bytes(*bytes).to_ne_bytes();

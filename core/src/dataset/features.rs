@@ -4,7 +4,7 @@ use super::lock::FolderLock;
 use super::manifest::{Checksum, DETECTOR_KEY, FileStamp, Manifest, Record};
 use super::picture::{ImageKind, write_picture};
 use super::{CameraChoice, DatasetError};
-use crate::baseline::{Searched, search};
+use crate::baseline::{Searched, check_memory, search};
 use crate::burst::{Burst, BurstSource, OpenOptions, RawColour};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
@@ -267,6 +267,7 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<(BurstFeatures, Burst), DatasetError> {
         let started = Instant::now();
+        check_memory(&source.paths, &self.job.open, &self.job.detector)?;
         let burst = self.burst(source, monitor)?;
         camera.for_images(burst.size())?;
         let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
