@@ -1,11 +1,11 @@
 //! A run that is killed at any moment goes on where it was, and never takes features of other parameters for its own.
 
 use super::support::{names, program, run, run_badly, run_well, stderr};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::time::{Duration, SystemTime};
 
 /// Twenty small bursts, one film.
 fn film(home: &Path) {
@@ -55,43 +55,67 @@ fn same(folder: &Path, expected: &BTreeMap<String, Vec<u8>>, what: &str) {
     }
 }
 
+/// The files in `folder` and its parts, with the times at which they were written last.
+fn written(folder: &Path) -> BTreeSet<(String, SystemTime)> {
+    let mut written = BTreeSet::new();
+    for part in ["", "images", "features", "records"] {
+        // A file may go away between the two looks at it.
+        for entry in fs::read_dir(folder.join(part)).into_iter().flatten().flatten() {
+            if let Some(at) = entry.metadata().ok().filter(|data| data.is_file()).and_then(|data| data.modified().ok())
+            {
+                written.insert((format!("{part}/{}", entry.file_name().to_string_lossy()), at));
+            }
+        }
+    }
+    written
+}
+
+/// Starts a run into `out`, and kills it once it has written `count` files, and `later` after that. Returns whether it
+/// was killed before it ended.
+fn kill_after(home: &Path, line: &[&str], out: &Path, count: usize, later: Duration) -> bool {
+    let before = written(out);
+    let mut running = program(home, line);
+    let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+    while written(out).difference(&before).count() < count && running.try_wait().expect("a state").is_none() {
+        std::thread::sleep(Duration::from_micros(500));
+    }
+    std::thread::sleep(later);
+    let ended = running.try_wait().expect("a state").is_some();
+    running.kill().expect("it is ours");
+    running.wait().expect("it ends");
+    !ended
+}
+
 #[test]
 fn killed_at_any_moment_it_goes_on_to_the_same_end() {
     let home = tempfile::tempdir().expect("a folder");
     film(home.path());
-    let started = Instant::now();
     run_well(home.path(), &arguments("whole", "12"));
-    let whole = started.elapsed();
-    let expected = made(&home.path().join("whole"));
+    let whole = home.path().join("whole");
+    let expected = made(&whole);
     assert!(expected["keypoints"].len() > 1000 && expected.len() == 46, "twenty bursts with features");
-    // A generator of moments; any would do.
-    let mut state = 0x2545_F491u32;
-    let mut moment = || {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        whole.mul_f64(f64::from(state) / f64::from(u32::MAX))
-    };
-    for round in 0..10 {
+    let files = written(&whole).len();
+    // From before the first file to the last ones, which are written when all bursts are done.
+    let mut killed = 0;
+    for round in 0..4 {
         let out = format!("killed {round}");
-        for kill in 0..5 {
+        let folder = home.path().join(&out);
+        for kill in 0..3 {
             // Every other run looks for other features.
             let line = arguments(&out, if kill % 2 == 0 { "12" } else { "3" });
-            let mut running = program(home.path(), &line);
-            let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
-            std::thread::sleep(moment());
-            running.kill().expect("it is ours");
-            running.wait().expect("it ends");
+            let moment = 3 * round + kill;
+            let later = Duration::from_millis(moment as u64 % 4);
+            killed += usize::from(kill_after(home.path(), &line, &folder, moment * files / 11, later));
         }
         let output = run(home.path(), &arguments(&out, "12"));
         assert_eq!(output.status.code(), Some(0), "round {round}: {}", stderr(&output));
-        let folder = home.path().join(&out);
         same(&folder, &expected, &format!("round {round}"));
         for part in ["", "images", "features", "records"] {
             let left: Vec<_> = names(&folder.join(part)).into_iter().filter(|name| name.ends_with(".tmp")).collect();
             assert!(left.is_empty(), "round {round}: {part} holds {left:?}");
         }
     }
+    assert!(killed >= 8, "{killed} of 12 runs were killed before they ended");
 }
 
 #[test]

@@ -99,7 +99,7 @@ fn where_nothing_can_be_kept_that_is_said() {
 #[test]
 fn the_offer_looks_like_this() {
     let home = tempfile::tempdir().unwrap();
-    for (name, minutes) in [("lanterns", 5), ("harbour", 90)] {
+    for (name, minutes) in [("lanterns", 90), ("harbour", 150)] {
         let record = Record::new(home.path()).unwrap();
         record.write(&format!("version = 3\nburst = {{ paths = [\"/data/{name}\"] }}\n")).unwrap();
         let then = SystemTime::now() - Duration::from_secs(60 * minutes + 20);
@@ -117,7 +117,7 @@ fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
     // Never by itself in this test.
     start.startup.kept.as_mut().unwrap().every = Duration::from_secs(3600);
     let mut device = None;
-    let builder = crate::common::builder(start.size).wgpu_setup(crate::common::wgpu_setup());
+    let builder = crate::harness::builder(start.size).wgpu_setup(crate::harness::wgpu_setup());
     let harness = builder.build_eframe(|cc| {
         device = cc.wgpu_render_state.as_ref().map(|state| state.device.clone());
         BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), start.startup)

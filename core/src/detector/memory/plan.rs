@@ -139,7 +139,7 @@ mod tests {
         let of_slope = bytes_of_slope(&plane(), (1600, 1200));
         let beside = bytes_beside_slopes(rayon::current_num_threads(), 10, (1600, 1200));
         let budget = 2_000_000_000;
-        let Plan { search, describe } = plan(&plane(), Some(budget)).expect("in groups");
+        let Plan { search, describe, .. } = plan(&plane(), Some(budget)).expect("in groups");
         assert!(search.len() > 2 && describe.len() >= search.len());
         for group in search.iter().chain(&describe) {
             assert!(beside + of_slope * group.visited.len() as u64 <= budget, "{group:?}");
