@@ -4,6 +4,8 @@
 //! before it fills the memory or is waited for. A file's name need not be text; where text is wanted (JSON, a manifest)
 //! its other bytes are written as `\xNN`, so that nothing fails over a name and two names stay two.
 
+pub mod lock;
+
 use serde::Serializer;
 use std::fmt::Write;
 use std::fs::File;
@@ -49,7 +51,7 @@ pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
 /// The program's version.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// How the line begins that says who wrote a file.
-const WRITTEN_BY: &str = "# Written by Burstscope ";
+pub const WRITTEN_BY: &str = "# Written by Burstscope ";
 
 /// The first line of a parameter or session file: which version of the program wrote it.
 pub fn written_by() -> String {

@@ -20,6 +20,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let input = resolve_one(&args.inputs, "merge")?;
     let options = open_options(std::slice::from_ref(&input), &args.calibration)?;
+    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[]);
+    rules.check(&args.out)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
     let used = params.used_frames(burst.len());
@@ -28,6 +30,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     let noise_of_merge = frame_noise(&merged, 0..1, &console.monitor)?;
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
+    rules.check(&args.out)?;
     write_tiff(&args.out, &merged.frames[0])?;
     let (width, height) = merged.size();
     let frames = used.len();
