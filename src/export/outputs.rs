@@ -106,6 +106,14 @@ impl OutputRules {
         Self { inputs, overwrite }
     }
 
+    /// The same for a run that has opened these files too.
+    pub fn and_opened(mut self, files: impl IntoIterator<Item = PathBuf>) -> Self {
+        let Inputs { places, targets } = Inputs::of(files);
+        self.inputs.places.extend(places);
+        self.inputs.targets.extend(targets);
+        self
+    }
+
     /// Whether the file `path` may be written. An empty file counts as none.
     ///
     /// # Errors
