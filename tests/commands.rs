@@ -25,6 +25,9 @@ mod making;
 mod matching;
 #[path = "commands/measuring.rs"]
 mod measuring;
+#[cfg(unix)]
+#[path = "commands/overwriting.rs"]
+mod overwriting;
 #[path = "commands/real.rs"]
 mod real;
 #[path = "commands/reconstructing.rs"]

@@ -5,7 +5,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use super::stack::check_tiff;
-use crate::baseline::prepare;
+use crate::baseline::merge_burst;
 use crate::detector::noise::estimate::frame_noise;
 use crate::detector::{DetectorParams, Method};
 use crate::export::write_tiff;
@@ -24,8 +24,10 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     rules.check(&args.out)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
+    // Of the parameters of a search only the frames matter here: an image of any size is merged.
+    params.validate_frames(burst.len())?;
     let used = params.used_frames(burst.len());
-    let (merged, _) = prepare(&burst, &params, &console.monitor)?;
+    let merged = merge_burst(&burst, used.clone(), &console.monitor)?;
     let noise_of_frame = frame_noise(&burst, used.clone(), &console.monitor)?;
     let noise_of_merge = frame_noise(&merged, 0..1, &console.monitor)?;
     console.monitor.check()?;

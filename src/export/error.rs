@@ -1,6 +1,7 @@
 //! Why a file could not be written or read back.
 
 use crate::files::lock::LockError;
+use crate::files::write_problem;
 use std::path::{Path, PathBuf};
 
 /// Why there is no new file. A file that stood there before is untouched.
@@ -77,12 +78,6 @@ pub enum ExportError {
 impl ExportError {
     /// A failed write to `path`.
     pub(crate) fn write(path: &Path, error: &std::io::Error) -> Self {
-        let reason = match error.kind() {
-            std::io::ErrorKind::FileTooLarge => {
-                format!("it becomes larger than this system or the limit of this process (ulimit -f) allows ({error})")
-            }
-            _ => error.to_string(),
-        };
-        Self::Write { path: path.into(), reason }
+        Self::Write { path: path.into(), reason: write_problem(error) }
     }
 }

@@ -3,7 +3,7 @@
 use super::atomic::write_whole;
 use super::error::ExportError;
 use super::mark::SOFTWARE;
-use png::{BitDepth, ColorType, Compression, Filter};
+use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -58,15 +58,19 @@ impl<'a> Picture<'a> {
 
     /// Encodes the picture, and who wrote it; its size has been checked.
     pub(super) fn encode_png(&self, out: impl Write) -> io::Result<()> {
+        let failed = |error: EncodingError| match error {
+            EncodingError::IoError(error) => error,
+            other => io::Error::other(other),
+        };
         let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);
         encoder.set_color(if self.has_alpha { ColorType::Rgba } else { ColorType::Rgb });
         encoder.set_depth(BitDepth::Eight);
         encoder.set_compression(Compression::Fast);
         encoder.set_filter(Filter::Adaptive);
-        encoder.add_text_chunk("Software".to_owned(), SOFTWARE.to_owned())?;
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(self.pixels)?;
-        Ok(writer.finish()?)
+        encoder.add_text_chunk("Software".to_owned(), SOFTWARE.to_owned()).map_err(failed)?;
+        let mut writer = encoder.write_header().map_err(failed)?;
+        writer.write_image_data(self.pixels).map_err(failed)?;
+        writer.finish().map_err(failed)
     }
 }
 

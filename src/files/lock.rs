@@ -9,7 +9,7 @@
 //! the same name. Elsewhere that cannot be told, and the hidden file stays. A folder that holds nothing else counts as
 //! empty, see [`is_left_over`].
 
-use super::path_text;
+use super::{path_text, write_problem};
 use std::ffi::OsStr;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
@@ -117,7 +117,7 @@ impl FolderLock {
     }
 
     fn at(folder: &Path, place: &Path, path: PathBuf) -> Result<Self, LockError> {
-        let failed = |error: io::Error| LockError::Write { path: path.clone(), reason: error.to_string() };
+        let failed = |error: io::Error| LockError::Write { path: path.clone(), reason: write_problem(&error) };
         // From here on what was made is removed again, also should the lock not be had.
         let mut lock = Self { folder: folder.into(), path: path.clone(), file: None, made: Vec::new() };
         for _ in 0..TRIES {

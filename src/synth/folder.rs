@@ -6,6 +6,7 @@
 //! processes from making the same folder.
 
 use crate::files::lock::{FolderLock, LockError, is_free};
+use crate::files::write_problem;
 use crate::monitor::Cancelled;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -18,7 +19,7 @@ pub enum WriteBurstError {
     #[error("the folder holds files that are not a synthetic burst; name a new or an empty folder: {}", .0.display())]
     Occupied(PathBuf),
     /// Writing failed.
-    #[error("cannot write: {source}: {}", .path.display())]
+    #[error("cannot write: {}: {}", write_problem(.source), .path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
