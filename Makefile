@@ -19,7 +19,7 @@ run: packages
 	$(CARGO) run --release
 
 test: packages
-	$(CARGO) test
+	$(CARGO) test --workspace
 
 packages:
 	@if ! command -v apt-get >/dev/null 2>&1 || ! command -v dpkg-query >/dev/null 2>&1; then \

@@ -1,63 +1,27 @@
-//! Burstscope finds and shows *burst features*.
+//! The program: the window and the commands on top of the library [`burstscope_core`], which finds and shows *burst
+//! features*. The library's modules and its most used items are handed on, so that `burstscope::detector` is
+//! `burstscope_core::detector`, whose conventions hold here.
 //!
-//! A robot at night takes bursts of dark, noisy frames. One frame shows little; but if the frames are shifted by the
-//! right apparent motion (a *slope*, in pixels per frame) and averaged, what moves that way comes out of the noise.
-//! Which motion is right differs from place to place, so the detector tries a whole grid of slopes, filters each mean
-//! image over a range of scales, and keeps what is an extremum jointly over place, scale and slope. This is the method
-//! of Ravendran, Bryson and Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv
-//! 2209.09470).
-//!
-//! The crate is a library (everything that needs no window) with the window and the command line on top. A room may use
-//! the rooms below it, never those above:
+//! A room may use the rooms below it, never those above:
 //!
 //! ```text
 //! app, cli            the window; the commands
 //! teach               lessons and the glossary, as data
 //! engine              background workers: latest request wins, cancel, progress
 //! requests            what can be asked for in the background, and what is answered
-//! inspect             why: the fate of a place, which slopes a burst needs, what a change did
-//! figures             every figure and table of the paper, remade
-//! evaluate            how good the detector is, measured against known truth
-//! dataset             many bursts along a way, and on to COLMAP
-//! baseline, matching  what it is compared with; descriptors to matches
-//! export              one file a format
-//! detector, synth     the method; bursts with known truth
-//! burst               opening, decoding and calibrating frames
-//! plane, files         one float image; small text files and names of files
-//! monitor              progress and cancellation
+//! burstscope_core     the method, its measurements and its files
 //! ```
-//!
-//! # Conventions
-//! `u` is the column, to the right; `v` the row, down; the centre of the first pixel is (0, 0). Slopes are pixels of
-//! the input image per frame; a point at `x` at the reference time `t0 = (N − 1)/2` is at `x + (t − t0)·λ` in frame
-//! `t`. Frames hold `f32` in [0, 1] of the file's full scale, and thresholds are in that unit. Scale `sigma` is in
-//! input pixels. `D = G(next level) − G(this level)`: a bright blob is a negative extremum. Orientations are radians
-//! from +u towards +v.
 
 #[cfg(feature = "app")]
 pub mod app;
-pub mod baseline;
-pub mod burst;
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod dataset;
-pub mod detector;
 pub mod engine;
-pub mod evaluate;
-pub mod export;
-pub mod figures;
-pub mod files;
-pub mod inspect;
-pub mod kernel;
-pub mod matching;
-pub mod monitor;
-pub mod plane;
 pub mod requests;
-pub mod synth;
 pub mod teach;
 
-pub use baseline::detect;
-pub use burst::Burst;
-pub use detector::{Detection, DetectorParams, Feature, SlopeGrid};
-pub use monitor::{Cancelled, Monitor};
-pub use plane::Plane;
+pub use burstscope_core::{Burst, Cancelled, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
+pub use burstscope_core::{
+    baseline, burst, dataset, detector, evaluate, export, figures, files, inspect, kernel, matching, monitor, plane,
+    synth,
+};

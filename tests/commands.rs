@@ -25,6 +25,8 @@ mod making;
 mod matching;
 #[path = "commands/measuring.rs"]
 mod measuring;
+#[path = "commands/memory.rs"]
+mod memory;
 #[cfg(unix)]
 #[path = "commands/overwriting.rs"]
 mod overwriting;

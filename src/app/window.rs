@@ -1,5 +1,5 @@
-//! The window: what it holds, and what it does in each pass. What goes to the engine and comes from it is in
-//! `burst_work` and its neighbours.
+//! The window: its state, and the steps of each pass. Requests to the engine and its answers are in
+//! [`jobs`](crate::app::jobs).
 
 mod reading;
 

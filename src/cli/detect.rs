@@ -116,7 +116,7 @@ pub(super) fn detect_burst(
 ) -> Result<(BurstReport, Burst, Detection), Failure> {
     let (name, paths) = (input.name.clone(), input.path_texts());
     let start = Instant::now();
-    let burst = input.open(options, &console.monitor)?;
+    let burst = input.open_to_search(options, job.params, &console.monitor)?;
     job.camera.for_images(burst.size())?;
     let open_secs = start.elapsed().as_secs_f32();
     let Searched { detection, params, finding, slopes_secs } = search(&burst, job.params, &console.monitor)?;

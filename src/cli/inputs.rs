@@ -6,10 +6,12 @@
 use super::args::SequenceArgs;
 use super::calibration_args::CalibrationArgs;
 use super::failure::Failure;
+use crate::baseline::check_memory;
 use crate::burst::{
     Burst, BurstSource, Entries, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries,
     name_among_several,
 };
+use crate::detector::SearchParams;
 use crate::export::make_file_names_unique;
 use crate::files::path_text;
 use crate::monitor::Monitor;
@@ -75,6 +77,23 @@ impl Input {
             Place::Paths(paths) => Burst::open_with(paths, options, monitor),
             Place::Broken(error) => Err(error.clone()),
         }
+    }
+
+    /// Opens the burst to search it with `params`. A search for which there is not enough memory is refused before a
+    /// pixel is read.
+    ///
+    /// # Errors
+    /// As [`Input::open`]; how much memory the search needs.
+    pub fn open_to_search(
+        &self,
+        options: &OpenOptions,
+        params: &SearchParams,
+        monitor: &Monitor,
+    ) -> Result<Burst, Failure> {
+        if let Place::Paths(paths) = &self.place {
+            check_memory(paths, options, params)?;
+        }
+        Ok(self.open(options, monitor)?)
     }
 
     /// The paths it is read from; none for the demo.

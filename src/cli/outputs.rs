@@ -10,7 +10,12 @@ use std::path::{Path, PathBuf};
 impl OverwriteArgs {
     /// The rules of a command that opens `inputs` with this calibration, and reads these `settings` (a parameter file, a
     /// session).
-    pub(super) fn rules(&self, inputs: &[Input], calibration: &OpenOptions, settings: &[Option<&PathBuf>]) -> OutputRules {
+    pub(super) fn rules(
+        &self,
+        inputs: &[Input],
+        calibration: &OpenOptions,
+        settings: &[Option<&PathBuf>],
+    ) -> OutputRules {
         let overwrite = if self.force { Overwrite::Force } else { Overwrite::Refuse };
         OutputRules::new(opened(inputs, calibration, settings), overwrite)
     }
@@ -27,7 +32,8 @@ pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Op
         Place::Paths(paths) => of_burst(paths.clone()),
         Place::Demo { .. } | Place::Example(_) | Place::Broken(_) => Vec::new(),
     });
-    let frames = [&calibration.bias, &calibration.flat].into_iter().flatten().flat_map(|path| of_burst(vec![path.clone()]));
+    let frames =
+        [&calibration.bias, &calibration.flat].into_iter().flatten().flat_map(|path| of_burst(vec![path.clone()]));
     let settings = settings.iter().flatten().map(|path| (*path).clone());
     Inputs::of(bursts.chain(frames).chain(settings))
 }

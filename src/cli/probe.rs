@@ -27,7 +27,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
     outputs::check(&rules, args.plot.as_deref())?;
     console.begin(format!("{}: ", input.name));
-    let burst = input.open(&options, &console.monitor)?;
+    let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let (width, height) = burst.size();
     if let Some([u, v]) = args.at {
         // Before the long search, not after it.

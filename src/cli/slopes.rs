@@ -28,7 +28,7 @@ pub(super) fn run(args: &SlopesArgs) -> Result<(), Failure> {
     let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
     outputs::check(&rules, args.plot.as_deref())?;
     console.begin(format!("{}: ", input.name));
-    let burst = input.open(&options, &console.monitor)?;
+    let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, SEARCH_SHARE))?;
     let answer = spectrum(&cache, &console.monitor.part(SEARCH_SHARE, 1.0 - SEARCH_SHARE))?;
     console.monitor.check()?;

@@ -139,7 +139,8 @@ fn where_a_closed_terminal_is_to_be_ignored_it_is() {
     let home = tempfile::tempdir().expect("a folder");
     run_well(home.path(), &["synth", "chart", "--out", "a", "--frames", "8", "--quiet"]);
     let program = env!("CARGO_BIN_EXE_burstscope");
-    let script = format!("trap '' HUP; exec '{program}' detect a --slopes-u -3:3:21 --slopes-v -3:3:9 --threads 1 --out out");
+    let script =
+        format!("trap '' HUP; exec '{program}' detect a --slopes-u -3:3:21 --slopes-v -3:3:9 --threads 1 --out out");
     let mut child = Command::new("sh");
     child.current_dir(home.path()).args(["-c", &script]).stdout(Stdio::null()).stderr(Stdio::null());
     let mut child = child.spawn().expect("the program starts");

@@ -272,14 +272,18 @@ fn what_several_runs_have_found_is_gathered() {
     assert_eq!(text.matches("from an earlier run").count(), 3, "{text}");
     same(&home.path().join("all"), &made(&home.path().join("whole")), "gathered");
     // What is not taken is named with the reason, where nobody overlooks it and in the JSON.
-    let line = |more: &[&str]| [&["colmap", "nights"][..], &search, more].concat();
-    let output = run(home.path(), &line(&["--out", "again", "--gather", "one", "--gather", "two"]));
-    assert!(stderr(&output).contains("note: --gather two: d not taken: its file of features is missing or was altered"));
-    let other = line(&["--out", "other", "--gather", "one", "--gather", "film", "--edge-threshold", "5", "--json"]);
+    let gather = |more: &[&str]| run(home.path(), &[&["colmap", "nights"][..], &search, more].concat());
+    let output = gather(&["--out", "again", "--gather", "one", "--gather", "two"]);
+    assert!(
+        stderr(&output).contains("note: --gather two: d not taken: its file of features is missing or was altered")
+    );
     fs::create_dir(home.path().join("film")).expect("made");
-    let output = run(home.path(), &other);
+    let output = gather(&["--out", "other", "--gather", "one", "--gather", "film", "--edge-threshold", "5", "--json"]);
     let words = stderr(&output);
-    assert!(words.contains("--gather one: a, b not taken") && words.contains("other options (edge-threshold)"), "{words}");
+    assert!(
+        words.contains("--gather one: a, b not taken") && words.contains("other options (edge-threshold)"),
+        "{words}"
+    );
     assert!(words.contains("--gather film: it holds none of these bursts"), "{words}");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(json["gathered"]["brought"], serde_json::json!([]));

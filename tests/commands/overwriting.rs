@@ -139,7 +139,8 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
     let at = |name: &str| home.path().join(name);
     let render = [&["render", "a", "--out", "x.png"][..], &SMALL].concat();
     let small = ["--seeds", "1", "--snr", "2", "--methods", "sift-frame", "--width", "96", "--height", "72"];
-    let chart_plot = [&["evaluate", "chart", "--plot", "c.svg", "--discs", "3", "--radius", "3:6"][..], &small].concat();
+    let chart_plot =
+        [&["evaluate", "chart", "--plot", "c.svg", "--discs", "3", "--radius", "3:6"][..], &small].concat();
     let commands = [
         (&["stack", "a", "--slope", "0,0", "--out", "x.tiff"][..], "x.tiff"),
         (&["stack", "a", "--slope", "0,0", "--octave", "0", "--level", "1", "--out", "y.tif"], "y.tif"),
@@ -233,7 +234,9 @@ fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
         chart(home.path(), &format!("nights/{name}"));
     }
     let at = |name: &str| home.path().join(name);
-    let colmap = |inputs: &[&str]| [&["colmap"], inputs, &["--out", "rec"], &SEARCH].concat().iter().map(|s| s.to_string()).collect::<Vec<_>>();
+    let colmap = |inputs: &[&str]| {
+        [&["colmap"], inputs, &["--out", "rec"], &SEARCH].concat().iter().map(|s| s.to_string()).collect::<Vec<_>>()
+    };
     let run_colmap = |inputs: &[&str], code| {
         let arguments = colmap(inputs);
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -251,7 +254,9 @@ fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
     std::os::unix::fs::symlink(at("precious.db"), at("rec/database.db")).expect("linked");
     assert!(run_colmap(&["nights"], 1).contains("links are not followed"));
     assert_eq!(fs::read_to_string(at("precious.db")).expect("there"), "precious");
-    for command in [&["colmap", "nights", "--out", "nights"][..], &["figures", "--out", "nights"], &["figures", "--out", "rec"]] {
+    for command in
+        [&["colmap", "nights", "--out", "nights"][..], &["figures", "--out", "nights"], &["figures", "--out", "rec"]]
+    {
         let words = run_badly(home.path(), command, 1);
         assert!(words.contains("this folder holds files"), "{words}");
     }
@@ -291,7 +296,9 @@ fn two_processes_do_not_write_into_one_folder() {
     chart(home.path(), "a");
     assert_eq!(names(home.path()), ["a", "b", "c", "out"]);
     // What killed runs leave makes no folder one of somebody's own.
-    for command in [&["figures", "--out", "left", "--only", "fig9", "--quick"][..], &["synth", "chart", "--out", "left2"]] {
+    for command in
+        [&["figures", "--out", "left", "--only", "fig9", "--quick"][..], &["synth", "chart", "--out", "left2"]]
+    {
         let left = home.path().join(command[command.iter().position(|word| *word == "--out").expect("there") + 1]);
         fs::create_dir(&left).expect("made");
         fs::write(left.join(".burstscope-lock"), "process 4711\n").expect("written");
@@ -354,7 +361,10 @@ fn a_folder_that_is_removed_while_it_is_written_is_an_error() {
         let mut running = running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
         let end = Instant::now() + Duration::from_secs(300);
         while !out.join(first).exists() {
-            assert!(Instant::now() < end && running.try_wait().expect("a state").is_none(), "{command:?} came to no file");
+            assert!(
+                Instant::now() < end && running.try_wait().expect("a state").is_none(),
+                "{command:?} came to no file"
+            );
             std::thread::sleep(Duration::from_millis(5));
         }
         fs::remove_dir_all(&out).expect("removed");

@@ -5,36 +5,68 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
+/// The libraries in the tree of `package` with `features` alone.
+fn tree(package: &str, features: &[&str]) -> BTreeSet<String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .args(["tree", "--locked", "--offline", "-e", "normal", "--prefix", "none", "--format", "{lib}"])
+        .args(["--package", package, "--no-default-features", "--features", &features.join(",")])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text").lines().map(str::to_owned).collect()
+}
+
 #[test]
-fn the_pure_library_holds_no_window_no_command_line_and_no_database() {
-    let tree = |features: &[&str]| -> BTreeSet<String> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let output = Command::new(cargo)
-            .args(["tree", "--locked", "--offline", "-e", "normal", "--prefix", "none", "--format", "{lib}"])
-            .args(["--no-default-features", "--features", &features.join(",")])
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .output()
-            .expect("cargo runs");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).expect("text").lines().map(str::to_owned).collect()
-    };
-    let window = ["egui", "eframe", "egui_wgpu", "wgpu", "winit", "rfd", "pollster"];
-    let commands = ["clap", "indicatif", "ctrlc", "anyhow"];
+fn the_library_holds_no_window_and_no_command_line() {
+    let window = [
+        "accesskit",
+        "accesskit_winit",
+        "arboard",
+        "ash",
+        "eframe",
+        "egui",
+        "egui_extras",
+        "egui_plot",
+        "egui_tiles",
+        "egui_wgpu",
+        "epaint",
+        "glow",
+        "naga",
+        "pollster",
+        "rfd",
+        "smithay_client_toolkit",
+        "wayland_client",
+        "wgpu",
+        "wgpu_core",
+        "wgpu_hal",
+        "winit",
+        "x11rb",
+        "zbus",
+    ];
+    let commands = ["anyhow", "clap", "clap_builder", "clap_complete", "ctrlc", "indicatif"];
     let database = ["rusqlite", "libsqlite3_sys"];
     let has = |tree: &BTreeSet<String>, names: &[&str]| names.iter().any(|name| tree.contains(*name));
-    let pure = tree(&[]);
-    assert!(pure.contains("burstscope") && pure.contains("rayon"), "{pure:?}");
-    assert!(!has(&pure, &window) && !has(&pure, &commands) && !has(&pure, &database), "{pure:?}");
-    let colmap = tree(&["colmap"]);
-    assert!(has(&colmap, &database) && !has(&colmap, &window) && !has(&colmap, &commands));
-    let cli = tree(&["cli"]);
-    assert!(has(&cli, &commands) && !has(&cli, &window) && !has(&cli, &database));
-    assert!(!pure.contains("rawler"), "the pure library is under MIT or Apache-2.0 alone");
-    let raw = tree(&["raw"]);
-    assert!(raw.contains("rawler") && !has(&raw, &window) && !has(&raw, &commands) && !has(&raw, &database));
-    let all = tree(&["app", "cli", "colmap", "raw"]);
-    assert!(has(&all, &window) && has(&all, &commands) && has(&all, &database));
-    println!("packages in the tree: {} pure, {} with everything", pure.len(), all.len());
+
+    let core = tree("burstscope-core", &["colmap", "raw"]);
+    assert!(core.contains("burstscope_core") && core.contains("rayon"), "{core:?}");
+    assert!(has(&core, &database) && core.contains("rawler"), "{core:?}");
+    assert!(!has(&core, &window) && !has(&core, &commands), "{core:?}");
+    let pure = tree("burstscope-core", &[]);
+    assert!(!pure.contains("rawler"), "the library without features is under MIT or Apache-2.0 alone");
+    assert!(!has(&pure, &database), "{pure:?}");
+
+    // The program hands its features on.
+    let none = tree("burstscope", &[]);
+    assert!(!has(&none, &window) && !has(&none, &commands) && !has(&none, &database) && !none.contains("rawler"));
+    let cli = tree("burstscope", &["cli"]);
+    assert!(has(&cli, &commands) && !has(&cli, &window) && !has(&cli, &database) && !cli.contains("rawler"));
+    let all = tree("burstscope", &["app", "cli", "colmap", "raw"]);
+    for name in commands.iter().chain(&database).chain(&["rawler", "egui", "eframe", "wgpu", "winit", "rfd"]) {
+        assert!(all.contains(*name), "{name} is not in the program's tree, so that it proves nothing elsewhere");
+    }
+    println!("libraries in the tree: {} pure, {} in the library, {} in the program", pure.len(), core.len(), all.len());
 }
 
 fn manifest(name: &str) -> toml::Table {
@@ -50,13 +82,21 @@ fn every_dependency_is_used() {
         folders.iter().for_each(|folder| sources(&root.join(folder), &mut files));
         files.iter().map(|path| std::fs::read_to_string(path).expect("text")).collect::<String>()
     };
-    let manifest = manifest("Cargo.toml");
-    for (table, folders) in [("dependencies", &["src"][..]), ("dev-dependencies", &["src", "tests", "benches"])] {
+    for (package, table, folders) in [
+        ("Cargo.toml", "dependencies", &["src"][..]),
+        ("Cargo.toml", "dev-dependencies", &["src", "tests", "benches"]),
+        ("core/Cargo.toml", "dependencies", &["core/src"]),
+        ("core/Cargo.toml", "dev-dependencies", &["core/src"]),
+    ] {
+        let manifest = manifest(package);
         let text = text_of(folders);
         for name in manifest[table].as_table().expect("a table").keys() {
             let word = name.replace('-', "_");
             let used = [format!("{word}::"), format!("use {word}"), format!("{word}!")];
-            assert!(used.iter().any(|way| text.contains(way)), "{name} is in [{table}] and not used in {folders:?}");
+            assert!(
+                used.iter().any(|way| text.contains(way)),
+                "{name} is in [{table}] of {package} and not used in {folders:?}"
+            );
         }
     }
 }
@@ -81,7 +121,17 @@ fn dependencies_have_known_licences_and_known_duplicates() {
     // `cargo tree` looks at this system's packages alone, and so needs nothing that is not here already.
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
-        .args(["tree", "--locked", "--offline", "-e", "normal,build,dev", "--prefix", "none", "--no-dedupe"])
+        .args([
+            "tree",
+            "--workspace",
+            "--locked",
+            "--offline",
+            "-e",
+            "normal,build,dev",
+            "--prefix",
+            "none",
+            "--no-dedupe",
+        ])
         .args(["--format", "{p}\t{l}"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()

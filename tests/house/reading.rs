@@ -1,4 +1,4 @@
-//! Reading the crate's own code: which files there are, and what each of them uses.
+//! Reading the workspace's own code: which files there are, and what each of them uses.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -54,14 +54,24 @@ pub fn rooms_used(code: &str) -> BTreeSet<String> {
     rooms
 }
 
-/// The files of `src` by their module's path, without their tests.
+/// The Rust files of both packages, each with its path below its package's `src`. No room is in both.
+pub fn files() -> Vec<(PathBuf, PathBuf)> {
+    let mut both = Vec::new();
+    for folder in ["src", "core/src"] {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+        let mut files = Vec::new();
+        sources(&root, &mut files);
+        both.extend(files.into_iter().map(|path| (path.strip_prefix(&root).expect("below").to_owned(), path)));
+    }
+    both
+}
+
+/// The files of both packages by their module's path, without their tests. The program hands on the library's modules,
+/// so `crate::` leads to a module of either.
 pub fn modules() -> BTreeMap<Vec<String>, String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&root, &mut files);
     let mut modules = BTreeMap::new();
-    for path in files {
-        let name = path.strip_prefix(&root).expect("below").with_extension("");
+    for (name, path) in files() {
+        let name = name.with_extension("");
         let mut parts: Vec<String> = name.iter().map(|part| part.to_string_lossy().into_owned()).collect();
         match parts.last().map(String::as_str) {
             Some("tests" | "lib" | "main") => continue,

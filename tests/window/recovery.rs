@@ -184,7 +184,8 @@ fn a_session_that_could_not_be_written_is_written_later() {
     assert!(window.shows("Save the session by itself"));
     std::fs::remove_file(&folder).unwrap();
     std::fs::rename(&aside, &folder).unwrap();
-    let is_kept = |_: &BurstscopeApp| sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(0.75, 0.0));
+    let is_kept =
+        |_: &BurstscopeApp| sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(0.75, 0.0));
     window.wait("it is written though nothing has changed since", is_kept);
     window.wait("the message goes", |app| app.model.messages.errors().is_empty());
     end_in_the_ordinary_way(window);

@@ -1,6 +1,5 @@
-//! What the window asks the engine for and takes from it, for the burst in the inspector: opening, pictures, features.
-//! The second burst's part is in [`pair_work`](crate::app::jobs::pair), the compared methods' in
-//! [`compare_work`](crate::app::jobs::compare).
+//! Requests to the engine, and answers from it, for the burst in the inspector: opening, pictures, features. The second
+//! burst's are in [`pair`](crate::app::jobs::pair), the compared methods' in [`compare`](crate::app::jobs::compare).
 
 use crate::app::pane::PaneId;
 use crate::app::project::Busy;

@@ -14,15 +14,18 @@ pub enum OffscreenError {
     NoDevice(String),
     /// A picture of this size cannot be drawn.
     #[error(
-        "a window of {width} × {height} pixels cannot be drawn; this graphics adapter draws 1 to {limit} pixels a side"
+        "a window of {width} × {height} pixels cannot be drawn; this graphics adapter draws 1 to {limit} pixels a side \
+         and {max_megapixels} megapixels in all; name a smaller size or scale"
     )]
     Size {
         /// Columns asked for.
         width: f32,
         /// Rows asked for.
         height: f32,
-        /// The adapter's limit.
+        /// The adapter's limit of a side, pixels.
         limit: u32,
+        /// The adapter's limit of the picture, megapixels.
+        max_megapixels: u64,
     },
     /// The card failed while drawing or answering.
     #[error("the graphics adapter failed while drawing: {0}")]

@@ -43,6 +43,9 @@ pub struct Rendered {
     pub settled: bool,
 }
 
+/// Bytes of a drawn pixel: RGBA of 8 bits.
+const BYTES_PER_PIXEL: u64 = 4;
+
 impl Offscreen {
     /// A window of `size_points` at `pixels_per_point`, ready for canvases.
     ///
@@ -54,11 +57,16 @@ impl Offscreen {
 
     fn with_setup(size_points: egui::Vec2, pixels_per_point: f32, setup: WgpuSetup) -> Result<Self, OffscreenError> {
         let render_state = new_render_state(&setup)?;
-        let limit = render_state.device.limits().max_texture_dimension_2d;
+        let limits = render_state.device.limits();
+        let limit = limits.max_texture_dimension_2d;
+        // The pixels come back in one buffer.
+        let max_pixels = limits.max_buffer_size / BYTES_PER_PIXEL;
         let size = size_points * pixels_per_point;
         let fits = |x: f32| x.is_finite() && x.round() >= 1.0 && x.round() <= limit as f32;
-        if !(fits(size.x) && fits(size.y) && pixels_per_point > 0.0) {
-            return Err(OffscreenError::Size { width: size.x, height: size.y, limit });
+        let fits_buffer = (size.x.round() as u64).saturating_mul(size.y.round() as u64) <= max_pixels;
+        if !(fits(size.x) && fits(size.y) && fits_buffer && pixels_per_point > 0.0) {
+            let max_megapixels = max_pixels / 1_000_000;
+            return Err(OffscreenError::Size { width: size.x, height: size.y, limit, max_megapixels });
         }
         let context = egui::Context::default();
         // Nobody watches: what would be animated is at its end at once.
@@ -319,7 +327,7 @@ mod tests {
         let error = Offscreen::with_setup(vec2(10.0, 10.0), 1.0, none.into()).err().unwrap();
         assert!(matches!(error, OffscreenError::NoAdapter(_)), "{error}");
         assert!(error.to_string().contains("mesa-vulkan-drivers"));
-        for size in [vec2(0.0, 10.0), vec2(1e9, 10.0), vec2(f32::NAN, 10.0)] {
+        for size in [vec2(0.0, 10.0), vec2(1e9, 10.0), vec2(f32::NAN, 10.0), vec2(16384.0, 16384.0)] {
             let error = Offscreen::new(size, 1.0, AdapterChoice::Software).err().unwrap();
             assert!(matches!(error, OffscreenError::Size { .. }), "{error}");
         }

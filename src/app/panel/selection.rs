@@ -63,7 +63,7 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>) {
     egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
-        row("Rank", "By strength of the response", format!("{}", index + 1));
+        row("Rank", "By |D|·√snr", format!("{}", index + 1));
         row(
             "Place (u, v)",
             "At mid-burst, pixels; the centre of the first pixel is (0, 0)",

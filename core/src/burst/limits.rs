@@ -2,6 +2,7 @@
 //! or hostile file cannot take the machine's memory.
 
 use super::error::OpenError;
+use crate::plane::memory::machine_bytes;
 use std::path::Path;
 
 /// Upper bounds for what is opened. The defaults are far above any real burst and below what would stop a workstation.
@@ -13,7 +14,8 @@ pub struct Limits {
     pub max_pixels: u64,
     /// Number of frames. Default 4096.
     pub max_frames: usize,
-    /// Memory of all frames together as `f32`, bytes. Default 16 GiB.
+    /// Memory of all frames together as `f32`, bytes. Default 16 GiB; what the process may have at most is a limit as
+    /// well.
     pub max_bytes: u64,
 }
 
@@ -51,11 +53,12 @@ impl Limits {
             });
         }
         let bytes = frames.saturating_mul(width).saturating_mul(height).saturating_mul(4);
-        if bytes > self.max_bytes {
+        let max_bytes = machine_bytes().map_or(self.max_bytes, |bytes| bytes.min(self.max_bytes));
+        if bytes > max_bytes {
             return Err(OpenError::BeyondLimit {
                 path: path.into(),
                 found: format!("{frames} × {width}×{height} pixels need {} MiB", bytes >> 20),
-                limit: format!("{} MiB", self.max_bytes >> 20),
+                limit: format!("{} MiB", max_bytes >> 20),
                 remedy: "open fewer frames, or crop or shrink them",
             });
         }

@@ -5,6 +5,7 @@
 //! them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
 
 mod calibrate;
+mod declared;
 mod decode;
 mod encoding;
 mod error;
@@ -17,6 +18,7 @@ mod progress;
 mod sequence;
 mod source;
 
+pub use declared::Declared;
 pub use encoding::Encoding;
 pub use error::OpenError;
 pub use limits::Limits;

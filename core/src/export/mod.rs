@@ -38,9 +38,11 @@ pub use figure::{
     Colour, ColourBar, Drawing, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape,
     FigureStroke, LegendEntry, draw_links, lay_out, write_drawing_svg,
 };
-pub use format::{ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};
-pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
+pub use format::{
+    ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection,
+};
 pub use mark::{CURVE_COLUMNS, SVG_COMMENT, is_ours};
+pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use matches::{MATCH_COLUMNS, MatchRow, write_matches_csv};
 pub use npz::write_npz;
 pub use outputs::{Inputs, OutputRules, Overwrite};

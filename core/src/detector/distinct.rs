@@ -118,7 +118,11 @@ pub fn covered_by(
 /// No blob.
 const NONE: u32 = u32::MAX;
 
-/// The blobs of one range of scales that stayed, in square cells as wide as the farthest that one of them covers.
+/// Smallest ratio of the scales that one grid holds.
+const MIN_CLASS_RATIO: f32 = 1.2;
+
+/// The blobs of one range of scales that stayed, in square cells at least as wide as the farthest that one of them
+/// covers.
 struct Grid {
     /// Side of a cell, input pixels.
     side: f32,
@@ -136,7 +140,7 @@ struct Cells<'b> {
     start: (f32, f32),
     /// The smallest scale.
     sigma_min: f32,
-    /// By scale: grid k holds scales from ratio^k to ratio^(k+1) times the smallest.
+    /// By scale: grid k holds scales from r^k to r^(k+1) times the smallest, r being [`Cells::class_ratio`].
     grids: Vec<Grid>,
     /// The blob that was inserted before into the same cell.
     before: Vec<u32>,
@@ -158,17 +162,30 @@ impl<'b> Cells<'b> {
         if blobs.is_empty() {
             return cells;
         }
-        for k in 0..=cells.scale_class(s1) {
-            let side = rule.radius * s0 * rule.scale_ratio.powi(k as i32 + 1);
+        let mut population = vec![0usize; cells.scale_class(s1) + 1];
+        blobs.iter().for_each(|blob| population[cells.scale_class(blob.sigma)] += 1);
+        let (width, height) = (u1 - u0, v1 - v0);
+        for (k, blobs_of_class) in population.into_iter().enumerate() {
+            let reach = rule.radius * s0 * cells.class_ratio().powi(k as i32 + 1);
+            // Cells may be wider than that: about one a blob, however small the radius.
+            let cells_of_class = blobs_of_class.max(1) as f32;
+            let one_a_blob = (width * height / cells_of_class).sqrt().max(width.max(height) / cells_of_class);
+            let side = reach.max(one_a_blob);
             let count = |range: f32| (range / side) as usize + 1;
-            cells.grids.push(Grid { side, columns: count(u1 - u0), rows: count(v1 - v0), last: Vec::new() });
+            cells.grids.push(Grid { side, columns: count(width), rows: count(height), last: Vec::new() });
         }
         cells
     }
 
+    /// Ratio of the largest to the smallest scale of a class: that of the rule, or a larger one, so that there are few
+    /// classes also where the rule's ratio is close to 1.
+    fn class_ratio(&self) -> f32 {
+        self.rule.scale_ratio.max(MIN_CLASS_RATIO)
+    }
+
     /// Which grid holds scale `sigma`.
     fn scale_class(&self, sigma: f32) -> usize {
-        ((sigma / self.sigma_min).ln() / self.rule.scale_ratio.ln()).max(0.0) as usize
+        ((sigma / self.sigma_min).ln() / self.class_ratio().ln()).max(0.0) as usize
     }
 
     fn cell(&self, grid: &Grid, blob: &Blob) -> (usize, usize) {
@@ -280,7 +297,7 @@ mod tests {
         #[test]
         fn cells_are_the_definition(
             raw in prop::collection::vec((0.0f32..60.0, 0.0f32..40.0, 0.0f32..5.0, 0u8..9), 0..120),
-            radius in 0.3f32..3.0, ratio in 1.05f32..3.0,
+            radius in prop_oneof![0.01f32..0.1, 0.3f32..3.0], ratio in prop_oneof![1.0001f32..1.01, 1.05f32..3.0],
         ) {
             let rule = Rule { radius, scale_ratio: ratio };
             let blobs: Vec<Blob> = raw.iter().map(|&(u, v, s, rank)| blob(u, v, 0.9 * s.exp2(), f32::from(rank))).collect();
@@ -304,6 +321,21 @@ mod tests {
         let expected = by_definition(&blobs, RULE, both_stay);
         assert!(expected.iter().flatten().count() > BLOCK && expected.iter().filter(|by| by.is_none()).count() > BLOCK);
         assert_eq!(covered_by(&blobs, RULE, both_stay), expected);
+    }
+
+    #[test]
+    fn cells_are_no_more_than_a_few_for_each_blob_whatever_the_rule() {
+        let blobs: Vec<Blob> = (0..900)
+            .map(|i| blob((i % 30) as f32 * 100.0, (i / 30) as f32 * 70.0, 1.0 + i as f32 / 40.0, 1.0))
+            .collect();
+        let order: Vec<usize> = (0..blobs.len()).collect();
+        for radius in [1e-6, 0.01, 1.0, 1e6] {
+            for scale_ratio in [1.0 + 1e-6, 1.01, 1.5, 100.0] {
+                let cells = Cells::new(&blobs, Rule { radius, scale_ratio }, &order);
+                let count: usize = cells.grids.iter().map(|grid| grid.columns * grid.rows).sum();
+                assert!(count < 5 * blobs.len(), "{count} cells at {radius}, {scale_ratio}");
+            }
+        }
     }
 
     #[test]

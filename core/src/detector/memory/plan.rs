@@ -1,6 +1,6 @@
 //! How a search is done within its budget: all slopes at once, or groups of slopes one after the other.
 
-use super::{OPTION, bytes_beside_slopes, bytes_of_slope, estimate};
+use super::{OPTION, bytes_beside_slopes, bytes_of_slope, estimate_on};
 use crate::detector::localise::slopes_around;
 use crate::detector::params::{DetectorParams, ParamError};
 use crate::detector::search::groups::SlopeGroup;
@@ -13,11 +13,14 @@ pub(crate) struct Plan {
     pub(crate) search: Vec<SlopeGroup>,
     /// Those in which their keypoints are localised and described; one if there is one for the search.
     pub(crate) describe: Vec<SlopeGroup>,
+    /// Number of threads. Each holds a window of slopes of its own, so a small budget may have room for fewer than
+    /// there are.
+    pub(crate) threads: usize,
 }
 
 impl Plan {
     /// For a search with `params` of `frames` frames of `size` (columns, rows) within `budget` bytes, or within any
-    /// where there is none.
+    /// where there is none. Of the threads at hand as many take part as there is memory for.
     ///
     /// # Errors
     /// How much it needs at least, and what would make it less.
@@ -27,23 +30,50 @@ impl Plan {
         size: (usize, usize),
         budget: Option<u64>,
     ) -> Result<Self, ParamError> {
+        let several = (2..=rayon::current_num_threads()).rev();
+        let fitting = several.map(|threads| Self::on(threads, params, frames, size, budget)).find_map(Result::ok);
+        // A refusal on one thread says how much is needed at least.
+        fitting.map_or_else(|| Self::on(1, params, frames, size, budget), Ok)
+    }
+
+    /// As [`Plan::new`], on `threads` threads.
+    fn on(
+        threads: usize,
+        params: &DetectorParams,
+        frames: usize,
+        size: (usize, usize),
+        budget: Option<u64>,
+    ) -> Result<Self, ParamError> {
         let grid = params.used_slopes();
         let (count, of_slope) = (grid.len(), bytes_of_slope(params, size));
-        let needed = estimate(params, frames, size);
+        let needed = estimate_on(threads, params, frames, size);
         let Some(budget) = budget.filter(|budget| *budget < needed) else {
-            return Ok(Self { search: vec![SlopeGroup::whole(count)], describe: vec![SlopeGroup::whole(count)] });
+            let whole = vec![SlopeGroup::whole(count)];
+            return Ok(Self { search: whole.clone(), describe: whole, threads });
         };
-        let beside = bytes_beside_slopes(frames, size);
+        let beside = bytes_beside_slopes(threads, frames, size);
         let fitting = (budget.saturating_sub(beside) / of_slope.max(1)).min(count as u64) as usize;
         let reach = OtherSlopes::of(params).reach(&grid);
         // The whole did not fit: what lies beside the slopes may be all of it.
         let cut = |reach| SlopeGroup::cut(count, reach, fitting).filter(|_| beside <= budget);
         if let (Some(search), Some(describe)) = (cut(reach), cut(Some(slopes_around(params, &grid)))) {
-            return Ok(Self { search, describe });
+            return Ok(Self { search, describe, threads });
         }
         let min_slopes = reach.map_or(count, |reach| (2 * reach.max(slopes_around(params, &grid)) + 1).min(count));
         let min = beside.saturating_add(of_slope.saturating_mul(min_slopes as u64));
         Err(refusal(params, (frames, size), (min, budget), (min_slopes, fitting)))
+    }
+
+    /// Does `work` on the threads that the plan allows.
+    pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        if self.threads >= rayon::current_num_threads() {
+            return work();
+        }
+        match rayon::ThreadPoolBuilder::new().num_threads(self.threads).build() {
+            Ok(pool) => pool.install(work),
+            // A system that gives no more threads has those that are there, and the search may take more memory.
+            Err(_) => work(),
+        }
     }
 }
 
@@ -107,7 +137,7 @@ mod tests {
             assert_eq!((plan.search.len(), plan.describe.len()), (1, 1));
         }
         let of_slope = bytes_of_slope(&plane(), (1600, 1200));
-        let beside = bytes_beside_slopes(10, (1600, 1200));
+        let beside = bytes_beside_slopes(rayon::current_num_threads(), 10, (1600, 1200));
         let budget = 2_000_000_000;
         let Plan { search, describe } = plan(&plane(), Some(budget)).expect("in groups");
         assert!(search.len() > 2 && describe.len() >= search.len());
@@ -117,6 +147,27 @@ mod tests {
         // Slopes for themselves are searched alone, and located between their neighbours.
         assert_eq!(search[1].own, search[1].visited);
         assert_eq!(describe[1].own.start - describe[1].visited.start, 50);
+    }
+
+    #[test]
+    fn a_small_budget_takes_fewer_threads_before_it_refuses() {
+        let of = |threads, budget| Plan::on(threads, &plane(), 10, (480, 360), Some(budget));
+        let one =
+            (1..).map(|step| step * 1_000_000).find(|budget| of(1, *budget).is_ok()).expect("some budget is enough");
+        let many = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("a pool");
+        let threads =
+            |budget| many.install(|| Plan::new(&plane(), 10, (480, 360), Some(budget))).map(|plan| plan.threads);
+        assert!(of(8, one).is_err(), "one thread needs less than eight");
+        assert_eq!(threads(one), Ok(1));
+        assert!(threads(one + 20_000_000).is_ok_and(|threads| (2..8).contains(&threads)));
+        assert_eq!(threads(1 << 40), Ok(8));
+        assert_eq!(
+            threads(one - 1_000_000),
+            of(1, one - 1_000_000).map(|plan| plan.threads),
+            "what is needed at least"
+        );
+        let plan = many.install(|| Plan::new(&plane(), 10, (480, 360), Some(one))).expect("it fits");
+        assert_eq!(many.install(|| plan.run(rayon::current_num_threads)), 1);
     }
 
     #[test]

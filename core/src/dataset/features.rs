@@ -5,7 +5,7 @@ use super::manifest::{DETECTOR_KEY, MANIFEST_FILE, Manifest, Record};
 use super::picture::{ImageKind, write_picture};
 use super::stamp::{Checksum, Comparison, FileStamp};
 use super::{CameraChoice, DatasetError};
-use crate::baseline::{Searched, search};
+use crate::baseline::{Searched, check_memory, search};
 use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, RawColour};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
@@ -178,7 +178,8 @@ impl FeatureStore {
     /// [`ExportError::Input`] for a frame that lies where something is to be written, [`ExportError::Link`] for a link.
     pub fn protect(&mut self, bursts: &[BurstSource]) -> Result<(), DatasetError> {
         let of_bursts = bursts.iter().flat_map(|burst| burst.files().unwrap_or_else(|_| burst.paths.clone()));
-        let calibration = [&self.job.open.bias, &self.job.open.flat].map(|path| calibration_files(path).unwrap_or_default());
+        let calibration =
+            [&self.job.open.bias, &self.job.open.flat].map(|path| calibration_files(path).unwrap_or_default());
         let inputs = Inputs::of(of_bursts.chain(calibration.into_iter().flatten()));
         self.rules = OutputRules::new(inputs, Overwrite::Refuse);
         for image_name in bursts.iter().map(image_name) {
@@ -269,6 +270,8 @@ impl FeatureStore {
         camera: &CameraChoice,
         monitor: &Monitor,
     ) -> Result<BurstFeatures, DatasetError> {
+        // Before anything is read.
+        check_memory(&source.paths, &self.job.open, &self.job.detector)?;
         let stamps = FileStamp::with_checksums(files, monitor)?;
         let (found, burst) = self.find(source, camera, monitor)?;
         self.begin_writing()?;

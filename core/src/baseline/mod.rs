@@ -14,10 +14,13 @@ mod merge;
 pub use mean::plain_mean;
 pub use merge::merge_burst;
 
-use crate::burst::Burst;
+use crate::burst::{Burst, Declared, OpenOptions};
 use crate::detector::slopes::resolve;
-use crate::detector::{self, DetectError, Detection, DetectorParams, Method, SearchParams, SlopeFinding};
+use crate::detector::{
+    self, DetectError, Detection, DetectorParams, Method, ParamError, SearchParams, SlopeFinding, memory,
+};
 use crate::monitor::Monitor;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Finds the features of a burst by the method that `params` ask for.
@@ -58,6 +61,18 @@ pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result
     let slopes_secs = if finding.is_some() { started.elapsed().as_secs_f32() } else { 0.0 };
     let detection = detect(burst, &params, &monitor.part(share, 1.0 - share))?;
     Ok(Searched { detection, params, finding, slopes_secs })
+}
+
+/// Checks, before the burst that `inputs` name is opened, that there is memory for its search. A file that cannot be
+/// read passes: the opener says what is wrong with it.
+///
+/// # Errors
+/// How much memory the search needs at least, and what would make it less.
+pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), ParamError> {
+    match Declared::of(inputs, options) {
+        Ok(Declared { frames, size }) => memory::check_before_opening(params, frames, size),
+        Err(_) => Ok(()),
+    }
 }
 
 /// The burst that is searched, and with which parameters: for [`Method::Merge`] one merged frame, otherwise just what

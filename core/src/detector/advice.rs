@@ -222,8 +222,8 @@ fn capitalised(text: &str) -> String {
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
-/// A count as people read it: with gaps between its thousands.
-pub(crate) fn grouped(number: u64) -> String {
+/// A count as text, with a space between groups of three digits: 12345678 becomes "12 345 678".
+pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
     for (k, digit) in digits.chars().enumerate() {

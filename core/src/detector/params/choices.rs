@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// The burst feature finder: extrema over place, scale and slope. One line of slopes is BuFF 1D, a plane of slopes
-    /// BuFF 2D.
+    /// The burst feature finder: extrema of place and scale over all slopes, at each slope for itself or jointly (see
+    /// [`SlopeExtrema`]). One line of slopes is BuFF 1D, a plane of slopes BuFF 2D.
     #[default]
     Buff,
     /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.

@@ -7,8 +7,8 @@
 
 use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::methods::BurstMethod;
-use crate::export::{SVG_COMMENT, Series};
 use crate::export::sheet::{FAINT, GRID, INK};
+use crate::export::{SVG_COMMENT, Series};
 use std::fmt::Write;
 
 /// How a method's line looks: colour, dashes (empty for solid) and width in pixels.

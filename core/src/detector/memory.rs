@@ -7,9 +7,11 @@
 
 mod plan;
 
+pub use crate::plane::memory::machine_bytes;
 pub(crate) use plan::Plan;
 
-use super::params::DetectorParams;
+use super::params::slope_grid::{Slope, SlopeGrid};
+use super::params::{DetectorParams, Method, ParamError, SearchParams};
 use super::scale_space::levels::{octave_size, searched_octaves};
 use crate::kernel::machine::{WINDOW_BYTES, WINDOWS_BYTES};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -49,27 +51,37 @@ pub fn kept_bytes() -> u64 {
     budget().map_or(KEPT_BYTES, |budget| ((budget as f64 * KEPT_PART) as u64).min(KEPT_BYTES))
 }
 
-/// The machine's memory, or what this process may have of it, bytes. `None` where the system does not say (anything but
-/// Linux).
-pub fn machine_bytes() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
-    let total = line.split_whitespace().nth(1)?.parse::<u64>().ok()? << 10;
-    // A container has less than the machine.
-    let limit = std::fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
-    Some(limit.map_or(total, |limit: u64| limit.min(total)))
+/// Checks before a burst is opened that the search of it will be possible: `frames` frames of `size` (columns, rows),
+/// of which `params` may leave some out, searched within [`budget`]. Where the slopes are to be found from the burst, a
+/// single slope is assumed, which is the least that a search holds.
+///
+/// # Errors
+/// As the search itself: how much memory it needs at least, and what would make it less.
+pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, usize)) -> Result<(), ParamError> {
+    let mut detector = params.detector.clone();
+    if params.slopes.is_auto() {
+        detector.slopes = SlopeGrid::single(Slope::default());
+    }
+    // A merge is one image by the time it is searched.
+    let frames = if detector.method == Method::Merge { 1 } else { detector.used_frames(frames).len() };
+    Plan::new(&detector, frames, size, budget()).map(|_| ())
 }
 
 /// What a search with `params` needs beyond the burst itself if it is done for all slopes at once, about, in bytes:
 /// `frames` frames of `size` (columns, rows) take part.
 pub fn estimate(params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
-    let slopes = params.used_slopes().len() as u64;
-    slopes.saturating_mul(bytes_of_slope(params, size)).saturating_add(bytes_beside_slopes(frames, size))
+    estimate_on(rayon::current_num_threads(), params, frames, size)
 }
 
-/// What a search needs however many slopes there are, bytes.
-fn bytes_beside_slopes(frames: usize, size: (usize, usize)) -> u64 {
-    let windows = (rayon::current_num_threads() * WINDOW_BYTES).min(WINDOWS_BYTES);
+/// As [`estimate`], for a search on `threads` threads.
+fn estimate_on(threads: usize, params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
+    let slopes = params.used_slopes().len() as u64;
+    slopes.saturating_mul(bytes_of_slope(params, size)).saturating_add(bytes_beside_slopes(threads, frames, size))
+}
+
+/// Bytes that a search on `threads` threads needs however many slopes there are.
+fn bytes_beside_slopes(threads: usize, frames: usize, size: (usize, usize)) -> u64 {
+    let windows = threads.saturating_mul(WINDOW_BYTES).min(WINDOWS_BYTES);
     // The frames less their noise's patterns, and all their octaves together.
     let of_frames = (frames as u64).saturating_mul(plane_bytes(size)).saturating_mul(7) / 3;
     of_frames.saturating_add(windows as u64)
@@ -100,10 +112,5 @@ mod tests {
         assert!((32.0..45.0).contains(&of(&fine)), "{}", of(&fine));
         assert!(of(&DetectorParams::default()) < 0.5);
         assert!(estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
-    }
-
-    #[test]
-    fn the_machine_says_how_much_it_has_where_it_can() {
-        assert!(machine_bytes().is_none_or(|bytes| bytes > 1 << 28));
     }
 }

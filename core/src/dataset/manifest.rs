@@ -72,7 +72,8 @@ impl Manifest {
 
     /// The names of the settings in which another one differs: `detector` is named by its parameters.
     pub(super) fn differences(&self, other: &Self) -> Vec<String> {
-        let keys = |manifest: &Self| manifest.settings.as_object().map(|map| map.keys().cloned().collect::<BTreeSet<_>>());
+        let keys =
+            |manifest: &Self| manifest.settings.as_object().map(|map| map.keys().cloned().collect::<BTreeSet<_>>());
         let all: BTreeSet<String> = [self, other].into_iter().filter_map(keys).flatten().collect();
         let mut names = Vec::new();
         for key in all.into_iter().filter(|key| self.settings.get(key) != other.settings.get(key)) {

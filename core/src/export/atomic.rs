@@ -234,7 +234,10 @@ mod tests {
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
         std::os::unix::fs::symlink(&path, &link).expect("linked");
         write_whole(&link, |w| w.write_all(b"new")).expect("written");
-        assert_eq!((std::fs::read(&path).expect("read"), std::fs::read(&link).expect("read")), (b"old".into(), b"new".into()));
+        assert_eq!(
+            (std::fs::read(&path).expect("read"), std::fs::read(&link).expect("read")),
+            (b"old".into(), b"new".into())
+        );
         assert!(!std::fs::symlink_metadata(&link).expect("a file").is_symlink());
         let mode = |path: &Path| std::fs::metadata(path).expect("file").permissions().mode() & 0o777;
         write_whole(&path, |w| w.write_all(b"new")).expect("written");

@@ -59,6 +59,16 @@ fn search_all(
     let started = Instant::now();
     params.validate_for(burst.len(), burst.size())?;
     let plan = Plan::new(params, params.used_frames(burst.len()).len(), burst.size(), budget)?;
+    plan.run(|| search_as_planned(burst, params, &plan, (started, monitor)))
+}
+
+/// The detection as `plan` says, of parameters that are valid for the burst; `started` is when it began.
+fn search_as_planned(
+    burst: &Burst,
+    params: &DetectorParams,
+    plan: &Plan,
+    (started, monitor): (Instant, &Monitor),
+) -> Result<Trail, DetectError> {
     let inputs = Inputs::new(burst, params, monitor)?;
     let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
 

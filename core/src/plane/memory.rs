@@ -11,6 +11,7 @@
 
 use bytemuck::Zeroable;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::OnceLock;
 
 /// The system refused memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -48,6 +49,32 @@ pub fn with_capacity<T>(count: usize) -> Vec<T> {
     }
 }
 
+/// Memory that this process may have, bytes: the least of the machine's, its control group's and its own limit of
+/// address space. `None` where the system does not say (anything but Linux). Read once.
+pub fn machine_bytes() -> Option<u64> {
+    static BYTES: OnceLock<Option<u64>> = OnceLock::new();
+    *BYTES.get_or_init(read_machine_bytes)
+}
+
+fn read_machine_bytes() -> Option<u64> {
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let total = machine_bytes_of(&read("/proc/meminfo")?)?;
+    let group = read("/sys/fs/cgroup/memory.max").and_then(|text| text.trim().parse().ok());
+    let own = read("/proc/self/limits").and_then(|text| address_space_of(&text));
+    Some([group, own].into_iter().flatten().fold(total, u64::min))
+}
+
+/// Bytes of memory that `/proc/meminfo` tells.
+fn machine_bytes_of(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find(|line| line.starts_with("MemTotal:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? << 10)
+}
+
+/// Bytes of address space that `/proc/self/limits` allows; `None` for any number.
+fn address_space_of(limits: &str) -> Option<u64> {
+    limits.lines().find_map(|line| line.strip_prefix("Max address space"))?.split_whitespace().next()?.parse().ok()
+}
+
 /// Does `work`.
 ///
 /// # Errors
@@ -78,6 +105,17 @@ mod tests {
         assert!(refusable(|| with_capacity::<u8>(9)).is_ok_and(|room| room.capacity() >= 9));
         let words = NoMemory { bytes: 3 << 20 }.to_string();
         assert!(words.contains("3 MiB"), "{words}");
+    }
+
+    #[test]
+    fn the_system_says_how_much_there_is_where_it_can() {
+        assert!(machine_bytes().is_none_or(|bytes| bytes > 1 << 28));
+        assert_eq!(machine_bytes_of("MemTotal:       2048 kB\nMemFree: 1 kB\n"), Some(2 << 20));
+        let limits = |soft: &str| {
+            format!("Limit   Soft Limit  Hard Limit  Units\nMax address space   {soft}   unlimited   bytes\n")
+        };
+        assert_eq!(address_space_of(&limits("4294967296")), Some(1 << 32));
+        assert_eq!((address_space_of(&limits("unlimited")), address_space_of("")), (None, None));
     }
 
     #[test]

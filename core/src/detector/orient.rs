@@ -25,7 +25,7 @@ fn radius(sigma: f32) -> i64 {
 }
 
 /// The orientations of a feature at (x, y), scale `sigma`, in octave pixels: radians in [0, 2π), strongest first, at
-/// most `most` (1 … 4). `level` is the Gaussian level around it, reaching a pixel farther than 4.5σ, of an octave of
+/// most `max` (1 … 4). `level` is the Gaussian level around it, reaching a pixel farther than 4.5σ, of an octave of
 /// `size`. Without any gradient the only orientation is 0.
 pub fn orientations(
     level: &Patch,

@@ -1,0 +1,52 @@
+//! Burstscope finds and shows *burst features*.
+//!
+//! A robot at night takes bursts of dark, noisy frames. One frame shows little; but if the frames are shifted by the
+//! right apparent motion (a *slope*, in pixels per frame) and averaged, what moves that way comes out of the noise.
+//! Which motion is right differs from place to place, so the detector tries a whole grid of slopes, filters each mean
+//! image over a range of scales, and keeps what is an extremum over place and scale: at each slope for itself, with one
+//! keypoint for each blob, or, as in the paper, jointly over slope too. This is the method of Ravendran, Bryson and Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv
+//! 2209.09470).
+//!
+//! This is the library: everything that needs no window and no command line, which the package `burstscope` puts on top.
+//! A room may use the rooms below it, never those above:
+//!
+//! ```text
+//! inspect             why: the fate of a place, which slopes a burst needs, what a change did
+//! figures             every figure and table of the paper, remade
+//! evaluate            how good the detector is, measured against known truth
+//! dataset             many bursts along a way, and on to COLMAP
+//! baseline, matching  what it is compared with; descriptors to matches
+//! export              one file a format
+//! detector, synth     the method; bursts with known truth
+//! burst               opening, decoding and calibrating frames
+//! plane, files         one float image; small text files and names of files
+//! monitor              progress and cancellation
+//! ```
+//!
+//! # Conventions
+//! `u` is the column, to the right; `v` the row, down; the centre of the first pixel is (0, 0). Slopes are pixels of
+//! the input image per frame; a point at `x` at the reference time `t0 = (N − 1)/2` is at `x + (t − t0)·λ` in frame
+//! `t`. Frames hold `f32` in [0, 1] of the file's full scale, and thresholds are in that unit. Scale `sigma` is in
+//! input pixels. `D = G(next level) − G(this level)`: a bright blob is a negative extremum. Orientations are radians
+//! from +u towards +v.
+
+pub mod baseline;
+pub mod burst;
+pub mod dataset;
+pub mod detector;
+pub mod evaluate;
+pub mod export;
+pub mod figures;
+pub mod files;
+pub mod inspect;
+pub mod kernel;
+pub mod matching;
+pub mod monitor;
+pub mod plane;
+pub mod synth;
+
+pub use baseline::detect;
+pub use burst::Burst;
+pub use detector::{Detection, DetectorParams, Feature, SlopeGrid};
+pub use monitor::{Cancelled, Monitor};
+pub use plane::Plane;

@@ -1,0 +1,50 @@
+//! What a search may take: with fewer threads where that fits, and refused before anything is read where nothing does.
+
+use super::support::{run_badly, run_well};
+use std::fs;
+use std::path::Path;
+
+/// A `.npy` stack of frames of `size` (columns, rows) that cannot be opened: its first value is no number.
+fn write_stack_of_nan(path: &Path, frames: usize, (width, height): (usize, usize)) {
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({frames}, {height}, {width}), }}");
+    let header = format!("{header:117}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(f32::NAN.to_le_bytes());
+    fs::write(path, &bytes).expect("written");
+    let file = fs::OpenOptions::new().write(true).open(path).expect("there");
+    file.set_len((10 + header.len() + 4 * frames * width * height) as u64).expect("sparse");
+}
+
+#[test]
+fn a_small_budget_is_kept_with_fewer_threads_and_the_same_features() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(home.path(), &["synth", "chart", "--out", "a", "--quiet"]);
+    let detect = |out: &str, more: &[&str]| {
+        let search = ["detect", "a", "--slopes-u", "-1:1:5", "--out", out];
+        run_well(home.path(), &[&search[..], more].concat());
+        fs::read_to_string(home.path().join(out).join("a.csv")).expect("features")
+    };
+    let whole = detect("whole", &[]);
+    // Seven threads' windows alone take 42 MB.
+    assert_eq!(detect("seven", &["--threads", "7", "--memory", "30M"]), whole);
+    assert_eq!(detect("one", &["--threads", "1", "--memory", "30M"]), whole);
+    assert!(whole.lines().count() > 1);
+}
+
+#[test]
+fn a_search_beyond_the_budget_is_refused_before_a_pixel_is_read() {
+    let home = tempfile::tempdir().expect("a folder");
+    write_stack_of_nan(&home.path().join("large.npy"), 10, (2000, 1000));
+    let found = ["detect", "large.npy", "--out", "found"];
+    let opened = run_badly(home.path(), &found, 1);
+    assert!(opened.contains("large.npy") && !opened.contains("--memory"), "{opened}");
+    for (search, code) in [(&found[..], 1), (&["probe", "large.npy", "--at", "9,9"], 2), (&["slopes", "large.npy"], 2)]
+    {
+        for slopes in [&[][..], &["--slopes-u", "-1:1:3"]] {
+            let words = run_badly(home.path(), &[search, slopes, &["--memory", "50M"]].concat(), code);
+            assert!(words.contains("--memory") && words.contains("10 frames of 2000×1000"), "{words}");
+        }
+    }
+}
