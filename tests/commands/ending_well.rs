@@ -323,6 +323,39 @@ fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_nu
 }
 
 #[test]
+fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b"] {
+        chart(home.path(), os(&format!("nights/{name}")));
+    }
+    let limited = |blocks: u32, arguments: &str| {
+        let script = format!("ulimit -f {blocks}; exec '{}' {arguments}", env!("CARGO_BIN_EXE_burstscope"));
+        let output = Command::new("sh").current_dir(home.path()).args(["-c", &script]).output().expect("it runs");
+        assert_eq!((output.status.code(), output.status.signal()), (Some(1), None), "{arguments}: {}", stderr(&output));
+        stderr(&output)
+    };
+    let search = "--slopes-u -1:1:3 --octaves 2";
+    for (arguments, named) in [
+        ("stack nights/a --slope 0,0 --out x.tiff".to_owned(), "x.tiff"),
+        ("merge nights/a --out x.tiff".to_owned(), "x.tiff"),
+        ("render nights/a --no-detect --size 640x480 --out x.png".to_owned(), "x.png"),
+        (format!("probe nights/a --at 40,40 --plot x.svg {search}"), "x.svg"),
+        (format!("detect nights --out out --format colmap {search}"), "out/a.txt"),
+        (format!("match nights/a nights/b --out out --format npz {search}"), "out/a.npz"),
+        ("synth chart --out x".to_owned(), "frame_000.png"),
+        (format!("colmap nights --out rec {search}"), "manifest.json"),
+    ] {
+        let words = limited(1, &arguments);
+        assert!(words.contains(named) && words.contains("ulimit -f"), "{arguments}: {words}");
+        assert_eq!(names(home.path()), ["nights"], "{arguments}");
+    }
+    // Pictures and features fit, and the database does not.
+    assert!(limited(64, &format!("colmap nights --out rec {search}")).contains("database.db"));
+    let rec = names(&home.path().join("rec"));
+    assert_eq!(rec, ["features", "images", "manifest.json", "records"], "the database is whole or not there");
+}
+
+#[test]
 fn unknown_keys_are_errors_and_a_newer_programs_are_said_to_be_that() {
     let home = tempfile::tempdir().expect("a folder");
     chart(home.path(), os("a"));

@@ -20,6 +20,8 @@ mod making;
 mod matching;
 mod measuring;
 mod memory;
+#[cfg(unix)]
+mod overwriting;
 mod real;
 mod reconstructing;
 mod remaking;

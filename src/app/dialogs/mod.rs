@@ -6,9 +6,11 @@
 
 mod path_field;
 mod purpose;
+mod replace_file;
 
 pub use path_field::{PathField, path_from_text};
 pub use purpose::{ExportKind, Purpose};
+pub use replace_file::ReplaceFile;
 
 use crate::engine::OnUpdate;
 use std::path::PathBuf;
