@@ -161,8 +161,8 @@ impl BurstscopeApp {
         }
     }
 
-    /// Restores a session file: opens its burst, and when that worked takes over everything else. Until then nothing
-    /// changes. Answers the request that opens it.
+    /// Restores a session file: opens its burst, then takes over everything else, also where the burst could not be
+    /// opened. Until then nothing changes. Answers the request that opens it.
     pub fn restore_session(&mut self, path: &std::path::Path) -> Option<JobId> {
         let read = read_text(path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
         match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {

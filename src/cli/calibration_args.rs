@@ -26,6 +26,10 @@ pub struct CalibrationArgs {
     /// Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light.
     #[arg(long)]
     pub linearise: bool,
+    /// Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a frame is
+    /// grey. The notes say which they are [default: such a frame is an error].
+    #[arg(long)]
+    pub accept_damaged: bool,
     /// What is taken of the 2×2 colours of raw frames: luma, the mean of the four, green, the mean of two, red or blue
     /// [default: luma].
     #[arg(long, value_name = "COLOUR", value_parser = words::<RawColour>(RAW_COLOURS))]
@@ -41,6 +45,7 @@ impl CalibrationArgs {
             full_scale: self.full_scale,
             black_level: self.black_level,
             linearise: self.linearise,
+            accept_damaged: self.accept_damaged,
             raw_colour: self.raw_colour.unwrap_or_default(),
             ..OpenOptions::default()
         }

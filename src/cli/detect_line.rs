@@ -27,7 +27,8 @@ pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenO
 
 /// The same of how files are opened. A switch has no value.
 fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<String>)> {
-    let OpenOptions { bias, flat, full_scale, black_level, linearise, raw_colour, limits: _ } = calibration;
+    let OpenOptions { bias, flat, full_scale, black_level, linearise, accept_damaged, raw_colour, limits: _ } =
+        calibration;
     let path = |path: &Option<PathBuf>| path.as_ref().map(|path| Some(path.display().to_string()));
     let number = |level: &Option<f32>| level.map(|level| Some(level.to_string()));
     let colour = serde_json::to_value(raw_colour).ok().filter(|_| *raw_colour != RawColour::default());
@@ -37,6 +38,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         ("full-scale", number(full_scale)),
         ("black-level", number(black_level)),
         ("linearise", linearise.then_some(None)),
+        ("accept-damaged", accept_damaged.then_some(None)),
         ("raw-colour", colour.map(|colour| Some(word(&colour)))),
     ];
     all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()

@@ -63,13 +63,25 @@ mod window;
 pub use detect_line::detect_line;
 pub use failure::Failure;
 
+use crate::burst::{DecodeWorker, serve_decoding};
 use crate::plane::memory;
 use clap::Parser;
 use commands::{Cli, Command};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// The first argument of a process that decodes one file for another: no command, and in no help.
+pub const DECODE_WORKER: &str = "--decode-worker";
 
 /// Does what the program's arguments ask for, and answers with its exit code.
 pub fn run() -> ExitCode {
+    let mut arguments = std::env::args_os().skip(1);
+    if arguments.next().is_some_and(|first| first == DECODE_WORKER) {
+        return arguments.next().map_or(ExitCode::from(2), |path| serve_decoding(Path::new(&path)));
+    }
+    if let Some(program) = this_program() {
+        DecodeWorker { program, arguments: vec![DECODE_WORKER.into()] }.install();
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -89,6 +101,13 @@ pub fn run() -> ExitCode {
             failure.exit_code()
         }
     }
+}
+
+/// This program, to be started again.
+fn this_program() -> Option<PathBuf> {
+    // On Linux this is the program that runs, also after its file was replaced.
+    let running = Path::new("/proc/self/exe");
+    if running.exists() { Some(running.to_owned()) } else { std::env::current_exe().ok() }
 }
 
 /// Does it.

@@ -28,3 +28,5 @@ mod remaking;
 mod support;
 mod teaching;
 mod trajectories;
+#[cfg(feature = "raw")]
+mod worker;

@@ -4,6 +4,7 @@ use super::decode;
 use super::error::OpenError;
 use super::options::OpenOptions;
 use super::source::find_bursts;
+use crate::monitor::Monitor;
 use std::path::PathBuf;
 
 /// Number and size of a burst's frames.
@@ -30,7 +31,8 @@ impl Declared {
             return Err(OpenError::SeveralBursts { names: sources.into_iter().map(|s| s.name).collect() });
         }
         let files = source.files()?;
-        let header = decode::header(files.first().ok_or(OpenError::NothingGiven)?, options)?;
+        let first = files.first().ok_or(OpenError::NothingGiven)?;
+        let (header, _) = decode::header(first, options, &Monitor::default())?;
         let frames = if files.len() == 1 { header.frames } else { files.len() };
         Ok(Self { frames, size: (header.width, header.height) })
     }

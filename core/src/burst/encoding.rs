@@ -1,9 +1,9 @@
 //! How the values of a picture follow the light.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How the values of a burst's files follow the light.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Encoding {
     /// In proportion, as far as the files say.

@@ -2,6 +2,7 @@
 
 use crate::monitor::Cancelled;
 use crate::plane::memory::NoMemory;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Why there is no burst. Nothing else has changed: a burst that was open stays as it is.
@@ -57,6 +58,17 @@ pub enum OpenError {
     UnknownKind {
         /// The file.
         path: PathBuf,
+    },
+    /// The first bytes are those of no kind that can be opened, though the name is that of one.
+    #[error(
+        "this file is named as a {named} but does not begin like one: it is damaged or of another kind; copy it again or remove it: {}",
+        path.display()
+    )]
+    NotAsNamed {
+        /// The file.
+        path: PathBuf,
+        /// The format that its name says, such as "PNG".
+        named: &'static str,
     },
     /// The file is of a known kind, but truncated or damaged.
     #[error("this {kind} file is truncated or damaged ({reason}); copy it again or remove it: {}", path.display())]
@@ -138,6 +150,21 @@ pub enum OpenError {
         /// The frame that differs.
         path: PathBuf,
     },
+    /// Frames of different bits, which nothing says how to compare.
+    #[error(
+        "this frame has {first_samples}: {}, and this one has {samples}: {}; save all frames alike, or say with a full scale which value is white in all of them",
+        first.display(), path.display()
+    )]
+    MixedBits {
+        /// The first frame's file.
+        first: PathBuf,
+        /// Its samples, such as "8 bit".
+        first_samples: &'static str,
+        /// The frame that differs.
+        path: PathBuf,
+        /// Its samples.
+        samples: &'static str,
+    },
     /// A value that is not a number, infinite, or too large for 32-bit float.
     #[error(
         "frame {frame} has {value} at pixel ({u}, {v}); replace what is not a finite number, by 0 or a neighbour's value: {}",
@@ -183,7 +210,7 @@ pub enum OpenError {
         /// What is allowed.
         limit: String,
         /// What to do about it.
-        remedy: &'static str,
+        remedy: Cow<'static, str>,
     },
     /// Within the [`Limits`](super::Limits), but more than the system gives.
     #[error("{refused}: {}", path.display())]
@@ -289,6 +316,18 @@ impl OpenError {
             std::io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
             _ => Self::Read { path: path.into(), reason: error.to_string() },
         }
+    }
+
+    /// The error of a decoder's read of a file of the format `kind`: one that ends early is damaged, anything else is the
+    /// system's.
+    pub(super) fn from_read(path: &Path, kind: &'static str, error: &std::io::Error) -> Self {
+        use std::io::ErrorKind::{InvalidData, InvalidInput, Other, UnexpectedEof};
+        let reason = match error.kind() {
+            UnexpectedEof => "it ends too early".to_owned(),
+            InvalidData | InvalidInput | Other => error.to_string(),
+            _ => return Self::from_io(path, error),
+        };
+        Self::Corrupt { path: path.into(), kind, reason }
     }
 
     /// Whether it is the user's cancel rather than a failure.

@@ -3,10 +3,11 @@
 
 use super::error::OpenError;
 use crate::plane::memory::machine_bytes;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Upper bounds for what is opened. The defaults are far above any real burst and below what would stop a workstation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
     /// Longest side of a frame, pixels. Default 32768.
     pub max_side_px: usize,
@@ -36,7 +37,7 @@ impl Limits {
                 path: path.into(),
                 found: format!("its frames are {width}×{height} pixels"),
                 limit: format!("{} pixels a side and {} pixels in all", self.max_side_px, self.max_pixels),
-                remedy: "crop or shrink the frames",
+                remedy: "crop or shrink the frames".into(),
             });
         }
         self.check_burst(path, 1, width, height)
@@ -49,7 +50,7 @@ impl Limits {
                 path: path.into(),
                 found: format!("it has {frames} frames"),
                 limit: format!("{} frames", self.max_frames),
-                remedy: "split it into shorter bursts",
+                remedy: "split it into shorter bursts".into(),
             });
         }
         let bytes = frames.saturating_mul(width).saturating_mul(height).saturating_mul(4);
@@ -59,7 +60,7 @@ impl Limits {
                 path: path.into(),
                 found: format!("{frames} × {width}×{height} pixels need {} MiB", bytes >> 20),
                 limit: format!("{} MiB", max_bytes >> 20),
-                remedy: "open fewer frames, or crop or shrink them",
+                remedy: "open fewer frames, or crop or shrink them".into(),
             });
         }
         Ok(())

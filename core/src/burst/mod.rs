@@ -18,12 +18,13 @@ mod progress;
 mod sequence;
 mod source;
 
+pub use decode::{DecodeWorker, serve_decoding};
 pub use declared::Declared;
 pub use encoding::Encoding;
 pub use error::OpenError;
 pub use limits::Limits;
 pub use luma::LUMA_WEIGHTS;
-pub use notes::Note;
+pub use notes::{Note, Remark, RemarkKind};
 pub use options::{OpenOptions, RawColour};
 pub use sequence::{SequenceCut, cut_sequence, name_among_several};
 pub use source::{BurstSource, Entries, find_bursts, find_entries, supported_extensions};
@@ -53,6 +54,8 @@ pub struct Burst {
     pub binning: usize,
     /// The largest value of a converter of fewer bits that could have made these 16-bit files: never applied unasked.
     pub suggested_full_scale: Option<f32>,
+    /// What is to be known of the files of single frames.
+    pub remarks: Vec<Remark>,
     /// The files or folders it was opened from; empty for synthetic bursts.
     pub sources: Vec<PathBuf>,
 }
@@ -74,6 +77,7 @@ impl Burst {
             encoding: Encoding::Linear,
             binning: 1,
             suggested_full_scale: None,
+            remarks: Vec::new(),
             sources: Vec::new(),
         }
     }

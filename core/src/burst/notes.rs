@@ -11,8 +11,8 @@ use rayon::prelude::*;
 pub struct Note {
     /// What it is.
     pub text: String,
-    /// The option's name, as on the command line without the dashes.
-    pub option: &'static str,
+    /// The option's name, as on the command line without the dashes; none where only other files would change it.
+    pub option: Option<&'static str>,
     /// What it could be set to; none for a switch.
     pub value: Option<f32>,
 }
@@ -20,8 +20,47 @@ pub struct Note {
 impl Note {
     /// The sentence for somebody at a command line.
     pub fn for_command(&self) -> String {
+        let Some(option) = self.option else { return self.text.clone() };
         let value = self.value.map_or(String::new(), |value| format!(" {value}"));
-        format!("{}; --{}{value} changes that", self.text, self.option)
+        format!("{}; --{option}{value} changes that", self.text)
+    }
+
+    /// The sentence for somebody at the window.
+    pub fn for_window(&self) -> String {
+        match self.option {
+            Some(_) => format!("{}; see File > Calibration", self.text),
+            None => self.text.clone(),
+        }
+    }
+}
+
+/// Something to know of the file of one frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Remark {
+    /// The frame's index in the burst.
+    pub frame: usize,
+    /// What it is.
+    pub kind: RemarkKind,
+}
+
+/// What is to be known of a frame's file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RemarkKind {
+    /// Its data is damaged, which was accepted, and a part of the frame is made up; why.
+    Damaged(String),
+    /// It is of this kind, such as "JPEG", and its name says another.
+    Misnamed(&'static str),
+}
+
+impl Remark {
+    /// Those of `frames`.
+    pub(super) fn of(frames: &mut [RawFrame]) -> Vec<Self> {
+        let mut remarks = Vec::new();
+        for (frame, raw) in frames.iter_mut().enumerate() {
+            remarks.extend(raw.damage.take().map(|reason| Self { frame, kind: RemarkKind::Damaged(reason) }));
+            remarks.extend(raw.misnamed.map(|kind| Self { frame, kind: RemarkKind::Misnamed(kind) }));
+        }
+        remarks
     }
 }
 
@@ -74,15 +113,53 @@ impl Burst {
         let mut notes = Vec::new();
         if self.encoding == Encoding::Srgb {
             let text = "these pictures are encoded for screens (sRGB): their values, and their noise, are not in proportion to light";
-            notes.push(Note { text: text.to_owned(), option: "linearise", value: None });
+            notes.push(Note { text: text.to_owned(), option: Some("linearise"), value: None });
         }
         let suggested = CONVERTERS.iter().find(|(_, value)| Some(*value) == self.suggested_full_scale);
         if let Some((bits, value)) = suggested {
             let text = format!("no value of these 16-bit files is above {value}, as of a camera of {bits} bits");
-            notes.push(Note { text, option: "full-scale", value: Some(*value) });
+            notes.push(Note { text, option: Some("full-scale"), value: Some(*value) });
         }
+        let texts = [self.note_of_damaged(), self.note_of_misnamed()];
+        notes.extend(texts.into_iter().flatten().map(|text| Note { text, option: None, value: None }));
         notes
     }
+
+    /// Which frames are damaged.
+    fn note_of_damaged(&self) -> Option<String> {
+        let damaged: Vec<String> = self
+            .remarks
+            .iter()
+            .filter_map(|remark| match &remark.kind {
+                RemarkKind::Damaged(reason) => Some(format!("{} ({reason})", self.frame_names[remark.frame])),
+                RemarkKind::Misnamed(_) => None,
+            })
+            .collect();
+        let count = damaged.len();
+        let text = format!("{count} of {} frames are damaged, and a part of each is made up: {}", self.len(), list(&damaged));
+        (count > 0).then_some(text)
+    }
+
+    /// Which frames are of another kind than their names say.
+    fn note_of_misnamed(&self) -> Option<String> {
+        let misnamed: Vec<String> = self
+            .remarks
+            .iter()
+            .filter_map(|remark| match remark.kind {
+                RemarkKind::Misnamed(kind) => Some(format!("{} is {kind}", self.frame_names[remark.frame])),
+                RemarkKind::Damaged(_) => None,
+            })
+            .collect();
+        let text = format!("{} of {} frames are of another kind than their names say: {}", misnamed.len(), self.len(), list(&misnamed));
+        (!misnamed.is_empty()).then_some(text)
+    }
+}
+
+/// The first few of `items`.
+fn list(items: &[String]) -> String {
+    const FEW: usize = 3;
+    let more = if items.len() > FEW { ", …" } else { "" };
+    format!("{}{more}", items[..items.len().min(FEW)].join(", "))
 }
 
 #[cfg(test)]
@@ -92,11 +169,9 @@ mod tests {
 
     #[test]
     fn converters_are_suggested_by_what_the_values_need() {
-        let frame = |values: &[f32]| RawFrame {
-            plane: Plane::from_vec(values.len(), 1, values.iter().map(|v| v / 65535.0).collect()),
-            scale: FileScale::Range(65535.0),
-            encoding: Encoding::Linear,
-            binning: 1,
+        let frame = |values: &[f32]| {
+            let plane = Plane::from_vec(values.len(), 1, values.iter().map(|v| v / 65535.0).collect());
+            RawFrame::linear(plane, FileScale::Range(65535.0))
         };
         let options = OpenOptions::default();
         for (values, expected) in [

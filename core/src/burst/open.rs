@@ -5,7 +5,7 @@ use super::calibrate::{Calibration, Levels, check_bias, gain, mean_in_unit_of};
 use super::decode::{self, Expected, FileScale, RawFrame};
 use super::encoding::Encoding;
 use super::error::OpenError;
-use super::notes::suggested_full_scale;
+use super::notes::{Remark, suggested_full_scale};
 use super::options::OpenOptions;
 use super::progress::{Ticker, in_order};
 use super::source::find_bursts;
@@ -13,7 +13,7 @@ use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 impl Burst {
     /// Opens a folder of frames, a picture, a multi-page TIFF or a `.npy` stack with the default options.
@@ -35,7 +35,11 @@ impl Burst {
     /// magnitude (before the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the
     /// value that became 1. Colour becomes luma with the weights of Rec. 709 on the stored values
     /// ([`super::LUMA_WEIGHTS`]), or on linear ones with [`OpenOptions::linearise`]; alpha is ignored. A photograph is
-    /// turned as its EXIF orientation says.
+    /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused, unless
+    /// [`OpenOptions::full_scale`] says which value of all their files becomes 1.
+    ///
+    /// **Damaged files.** What a file announces is compared with its length before it is decoded. Raw files, and pictures
+    /// whose decoding takes much memory, are decoded by a [`super::DecodeWorker`] where one is installed.
     ///
     /// Frames are decoded in parallel; `monitor` hears of every frame and is asked before each.
     ///
@@ -44,7 +48,8 @@ impl Burst {
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
-        let raw = read(inputs, options, &|frames| Ticker::new(monitor, frames))?;
+        let mut raw = read(inputs, options, monitor, &|frames| Ticker::new(monitor, frames))?;
+        let remarks = Remark::of(&mut raw.frames);
         let levels = Levels::of(&raw.frames, options.full_scale, options.black_level)?;
         let calibration = calibration(&raw, levels, options, monitor)?;
         let integer = raw.frames.iter().all(|f| !matches!(f.scale, FileScale::Data { integer: false, .. }));
@@ -69,6 +74,7 @@ impl Burst {
             encoding,
             binning,
             suggested_full_scale,
+            remarks,
             sources: inputs.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect(),
         })
     }
@@ -83,7 +89,7 @@ fn calibration(
 ) -> Result<Calibration, OpenError> {
     let mean = |path: &Path, kind| -> Result<_, OpenError> {
         // Quiet, because its progress would begin anew after the burst's own.
-        let frames = read(&[path.to_path_buf()], options, &|_| Ticker::quiet(monitor))?;
+        let frames = read(&[path.to_path_buf()], options, monitor, &|_| Ticker::quiet(monitor))?;
         Ok((mean_in_unit_of(&burst.frames, levels, &frames.frames, kind, path)?, frames.frames[0].scale))
     };
     let bias = match &options.bias {
@@ -114,6 +120,7 @@ struct RawBurst {
 fn read<'a>(
     inputs: &[PathBuf],
     options: &OpenOptions,
+    monitor: &Monitor,
     ticker: &dyn Fn(usize) -> Ticker<'a>,
 ) -> Result<RawBurst, OpenError> {
     let limits = &options.limits;
@@ -126,15 +133,23 @@ fn read<'a>(
     let Some(first) = files.first() else {
         return Err(OpenError::NothingGiven);
     };
-    let header = decode::header(first, options)?;
+    let (header, decoded) = decode::header(first, options, monitor)?;
     if files.len() == 1 {
         let ticker = ticker(header.frames);
-        let frames = decode::stack(first, options, &ticker)?;
+        let frames = match decoded {
+            Some(frame) => {
+                ticker.tick();
+                vec![frame]
+            }
+            None => decode::stack(first, options, &ticker)?,
+        };
         let name = file_name(first);
         let frame_names = match frames.len() {
             1 => vec![name],
             n => (0..n).map(|t| format!("{name} [{t}]")).collect(),
         };
+        let page = |t: usize| PathBuf::from(format!("{} (frame {t})", first.display()));
+        check_samples(&frames, options, page)?;
         let origins = (0..frames.len()).map(|t| (first.clone(), t)).collect();
         return Ok(RawBurst { name: source.name, frames, frame_names, origins });
     }
@@ -142,19 +157,39 @@ fn read<'a>(
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
     let ticker = ticker(files.len());
     let expected = Expected { first, size };
+    let decoded = Mutex::new(decoded);
     let frames = in_order(files.len(), |i| {
         ticker.check()?;
-        let frame = decode::frame(&files[i], expected, options)?;
+        let ready = if i == 0 { decoded.lock().unwrap_or_else(PoisonError::into_inner).take() } else { None };
+        let frame = ready.map_or_else(|| decode::frame(&files[i], Some(expected), options, monitor), Ok)?;
         ticker.tick();
         Ok(frame)
     })?;
-    let kind = |f: &RawFrame| (std::mem::discriminant(&f.scale), f.binning);
-    if let Some(odd) = frames.iter().position(|f| kind(f) != kind(&frames[0])) {
-        return Err(OpenError::MixedSamples { first: first.clone(), path: files[odd].clone() });
-    }
+    check_samples(&frames, options, |t| files[t].clone())?;
     let frame_names = files.iter().map(|f| file_name(f)).collect();
     let origins = files.into_iter().map(|f| (f, 0)).collect();
     Ok(RawBurst { name: source.name, frames, frame_names, origins })
+}
+
+/// Whether the frames' values have a unit in common; `path` names a frame.
+fn check_samples(
+    frames: &[RawFrame],
+    options: &OpenOptions,
+    path: impl Fn(usize) -> PathBuf,
+) -> Result<(), OpenError> {
+    let Some((first, others)) = frames.split_first() else { return Ok(()) };
+    for (t, frame) in others.iter().enumerate() {
+        let (first_kind, kind) = (std::mem::discriminant(&first.scale), std::mem::discriminant(&frame.scale));
+        if first_kind != kind || first.binning != frame.binning {
+            return Err(OpenError::MixedSamples { first: path(0), path: path(t + 1) });
+        }
+        // A full scale of one's own is a value of all files alike.
+        let (first_samples, samples) = (first.scale.samples(), frame.scale.samples());
+        if first_samples != samples && options.full_scale.is_none() {
+            return Err(OpenError::MixedBits { first: path(0), first_samples, path: path(t + 1), samples });
+        }
+    }
+    Ok(())
 }
 
 fn file_name(path: &Path) -> String {

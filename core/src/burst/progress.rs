@@ -24,6 +24,11 @@ impl<'a> Ticker<'a> {
         Self { quiet: true, ..Self::new(monitor, 0) }
     }
 
+    /// The monitor that is asked and told.
+    pub(super) fn monitor(&self) -> &'a Monitor {
+        self.monitor
+    }
+
     /// Fails once the user cancelled.
     pub(super) fn check(&self) -> Result<(), OpenError> {
         Ok(self.monitor.check()?)

@@ -141,6 +141,9 @@ impl FeatureStore {
         if job.open.linearise {
             settings.insert("linearise".to_owned(), json!(true));
         }
+        if job.open.accept_damaged {
+            settings.insert("accept_damaged".to_owned(), json!(true));
+        }
         Manifest::check_folder(folder)?;
         let made_with = Manifest::new(Value::Object(settings));
         let (comparison, rules) = (Comparison::default(), OutputRules::default());

@@ -5,6 +5,7 @@ use crate::app::pane::PaneId;
 use crate::app::project::Busy;
 use crate::app::project::cursor::played;
 use crate::app::project::pair::Side;
+use crate::app::session::Session;
 use crate::app::window::BurstscopeApp;
 use crate::dataset::DatasetSource;
 use crate::engine::{BurstJobs, JobAnswer, PairJobs, Update};
@@ -81,7 +82,7 @@ impl BurstscopeApp {
                 self.model.messages.resolved("Open");
                 self.model.messages.note(format!("Opened {}", describe_burst(&burst)));
                 for note in burst.burst.notes() {
-                    self.model.messages.note(format!("{}; see File > Calibration", note.text));
+                    self.model.messages.note(note.for_window());
                 }
                 let before = self.model.burst.as_ref().map(|open| open.source.clone());
                 self.model.take_burst(burst);
@@ -115,8 +116,23 @@ impl BurstscopeApp {
                     self.open_dataset(DatasetSource::of_bursts(paths));
                 }
             }
-            Err(error) => self.model.messages.error("Open", error.to_string()),
+            Err(error) => {
+                self.model.messages.error("Open", error.to_string());
+                if let Some(session) = session {
+                    self.restore_without_burst(*session);
+                }
+            }
         }
+    }
+
+    /// Takes over what a session holds besides its burst, which could not be opened; the burst that is open stays.
+    fn restore_without_burst(&mut self, session: Session) {
+        session.apply_without_burst(&mut self.model);
+        self.restore_dataset(session.dataset.clone());
+        self.restore_trajectories(session.trajectories.clone());
+        let panes = session.workspaces();
+        self.restore_pair(session.pair, panes);
+        self.model.messages.note("The session was restored without its burst");
     }
 
     /// Forgets what was asked for the open bursts: another one is open.

@@ -61,6 +61,8 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
         });
         ui.checkbox(&mut options.linearise, "Linear light")
             .on_hover_text("Undo the sRGB encoding of 8 and 16-bit pictures");
+        ui.checkbox(&mut options.accept_damaged, "Accept damaged JPEG frames")
+            .on_hover_text("Take them as far as they can be decoded; the rest of such a frame is grey");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             if ui

@@ -194,22 +194,14 @@ impl Session {
 
     /// Puts what the session holds into the model, whose burst was just opened.
     pub fn apply(&self, model: &mut Model) {
-        model.set_search(self.params.clone());
-        model.calibration = self.calibration.clone();
+        self.apply_without_burst(model);
         let pane = model.panes.of_mut(Side::A);
         (pane.cursor, pane.slope_chosen, pane.view, pane.content) = (self.scrub, true, self.view, Content::Cursor);
         if self.panes.is_none() {
             model.panes.show_alone(PaneId::of(Side::A));
         }
         self.workspaces().apply(&mut model.panes);
-        model.look = self.look.clone();
-        model.filter = self.filter;
-        model.order = self.order;
-        model.colour_by = self.colour_by;
-        model.bottom_tab = self.bottom_tab;
         model.reselect = self.selection;
-        model.workspace = self.workspace;
-        model.compare.look = self.methods.clone().sanitised();
         if let Some(before) = &self.methods_before {
             before.apply(model, self.pair.burst.is_some());
         }
@@ -217,6 +209,19 @@ impl Session {
         model.restore_probe(self.probe);
         model.restore_against(self.against.clone());
         model.check_params();
+    }
+
+    /// Puts into the model what is of no burst: parameters, calibration, and how things are shown.
+    pub fn apply_without_burst(&self, model: &mut Model) {
+        model.set_search(self.params.clone());
+        model.calibration = self.calibration.clone();
+        model.look = self.look.clone();
+        model.filter = self.filter;
+        model.order = self.order;
+        model.colour_by = self.colour_by;
+        model.bottom_tab = self.bottom_tab;
+        model.workspace = self.workspace;
+        model.compare.look = self.methods.clone().sanitised();
     }
 }
 

@@ -1,21 +1,31 @@
 //! PNG, JPEG, PNM, WebP and BMP. Of an animation, the first picture is taken.
 
+use super::child::{self, Budget};
+use super::jpeg::{Soundness, soundness};
+use super::png::PngPicture;
 use super::turned::{turned, turned_size};
-use super::{Expected, FileScale, Header, RawFrame, frame_from_data, read_failure};
+use super::wire::Part;
+use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_from_data};
 use crate::burst::encoding::Encoding;
 use crate::burst::error::OpenError;
 use crate::burst::limits::Limits;
 use crate::burst::luma::{Curve, Sample, grey_from_interleaved};
 use crate::burst::options::OpenOptions;
+use crate::files::read_bytes;
+use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Cursor};
 use std::path::Path;
 
+/// What a decoder may take besides the pixels, bytes.
+const BESIDES_BYTES: u64 = 1 << 26;
+
 pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, OpenError> {
-    let mut decoder = decoder(path, file, format, limits)?;
+    let bytes = jpeg_bytes(path, format, limits)?;
+    let mut decoder = decoder(path, file, &bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
     let (width, height) = turned_size((width as usize, height as usize), orientation(&mut decoder));
@@ -24,19 +34,35 @@ pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limi
 
 pub(super) fn frame(
     path: &Path,
-    file: File,
+    input: InputFile,
     format: ImageFormat,
-    expected: Expected<'_>,
+    expected: Option<Expected<'_>>,
     options: &OpenOptions,
+    monitor: &Monitor,
 ) -> Result<RawFrame, OpenError> {
     let limits = &options.limits;
-    let mut decoder = decoder(path, file, format, limits)?;
+    let bytes = jpeg_bytes(path, format, limits)?;
+    let mut decoder = decoder(path, input.file, &bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
     let size = (width as usize, height as usize);
     let orientation = orientation(&mut decoder);
-    expected.check(path, turned_size(size, orientation))?;
+    Expected::check(expected, path, turned_size(size, orientation))?;
     let color = decoder.color_type();
+    let pixels = u64::from(width) * u64::from(height);
+    let taken = pixels * bytes_per_pixel(format, color);
+    if child::takes(taken) {
+        drop(decoder);
+        let budget = Budget::new(input.length, pixels, 2 * taken);
+        return child::decode(path, name(format), Part::Only, expected, options, budget, monitor);
+    }
+    let damage = match soundness_of(format, &bytes) {
+        Soundness::Damaged(reason) if !options.accept_damaged => {
+            return Err(OpenError::Corrupt { path: path.into(), kind: name(format), reason });
+        }
+        Soundness::Damaged(reason) => Some(reason),
+        Soundness::Whole | Soundness::Unknown => None,
+    };
     let channels = usize::from(color.channel_count());
     let values = size.0 * size.1 * channels;
     let failure = |e: ImageError| failure(path, format, e);
@@ -45,7 +71,7 @@ pub(super) fn frame(
         let is_photograph = is_byte && (channels > 2 || matches!(format, ImageFormat::Jpeg | ImageFormat::WebP));
         let encoding = if is_photograph && !options.linearise { Encoding::Srgb } else { Encoding::Linear };
         let plane = turned(Plane::from_vec(size.0, size.1, values), orientation);
-        RawFrame { plane, scale: FileScale::Range(largest), encoding, binning: 1 }
+        RawFrame { encoding, damage, ..RawFrame::linear(plane, FileScale::Range(largest)) }
     };
     match color {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
@@ -82,31 +108,72 @@ fn read<T: Sample + bytemuck::Pod>(decoder: impl ImageDecoder, count: usize) -> 
     Ok(values)
 }
 
-fn decoder(
+/// Bytes that decoding takes for a pixel, at most: the samples, the value that they become, and what the decoder keeps.
+fn bytes_per_pixel(format: ImageFormat, color: ColorType) -> u64 {
+    let kept = match format {
+        // Coefficients of 16 bit of a progressive picture.
+        ImageFormat::Jpeg => 2 * u64::from(color.channel_count()),
+        ImageFormat::WebP => 4,
+        _ => 0,
+    };
+    u64::from(color.bytes_per_pixel()) + size_of::<f32>() as u64 + kept
+}
+
+/// Whether the picture's data is all there, where its decoder would not say.
+fn soundness_of(format: ImageFormat, bytes: &[u8]) -> Soundness {
+    if format == ImageFormat::Jpeg { soundness(bytes, &[]) } else { Soundness::Unknown }
+}
+
+/// The whole file of a JPEG, which its decoder needs at once, and which is looked through; nothing of others.
+fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>, OpenError> {
+    if format != ImageFormat::Jpeg {
+        return Ok(Vec::new());
+    }
+    // Films and second pictures may follow a picture.
+    let most = limits.max_pixels.saturating_mul(4).saturating_add(BESIDES_BYTES);
+    read_bytes(path, most).map_err(|e| OpenError::from_io(path, &e))
+}
+
+/// The decoder of a file, or of `bytes`, which are those of a JPEG.
+fn decoder<'a>(
     path: &Path,
     file: File,
+    bytes: &'a [u8],
     format: ImageFormat,
     limits: &Limits,
-) -> Result<impl ImageDecoder + use<>, OpenError> {
-    let mut reader = ImageReader::with_format(BufReader::with_capacity(1 << 16, file), format);
-    let mut own = image::Limits::no_limits();
+) -> Result<Box<dyn ImageDecoder + 'a>, OpenError> {
+    let file = BufReader::with_capacity(1 << 16, file);
     // Sizes are checked by `Limits` before pixels are read; this bounds what a decoder takes besides: at most four
     // channels of four bytes.
-    own.max_alloc = Some(limits.max_pixels.saturating_mul(16).saturating_add(1 << 26));
-    reader.limits(own);
-    reader.into_decoder().map_err(|e| failure(path, format, e))
+    let max_bytes = limits.max_pixels.saturating_mul(16).saturating_add(BESIDES_BYTES);
+    let mut own = image::Limits::no_limits();
+    own.max_alloc = Some(max_bytes);
+    let fail = |e| failure(path, format, e);
+    match format {
+        ImageFormat::Png => Ok(Box::new(PngPicture::new(file, max_bytes).map_err(fail)?)),
+        ImageFormat::Jpeg => {
+            let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+            reader.limits(own);
+            Ok(Box::new(reader.into_decoder().map_err(fail)?))
+        }
+        _ => {
+            let mut reader = ImageReader::with_format(file, format);
+            reader.limits(own);
+            Ok(Box::new(reader.into_decoder().map_err(fail)?))
+        }
+    }
 }
 
 fn failure(path: &Path, format: ImageFormat, error: ImageError) -> OpenError {
     let (path, kind) = (path.to_path_buf(), name(format));
     match error {
-        ImageError::IoError(e) => read_failure(&path, kind, &e),
+        ImageError::IoError(e) => OpenError::from_read(&path, kind, &e),
         ImageError::Unsupported(e) => OpenError::Unsupported { path, kind, reason: e.to_string() },
         ImageError::Limits(e) => OpenError::BeyondLimit {
             path,
             found: e.to_string(),
             limit: "the memory of the largest frame allowed".into(),
-            remedy: "crop or shrink the frame",
+            remedy: "crop or shrink the frame".into(),
         },
         ImageError::Decoding(_) | ImageError::Encoding(_) | ImageError::Parameter(_) => {
             OpenError::Corrupt { path, kind, reason: error.to_string() }

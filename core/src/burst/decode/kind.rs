@@ -1,5 +1,6 @@
 //! Which kind of file one is: told by its first bytes, and of raw files also by their names.
 
+use crate::burst::error::OpenError;
 use std::path::Path;
 
 /// A kind of file that can be decoded.
@@ -42,6 +43,37 @@ pub(super) fn is_video(start: &[u8]) -> bool {
         ]
         .iter()
         .any(|magic| at(0, magic))
+}
+
+/// The name of the kind that a file's name says, as [`Kind::name`] says it; `None` where it says none.
+pub(super) fn named_kind(path: &Path) -> Option<&'static str> {
+    if has_raw_extension(path) {
+        return Some(Kind::Raw.name());
+    }
+    Some(match &*path.extension()?.to_string_lossy().to_lowercase() {
+        "png" => "PNG",
+        "jpg" | "jpeg" => "JPEG",
+        "tif" | "tiff" => "TIFF",
+        "npy" => "NPY",
+        "webp" => "WebP",
+        "bmp" => "BMP",
+        "pgm" | "ppm" | "pnm" | "pbm" | "pam" => "PNM",
+        _ => return None,
+    })
+}
+
+/// The error of a file that begins with `start`, as no kind does that can be decoded.
+pub(super) fn unknown(path: &Path, start: &[u8]) -> OpenError {
+    let path = path.to_path_buf();
+    // The signature of a PNG is made so that this can be told: a transfer as text changes it.
+    if start.get(1..4) == Some(b"PNG") {
+        let reason = "its first bytes are changed, as by a transfer as text or of seven bits".to_owned();
+        return OpenError::Corrupt { path, kind: "PNG", reason };
+    }
+    match named_kind(&path) {
+        Some(named) => OpenError::NotAsNamed { path, named },
+        None => OpenError::UnknownKind { path },
+    }
 }
 
 /// The kind that the first bytes tell; `None` for what cannot be decoded.

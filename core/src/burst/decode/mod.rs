@@ -1,27 +1,40 @@
 //! From one file to float frames. The kind of a file is told by its first bytes, not by its name.
+//!
+//! A [`look`] at what the file declares comes before every decoder. Decoders that are not ours run in a process of their
+//! own ([`child`]) where they could take much memory, and always for raw files.
 
+mod child;
 mod image;
+mod jpeg;
 mod kind;
+mod look;
 mod npy;
 mod npy_header;
+mod png;
 #[cfg(feature = "raw")]
 mod raw;
 #[cfg(feature = "raw")]
 mod raw_levels;
+mod serve;
 mod tiff;
 mod tiff_tiles;
 mod turned;
+mod wire;
 
+pub use child::DecodeWorker;
 pub(super) use kind::RAW_EXTENSIONS;
+pub use serve::serve_decoding;
 
 use super::encoding::Encoding;
 use super::error::OpenError;
 use super::options::OpenOptions;
 use super::progress::Ticker;
+use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
-use kind::{Kind, has_raw_extension, is_video, kind_of};
+use kind::{Kind, has_raw_extension, is_video, kind_of, named_kind};
+use look::{Directories, Refusal, check_picture};
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// What a file's values mean.
@@ -45,6 +58,23 @@ pub(super) enum FileScale {
     },
 }
 
+impl FileScale {
+    /// What the samples of a file are; frames whose samples differ are not in one unit. A raw file says for itself what
+    /// is white in it.
+    pub(super) fn samples(self) -> &'static str {
+        match self {
+            Self::Range(1.0) => "1 bit",
+            Self::Range(127.0) => "8 bit with a sign",
+            Self::Range(255.0) => "8 bit",
+            Self::Range(32767.0) => "16 bit with a sign",
+            Self::Range(_) => "16 bit",
+            Self::Raw { .. } => "raw values",
+            Self::Data { integer: true, .. } => "integers of 32 or 64 bit",
+            Self::Data { integer: false, .. } => "floats",
+        }
+    }
+}
+
 /// One decoded frame.
 #[derive(Debug)]
 pub(super) struct RawFrame {
@@ -56,12 +86,16 @@ pub(super) struct RawFrame {
     pub encoding: Encoding,
     /// Pixels of the sensor along a side of one pixel of the plane: 1 unless a mosaic of colours was binned.
     pub binning: usize,
+    /// Why a part of it is made up, which was accepted.
+    pub damage: Option<String>,
+    /// The kind of its file, where the name says another.
+    pub misnamed: Option<&'static str>,
 }
 
 impl RawFrame {
     /// Values that are proportional to light, as far as the file says.
-    fn linear(plane: Plane, scale: FileScale) -> Self {
-        Self { plane, scale, encoding: Encoding::Linear, binning: 1 }
+    pub(super) fn linear(plane: Plane, scale: FileScale) -> Self {
+        Self { plane, scale, encoding: Encoding::Linear, binning: 1, damage: None, misnamed: None }
     }
 }
 
@@ -86,11 +120,14 @@ pub(super) struct Expected<'a> {
 }
 
 impl Expected<'_> {
-    fn check(&self, path: &Path, size: (usize, usize)) -> Result<(), OpenError> {
-        if size == self.size {
-            return Ok(());
+    /// Whether the file `path` has the size that is expected, if any is.
+    fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<(), OpenError> {
+        match expected {
+            Some(Self { first, size: first_size }) if size != first_size => {
+                Err(OpenError::DifferentSizes { first: first.into(), first_size, path: path.into(), size })
+            }
+            _ => Ok(()),
         }
-        Err(OpenError::DifferentSizes { first: self.first.into(), first_size: self.size, path: path.into(), size })
     }
 }
 
@@ -104,104 +141,173 @@ pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
     if ["png", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"].contains(&&*extension) {
         return Ok(1);
     }
-    let (file, kind) = open(path)?;
-    guarded(path, kind, || match kind {
-        Kind::Raw => Ok(1),
-        Kind::Npy => Ok(npy_header::read(path, file, &OpenOptions::default().limits)?.frames),
-        Kind::Tiff => tiff::frame_count(path, file),
-        Kind::Picture(_) => Ok(1),
+    // A thumbnail may stand between two pages.
+    const PAGES: usize = 3;
+    let input = InputFile::open(path, PAGES)?;
+    guarded(path, input.kind, || match input.kind {
+        Kind::Raw | Kind::Picture(_) => Ok(1),
+        Kind::Npy => Ok(npy_header::read(path, input.file, &OpenOptions::default().limits)?.frames),
+        Kind::Tiff => tiff::frame_count(path, input),
     })
 }
 
-/// What the file declares, checked against the limits.
-pub(super) fn header(path: &Path, options: &OpenOptions) -> Result<Header, OpenError> {
+/// What the file declares, checked against the limits. A raw file says little before it is decoded: of it the frame is
+/// answered too.
+pub(super) fn header(
+    path: &Path,
+    options: &OpenOptions,
+    monitor: &Monitor,
+) -> Result<(Header, Option<RawFrame>), OpenError> {
     let limits = &options.limits;
-    let (file, kind) = open(path)?;
-    guarded(path, kind, || match kind {
-        #[cfg(feature = "raw")]
-        Kind::Raw => raw::header(path, options),
-        #[cfg(not(feature = "raw"))]
-        Kind::Raw => Err(without_raw(path)),
-        Kind::Npy => {
-            let header = npy_header::read(path, file, limits)?;
-            Ok(Header { width: header.width, height: header.height, frames: header.frames })
+    let input = InputFile::open(path, usize::MAX)?;
+    guarded(path, input.kind, || match input.kind {
+        Kind::Raw => {
+            let misnamed = input.misnamed;
+            let frame = RawFrame { misnamed, ..raw_frame(path, &input, None, options, monitor)? };
+            let (width, height) = frame.plane.size();
+            Ok((Header { width, height, frames: 1 }, Some(frame)))
         }
-        Kind::Tiff => tiff::header(path, file, limits),
-        Kind::Picture(format) => image::header(path, file, format, limits),
+        Kind::Npy => {
+            let header = npy_header::read(path, input.file, limits)?;
+            Ok((Header { width: header.width, height: header.height, frames: header.frames }, None))
+        }
+        Kind::Tiff => Ok((tiff::header(path, input, limits)?, None)),
+        Kind::Picture(format) => Ok((image::header(path, input.file, format, limits)?, None)),
     })
 }
 
 /// The frame of a file that holds one frame.
-pub(super) fn frame(path: &Path, expected: Expected<'_>, options: &OpenOptions) -> Result<RawFrame, OpenError> {
-    let limits = &options.limits;
-    let (file, kind) = open(path)?;
-    guarded(path, kind, || match kind {
-        #[cfg(feature = "raw")]
-        Kind::Raw => raw::frame(path, expected, options),
-        #[cfg(not(feature = "raw"))]
-        Kind::Raw => Err(without_raw(path)),
-        Kind::Npy => npy::frame(path, file, expected, limits),
-        Kind::Tiff => tiff::frame(path, file, expected, options),
-        Kind::Picture(format) => image::frame(path, file, format, expected, options),
-    })
+pub(super) fn frame(
+    path: &Path,
+    expected: Option<Expected<'_>>,
+    options: &OpenOptions,
+    monitor: &Monitor,
+) -> Result<RawFrame, OpenError> {
+    let input = InputFile::open(path, usize::MAX)?;
+    let misnamed = input.misnamed;
+    let frame = guarded(path, input.kind, || match input.kind {
+        Kind::Raw => raw_frame(path, &input, expected, options, monitor),
+        Kind::Npy => npy::frame(path, input.file, expected, &options.limits),
+        Kind::Tiff => tiff::frame(path, input, expected, options, monitor),
+        Kind::Picture(format) => image::frame(path, input, format, expected, options, monitor),
+    })?;
+    Ok(RawFrame { misnamed, ..frame })
 }
 
 /// All frames of a file that may hold several.
 pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
-    let limits = &options.limits;
-    let (file, kind) = open(path)?;
-    guarded(path, kind, || match kind {
-        #[cfg(feature = "raw")]
-        Kind::Raw => {
-            let frame = raw::read(path, options)?;
+    let input = InputFile::open(path, usize::MAX)?;
+    let misnamed = input.misnamed;
+    let mut frames = match input.kind {
+        Kind::Npy => guarded(path, input.kind, || npy::stack(path, input.file, &options.limits, ticker)),
+        Kind::Tiff => guarded(path, input.kind, || tiff::stack(path, input, options, ticker)),
+        Kind::Raw | Kind::Picture(_) => {
+            let frame = frame(path, None, options, ticker.monitor());
             ticker.tick();
-            Ok(vec![frame])
+            frame.map(|frame| vec![frame])
         }
-        #[cfg(not(feature = "raw"))]
-        Kind::Raw => Err(without_raw(path)),
-        Kind::Npy => npy::stack(path, file, limits, ticker),
-        Kind::Tiff => tiff::stack(path, file, options, ticker),
-        Kind::Picture(format) => {
-            let header = image::header(path, file, format, limits)?;
-            let expected = Expected { first: path, size: (header.width, header.height) };
-            let frame = frame(path, expected, options)?;
-            ticker.tick();
-            Ok(vec![frame])
-        }
-    })
+    }?;
+    frames.iter_mut().for_each(|frame| frame.misnamed = misnamed);
+    Ok(frames)
 }
 
-/// Opens a regular file that is not empty and tells its kind. The file stands at its start.
-fn open(path: &Path) -> Result<(File, Kind), OpenError> {
-    let read_error = |e: std::io::Error| OpenError::from_io(path, &e);
-    let metadata = std::fs::metadata(path).map_err(read_error)?;
-    if !metadata.is_file() {
-        return Err(OpenError::NotAFile { path: path.into() }); // opening a pipe would wait for ever
+/// One page of a TIFF, which is frame `frame` of its burst.
+fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, OpenError> {
+    let input = InputFile::open(path, usize::MAX)?;
+    guarded(path, Kind::Tiff, || tiff::page(path, input, page, frame, options))
+}
+
+/// The frame of a raw file, decoded in a process of its own where there is one.
+fn raw_frame(
+    path: &Path,
+    input: &InputFile,
+    expected: Option<Expected<'_>>,
+    options: &OpenOptions,
+    monitor: &Monitor,
+) -> Result<RawFrame, OpenError> {
+    if !cfg!(feature = "raw") {
+        return Err(without_raw(path));
     }
-    if metadata.len() == 0 {
-        return Err(OpenError::EmptyFile { path: path.into() });
+    if child::is_installed() {
+        // Two pixels a byte are more than any camera packs; a directory says how many there are.
+        let packed = input.length.saturating_mul(2);
+        let pixels = input.directories.as_ref().map_or(packed, Directories::pixels).min(options.limits.max_pixels);
+        const DECODER_BYTES_PER_PIXEL: u64 = 32;
+        let budget = child::Budget::new(input.length, pixels, pixels.saturating_mul(DECODER_BYTES_PER_PIXEL));
+        return child::decode(path, Kind::Raw.name(), wire::Part::Only, expected, options, budget, monitor);
     }
-    let mut file = File::open(path).map_err(read_error)?;
-    let mut start = Vec::with_capacity(32);
-    (&mut file).take(32).read_to_end(&mut start).map_err(read_error)?;
-    file.seek(SeekFrom::Start(0)).map_err(read_error)?;
-    // A raw file may lie in a film's container.
-    if is_video(&start) && !has_raw_extension(path) {
-        return Err(OpenError::Video { path: path.into() });
+    #[cfg(feature = "raw")]
+    let frame = raw::frame(path, expected, options);
+    #[cfg(not(feature = "raw"))]
+    let frame = Err(without_raw(path));
+    frame
+}
+
+/// A file that was looked at.
+struct InputFile {
+    /// It stands at its start.
+    file: File,
+    /// Bytes.
+    length: u64,
+    kind: Kind,
+    /// The name of its kind, where its own name says another.
+    misnamed: Option<&'static str>,
+    /// Those of a TIFF, and of raw files that are TIFFs.
+    directories: Option<Directories>,
+}
+
+impl InputFile {
+    /// Opens a regular file that is not empty, tells its kind and looks at what it declares; at no more than the first
+    /// `pages` pages of a TIFF.
+    fn open(path: &Path, pages: usize) -> Result<Self, OpenError> {
+        let read_error = |e: std::io::Error| OpenError::from_io(path, &e);
+        let metadata = std::fs::metadata(path).map_err(read_error)?;
+        if !metadata.is_file() {
+            return Err(OpenError::NotAFile { path: path.into() }); // opening a pipe would wait for ever
+        }
+        let length = metadata.len();
+        if length == 0 {
+            return Err(OpenError::EmptyFile { path: path.into() });
+        }
+        let mut file = File::open(path).map_err(read_error)?;
+        let mut start = Vec::with_capacity(32);
+        (&mut file).take(32).read_to_end(&mut start).map_err(read_error)?;
+        // A raw file may lie in a film's container.
+        let is_raw = has_raw_extension(path);
+        if is_video(&start) && !is_raw {
+            return Err(OpenError::Video { path: path.into() });
+        }
+        let mut kind = match kind_of(&start) {
+            // What the program that wrote it calls raw; a DNG is one by whatever name.
+            None if is_raw => Kind::Raw,
+            Some(Kind::Tiff) if is_raw => Kind::Raw,
+            Some(kind) => kind,
+            None => return Err(kind::unknown(path, &start)),
+        };
+        let mut reader = BufReader::with_capacity(512, &mut file);
+        let mut directories = None;
+        let looked = match kind {
+            Kind::Tiff | Kind::Raw if kind_of(&start) == Some(Kind::Tiff) => {
+                Directories::read(&mut reader, length, is_raw, pages).and_then(|found| {
+                    if found.is_dng {
+                        kind = Kind::Raw;
+                        found.check_chunks(&mut reader, length)?;
+                    }
+                    directories = Some(found);
+                    Ok(())
+                })
+            }
+            Kind::Picture(format) => check_picture(&mut reader, length, format),
+            Kind::Tiff | Kind::Raw | Kind::Npy => Ok(()),
+        };
+        looked.map_err(|refusal: Refusal| refusal.into_error(path, kind.name()))?;
+        file.seek(SeekFrom::Start(0)).map_err(read_error)?;
+        let misnamed = named_kind(path).filter(|named| *named != kind.name()).map(|_| kind.name());
+        Ok(Self { file, length, kind, misnamed, directories })
     }
-    let kind = match kind_of(&start) {
-        // What the program that wrote it calls raw; a DNG is one by whatever name.
-        None | Some(Kind::Tiff) if has_raw_extension(path) => Kind::Raw,
-        Some(Kind::Tiff) if tiff::is_dng(&file) => Kind::Raw,
-        Some(kind) => kind,
-        None => return Err(OpenError::UnknownKind { path: path.into() }),
-    };
-    file.seek(SeekFrom::Start(0)).map_err(read_error)?;
-    Ok((file, kind))
 }
 
 /// What is said of raw files where nothing reads them.
-#[cfg(not(feature = "raw"))]
 fn without_raw(path: &Path) -> OpenError {
     OpenError::Unsupported {
         path: path.into(),
@@ -242,14 +348,4 @@ fn frame_from_data(
         return Err(OpenError::NotFinite { path: path.into(), frame, u, v, value: values[index] });
     }
     Ok(RawFrame::linear(Plane::from_vec(size.0, size.1, values), FileScale::Data { integer, largest }))
-}
-
-/// The error of a decoder's read: a file that ends early is damaged, anything else is the system's.
-fn read_failure(path: &Path, kind: &'static str, error: &std::io::Error) -> OpenError {
-    use std::io::ErrorKind::{InvalidData, InvalidInput, Other, UnexpectedEof};
-    match error.kind() {
-        UnexpectedEof => OpenError::Corrupt { path: path.into(), kind, reason: "it ends too early".into() },
-        InvalidData | InvalidInput | Other => OpenError::Corrupt { path: path.into(), kind, reason: error.to_string() },
-        _ => OpenError::from_io(path, error),
-    }
 }

@@ -2,7 +2,7 @@
 //! either byte order, in C or Fortran order. Booleans become 0 and 1.
 
 use super::npy_header::{self, Dtype, NpyHeader};
-use super::{Expected, FileScale, RawFrame, frame_from_data, read_failure};
+use super::{Expected, FileScale, RawFrame, frame_from_data};
 use crate::burst::error::OpenError;
 use crate::burst::limits::Limits;
 use crate::burst::progress::{Ticker, in_order};
@@ -15,12 +15,17 @@ use std::path::Path;
 /// Bytes that are read and converted at once: a multiple of every value's size, and small enough for the cache.
 const BLOCK_BYTES: usize = 1 << 18;
 
-pub(super) fn frame(path: &Path, file: File, expected: Expected<'_>, limits: &Limits) -> Result<RawFrame, OpenError> {
+pub(super) fn frame(
+    path: &Path,
+    file: File,
+    expected: Option<Expected<'_>>,
+    limits: &Limits,
+) -> Result<RawFrame, OpenError> {
     let header = npy_header::read(path, reopened(path, &file)?, limits)?;
     if header.frames != 1 {
         return Err(OpenError::StackAmongFrames { path: path.into(), frames: header.frames });
     }
-    expected.check(path, (header.width, header.height))?;
+    Expected::check(expected, path, (header.width, header.height))?;
     let mut frames = stack(path, file, limits, &Ticker::quiet(&Monitor::default()))?;
     Ok(frames.remove(0))
 }
@@ -71,7 +76,7 @@ fn is_integer(dtype: Dtype) -> bool {
 
 /// Frame `t` of an array in C order.
 fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, OpenError> {
-    let fail = |e: std::io::Error| read_failure(path, "NPY", &e);
+    let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let count = header.width * header.height;
     let bytes = count * header.dtype.size();
     let mut file = File::open(path).map_err(fail)?;
@@ -96,7 +101,7 @@ fn read_fortran(
     header: &NpyHeader,
     ticker: &Ticker<'_>,
 ) -> Result<Vec<Vec<f32>>, OpenError> {
-    let fail = |e: std::io::Error| read_failure(path, "NPY", &e);
+    let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let (frames, height, width) = (header.frames, header.height, header.width);
     let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(width * height)).collect();
     file.seek(SeekFrom::Start(header.data_offset)).map_err(fail)?;

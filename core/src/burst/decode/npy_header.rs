@@ -77,7 +77,7 @@ pub(super) struct NpyHeader {
 /// Reads the header, checks the shape against the limits, and the file's length against the shape.
 pub(super) fn read(path: &Path, mut file: std::fs::File, limits: &Limits) -> Result<NpyHeader, OpenError> {
     let corrupt = |reason: &str| OpenError::Corrupt { path: path.into(), kind: "NPY", reason: reason.into() };
-    let fail = |e: std::io::Error| super::read_failure(path, "NPY", &e);
+    let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let file_bytes = file.metadata().map_err(fail)?.len();
     file.rewind().map_err(fail)?; // handles of one file share their place
     let mut start = [0u8; 10];

@@ -8,8 +8,7 @@
 
 use super::raw_levels::{BlackSteps, RawLevels};
 use super::turned::turned;
-use super::{Expected, FileScale, Header, RawFrame};
-use crate::burst::encoding::Encoding;
+use super::{Expected, FileScale, RawFrame};
 use crate::burst::error::OpenError;
 use crate::burst::luma::{Curve, grey_from_interleaved};
 use crate::burst::options::{OpenOptions, RawColour};
@@ -26,24 +25,14 @@ use std::path::Path;
 /// Bytes of a file for each pixel that is allowed, at most: float values, and what else stands in it.
 const BYTES_PER_PIXEL: u64 = 8;
 
-pub(super) fn header(path: &Path, options: &OpenOptions) -> Result<Header, OpenError> {
-    let plane = read(path, options)?.plane;
-    Ok(Header { width: plane.width(), height: plane.height(), frames: 1 })
-}
-
-pub(super) fn frame(path: &Path, expected: Expected<'_>, options: &OpenOptions) -> Result<RawFrame, OpenError> {
-    let frame = read(path, options)?;
-    expected.check(path, frame.plane.size())?;
-    Ok(frame)
-}
-
 /// The frame of a file that holds one.
-pub(super) fn read(path: &Path, options: &OpenOptions) -> Result<RawFrame, OpenError> {
+pub(super) fn frame(
+    path: &Path,
+    expected: Option<Expected<'_>>,
+    options: &OpenOptions,
+) -> Result<RawFrame, OpenError> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| OpenError::from_io(path, &e))?;
-    if is_cut_off(&bytes) {
-        return Err(OpenError::Corrupt { path: path.into(), kind: "raw", reason: "it ends too early".to_owned() });
-    }
     let source = RawSource::new_from_slice(&bytes).with_path(path);
     let corrupt = |e: rawler::RawlerError| OpenError::Corrupt { path: path.into(), kind: "raw", reason: e.to_string() };
     let decoder = rawler::get_decoder(&source).map_err(corrupt)?;
@@ -74,21 +63,9 @@ pub(super) fn read(path: &Path, options: &OpenOptions) -> Result<RawFrame, OpenE
         return Err(OpenError::NotFinite { path: path.into(), frame: 0, u, v, value });
     }
     let orientation = u8::try_from(raw.orientation.to_u16()).ok().and_then(Orientation::from_exif);
-    Ok(RawFrame {
-        plane: turned(plane, orientation.unwrap_or(Orientation::NoTransforms)),
-        scale: FileScale::Raw { white: levels.white() },
-        encoding: Encoding::Linear,
-        binning,
-    })
-}
-
-/// Whether the file is a TIFF whose first directory is not all there: the decoder would go on without the levels that
-/// stand in the rest.
-fn is_cut_off(bytes: &[u8]) -> bool {
-    let is_tiff = [b"II*\0", b"MM\0*"].iter().any(|magic| bytes.starts_with(*magic));
-    let end_of_file =
-        |e: &tiff::TiffError| matches!(e, tiff::TiffError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof);
-    is_tiff && tiff::decoder::Decoder::new(std::io::Cursor::new(bytes)).is_err_and(|e| end_of_file(&e))
+    let plane = turned(plane, orientation.unwrap_or(Orientation::NoTransforms));
+    Expected::check(expected, path, plane.size())?;
+    Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white() }) })
 }
 
 /// The part of the sensor that sees light.

@@ -1,74 +1,86 @@
 //! TIFF and BigTIFF with one page or many: grey or RGB (with or without alpha, interleaved or in planes) of 8, 16, 32
 //! or 64-bit integers or floats. Pages that are marked as thumbnails are left out.
 
+use super::child::{self, Budget};
 use super::tiff_tiles::{FileDecoder, Samples, read_samples};
+use super::jpeg::{Soundness, soundness};
+use super::look::{Directories, MAX_TEXT_BYTES};
 use super::turned::{turned, turned_size};
-use super::{Expected, FileScale, Header, RawFrame, frame_from_data, read_failure};
+use super::wire::Part;
+use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_from_data};
 use crate::burst::encoding::Encoding;
 use crate::burst::error::OpenError;
 use crate::burst::limits::Limits;
 use crate::burst::luma::{Curve, Sample, grey_from_interleaved, grey_from_planes};
 use crate::burst::options::OpenOptions;
 use crate::burst::progress::{Ticker, in_order};
-use crate::plane::Plane;
+use crate::monitor::Monitor;
+use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
 use std::fs::File;
-use std::io::{BufReader, Seek};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use tiff::ColorType;
-use tiff::decoder::{Decoder, DecodingResult};
+use tiff::TiffResult;
+use tiff::decoder::{ChunkType, Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-/// Whether the file says that it is a DNG: a TIFF whose values are those of a sensor.
-pub(super) fn is_dng(file: &File) -> bool {
-    const DNG_VERSION: Tag = Tag::Unknown(50706);
-    let again = file.try_clone().and_then(|mut file| file.rewind().map(|()| file));
-    again.is_ok_and(|file| {
-        Decoder::new(BufReader::new(file)).is_ok_and(|mut decoder| matches!(decoder.find_tag(DNG_VERSION), Ok(Some(_))))
-    })
-}
-
 /// Whether there is one frame or more: reads no further than the second.
-pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, OpenError> {
+pub(super) fn frame_count(path: &Path, input: InputFile) -> Result<usize, OpenError> {
     let limits = Limits { max_frames: 1, ..Limits::default() };
-    match pages(path, file, &limits) {
-        Ok((_, pages)) => Ok(pages.len()),
+    match Pages::read(path, input, &limits) {
+        Ok(pages) => Ok(pages.list.len()),
         Err(OpenError::BeyondLimit { .. } | OpenError::DifferentSizes { .. }) => Ok(2),
         Err(error) => Err(error),
     }
 }
 
-pub(super) fn header(path: &Path, file: File, limits: &Limits) -> Result<Header, OpenError> {
-    let ((width, height), pages) = pages(path, file, limits)?;
-    Ok(Header { width, height, frames: pages.len() })
+pub(super) fn header(path: &Path, input: InputFile, limits: &Limits) -> Result<Header, OpenError> {
+    let Pages { size: (width, height), list } = Pages::read(path, input, limits)?;
+    Ok(Header { width, height, frames: list.len() })
 }
 
 pub(super) fn frame(
     path: &Path,
-    file: File,
-    expected: Expected<'_>,
+    input: InputFile,
+    expected: Option<Expected<'_>>,
+    options: &OpenOptions,
+    monitor: &Monitor,
+) -> Result<RawFrame, OpenError> {
+    let length = input.length;
+    let pages = Pages::read(path, input, &options.limits)?;
+    let [page] = pages.list[..] else {
+        return Err(OpenError::StackAmongFrames { path: path.into(), frames: pages.list.len() });
+    };
+    Expected::check(expected, path, pages.size)?;
+    PageReader::open(path, length, options, monitor)?.read(page, 0)
+}
+
+/// Page `page`, which is frame `frame` of its burst.
+pub(super) fn page(
+    path: &Path,
+    input: InputFile,
+    page: usize,
+    frame: usize,
     options: &OpenOptions,
 ) -> Result<RawFrame, OpenError> {
-    let limits = &options.limits;
-    let second = file.try_clone().map_err(|e| OpenError::from_io(path, &e))?;
-    let (size, pages) = pages(path, second, limits)?;
-    let [page] = pages[..] else {
-        return Err(OpenError::StackAmongFrames { path: path.into(), frames: pages.len() });
-    };
-    expected.check(path, size)?;
-    let mut decoder = decoder(path, file, limits)?;
-    decoder.seek_to_image(page).map_err(|e| failure(path, e))?;
-    decode_page(path, 0, &mut decoder, options)
+    let length = input.length;
+    let pages = Pages::read(path, input, &options.limits)?;
+    if !pages.list.contains(&page) {
+        let reason = format!("it has no page {} any more", page + 1);
+        return Err(OpenError::Corrupt { path: path.into(), kind: "TIFF", reason });
+    }
+    PageReader::open(path, length, options, &Monitor::default())?.read(page, frame)
 }
 
 pub(super) fn stack(
     path: &Path,
-    file: File,
+    input: InputFile,
     options: &OpenOptions,
     ticker: &Ticker<'_>,
 ) -> Result<Vec<RawFrame>, OpenError> {
-    let limits = &options.limits;
-    let (_, pages) = pages(path, file, limits)?;
+    let length = input.length;
+    let pages = Pages::read(path, input, &options.limits)?.list;
     // A decoder finds a page by following the chain from the first, so each thread takes runs of pages rather than
     // single ones.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
@@ -76,13 +88,11 @@ pub(super) fn stack(
         pages.chunks(run).enumerate().map(|(i, run_pages)| (i * run, run_pages)).collect();
     let frames = in_order(runs.len(), |i| {
         let (first, pages) = runs[i];
-        let file = File::open(path).map_err(|e| OpenError::from_io(path, &e))?;
-        let mut decoder = decoder(path, file, limits)?;
+        let mut reader = PageReader::open(path, length, options, ticker.monitor())?;
         let mut frames = Vec::with_capacity(pages.len());
         for (k, &page) in pages.iter().enumerate() {
             ticker.check()?;
-            decoder.seek_to_image(page).map_err(|e| failure(path, e))?;
-            frames.push(decode_page(path, first + k, &mut decoder, options)?);
+            frames.push(reader.read(page, first + k)?);
             ticker.tick();
         }
         Ok(frames)
@@ -96,60 +106,154 @@ fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, 
     let mut decoder = Decoder::new(BufReader::new(file)).map_err(|e| failure(path, e))?;
     let bytes = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let mut own = tiff::decoder::Limits::default();
-    own.decoding_buffer_size = bytes(limits.max_pixels.saturating_mul(32)); // at most four samples of eight bytes
+    // At most four samples of eight bytes. Texts are held against it too, with a line to the standard error that is
+    // nobody's; so it is never below what the look at the directories allows a text.
+    own.decoding_buffer_size = bytes(limits.max_pixels.saturating_mul(32).max(MAX_TEXT_BYTES));
     own.intermediate_buffer_size = bytes(file_bytes.max(1 << 24));
     own.ifd_value_size = bytes(file_bytes.clamp(1 << 16, 1 << 26));
     decoder = decoder.with_limits(own);
     Ok(decoder)
 }
 
-/// The size of all frames, and which pages are frames.
-fn pages(path: &Path, file: File, limits: &Limits) -> Result<((usize, usize), Vec<usize>), OpenError> {
-    let fail = |e| failure(path, e);
-    let mut decoder = decoder(path, file, limits)?;
-    let (mut size, mut pages) = (None, Vec::new());
-    let announced = announced_images(&mut decoder);
-    for page in 0.. {
-        if !is_thumbnail(&mut decoder) {
-            let (width, height) = decoder.dimensions().map_err(fail)?;
-            limits.check_frame(path, width.into(), height.into())?;
-            let this = turned_size((width as usize, height as usize), orientation(&mut decoder));
-            let first_size = *size.get_or_insert(this);
-            if this != first_size {
-                let label = |p: usize| PathBuf::from(format!("{} (page {})", path.display(), p + 1));
-                return Err(OpenError::DifferentSizes {
-                    first: label(pages[0]),
-                    first_size,
-                    path: label(page),
-                    size: this,
-                });
+/// The pages that are frames.
+struct Pages {
+    /// The (columns, rows) of all of them.
+    size: (usize, usize),
+    /// Their places in the file.
+    list: Vec<usize>,
+}
+
+impl Pages {
+    fn read(path: &Path, input: InputFile, limits: &Limits) -> Result<Self, OpenError> {
+        let fail = |e| failure(path, e);
+        let InputFile { mut file, directories, .. } = input;
+        let announced = directories.and_then(|directories| announced_images(&directories, &mut file));
+        let mut decoder = decoder(path, file, limits)?;
+        let (mut size, mut list) = (None, Vec::new());
+        for page in 0.. {
+            if !is_thumbnail(&mut decoder) {
+                let (width, height) = decoder.dimensions().map_err(fail)?;
+                limits.check_frame(path, width.into(), height.into())?;
+                let this = turned_size((width as usize, height as usize), orientation(&mut decoder));
+                let first_size = *size.get_or_insert(this);
+                if this != first_size {
+                    let (first, path) = (page_name(path, list[0]), page_name(path, page));
+                    return Err(OpenError::DifferentSizes { first, first_size, path, size: this });
+                }
+                list.push(page);
+                limits.check_burst(path, list.len() as u64, width.into(), height.into())?;
             }
-            pages.push(page);
-            limits.check_burst(path, pages.len() as u64, width.into(), height.into())?;
+            if !decoder.more_images() {
+                break;
+            }
+            decoder.next_image().map_err(fail)?;
         }
-        if !decoder.more_images() {
-            break;
+        let Some(size) = size else {
+            return Err(OpenError::Unsupported {
+                path: path.into(),
+                kind: "TIFF",
+                reason: "all its pages are thumbnails; save the full pictures".into(),
+            });
+        };
+        if let Some(announced) = announced.filter(|&n| n > 1 && list.len() == 1) {
+            return Err(OpenError::Unsupported {
+                path: path.into(),
+                kind: "TIFF",
+                reason: format!(
+                    "it announces {announced} images but lists only the first, as ImageJ does in files beyond 4 GiB; save it as BigTIFF, \
+                     as a .npy stack or as an image sequence"
+                ),
+            });
         }
-        decoder.next_image().map_err(fail)?;
+        Ok(Self { size, list })
     }
-    let Some(size) = size else {
-        return Err(OpenError::Unsupported {
-            path: path.into(),
-            kind: "TIFF",
-            reason: "all its pages are thumbnails; save the full pictures".into(),
-        });
-    };
-    if let Some(announced) = announced.filter(|&n| n > 1 && pages.len() == 1) {
-        return Err(OpenError::Unsupported {
-            path: path.into(),
-            kind: "TIFF",
-            reason: format!(
-                "it announces {announced} images but lists only the first, as ImageJ does in files beyond 4 GiB; save it as BigTIFF, \
-                 as a .npy stack or as an image sequence"
-            ),
-        });
+}
+
+/// What a page is called in messages.
+fn page_name(path: &Path, page: usize) -> PathBuf {
+    PathBuf::from(format!("{} (page {})", path.display(), page + 1))
+}
+
+/// Decodes pages, one after the other.
+struct PageReader<'a> {
+    path: &'a Path,
+    decoder: FileDecoder,
+    /// Bytes of the file.
+    length: u64,
+    options: &'a OpenOptions,
+    monitor: &'a Monitor,
+}
+
+impl<'a> PageReader<'a> {
+    fn open(
+        path: &'a Path,
+        length: u64,
+        options: &'a OpenOptions,
+        monitor: &'a Monitor,
+    ) -> Result<Self, OpenError> {
+        let file = File::open(path).map_err(|e| OpenError::from_io(path, &e))?;
+        let decoder = decoder(path, file, &options.limits)?;
+        Ok(Self { path, decoder, length, options, monitor })
     }
-    Ok((size, pages))
+
+    /// Page `page`, whose size has been checked, as frame `frame` of the burst.
+    fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame, OpenError> {
+        let (path, fail) = (self.path, |e| failure(self.path, e));
+        self.decoder.seek_to_image(page).map_err(fail)?;
+        let (width, height) = self.decoder.dimensions().map_err(fail)?;
+        let pixels = u64::from(width) * u64::from(height);
+        let (chunk_width, chunk_height) = self.decoder.chunk_dimensions();
+        let chunk = u64::from(chunk_width).saturating_mul(chunk_height.into());
+        // Samples, planes of samples and the values that they become.
+        let color = self.decoder.colortype().map_err(fail)?;
+        let sample_bytes = u64::from(color.num_samples()) * u64::from(color.bit_depth()).div_ceil(8);
+        let taken = pixels.saturating_mul(2 * sample_bytes + 4).saturating_add(chunk.saturating_mul(2 * sample_bytes));
+        if child::takes(taken) {
+            let budget = Budget::new(self.length, pixels, taken.saturating_mul(2));
+            let part = Part::Page { page, frame };
+            return child::decode(path, "TIFF", part, None, self.options, budget, self.monitor);
+        }
+        let damage = match self.damage().map_err(fail)? {
+            Some(reason) if !self.options.accept_damaged => {
+                return Err(OpenError::Corrupt { path: path.into(), kind: "TIFF", reason });
+            }
+            damage => damage,
+        };
+        let decoded = decode_page(path, frame, &mut self.decoder, self.options)?;
+        Ok(RawFrame { damage, ..decoded })
+    }
+
+    /// What is missing of the page at which the decoder stands, where the decoder would not say: its strips or tiles may
+    /// be JPEGs.
+    fn damage(&mut self) -> TiffResult<Option<String>> {
+        const JPEG: u16 = 7;
+        if self.decoder.find_tag_unsigned::<u16>(Tag::Compression)? != Some(JPEG) {
+            return Ok(None);
+        }
+        let tables = match self.decoder.find_tag(Tag::JPEGTables)? {
+            Some(tables) => tables.into_u8_vec()?,
+            None => Vec::new(),
+        };
+        let (places, lengths) = match self.decoder.get_chunk_type() {
+            ChunkType::Strip => (Tag::StripOffsets, Tag::StripByteCounts),
+            ChunkType::Tile => (Tag::TileOffsets, Tag::TileByteCounts),
+        };
+        let places = self.decoder.find_tag_unsigned_vec::<u64>(places)?.unwrap_or_default();
+        let lengths = self.decoder.find_tag_unsigned_vec::<u64>(lengths)?.unwrap_or_default();
+        let mut file = File::open(self.path)?;
+        for (at, length) in places.into_iter().zip(lengths) {
+            if at.saturating_add(length) > self.length {
+                return Ok(Some("it ends before its picture data does".to_owned()));
+            }
+            let mut bytes = memory::zeroed(length as usize);
+            file.seek(SeekFrom::Start(at))?;
+            file.read_exact(&mut bytes)?;
+            if let Soundness::Damaged(reason) = soundness(&bytes, &tables) {
+                return Ok(Some(reason));
+            }
+        }
+        Ok(None)
+    }
 }
 
 /// How the camera was held. A note that is none of the eight is none.
@@ -163,8 +267,10 @@ fn is_thumbnail(decoder: &mut FileDecoder) -> bool {
 }
 
 /// The number of images that ImageJ wrote into its description.
-fn announced_images(decoder: &mut FileDecoder) -> Option<usize> {
-    let text = decoder.get_tag_ascii_string(Tag::ImageDescription).ok()?;
+fn announced_images(directories: &Directories, file: &mut File) -> Option<usize> {
+    /// Its lines are few and short.
+    const BEGINNING: usize = 1 << 16;
+    let text = directories.description(file, BEGINNING)?;
     text.starts_with("ImageJ=").then_some(())?;
     text.lines().find_map(|line| line.strip_prefix("images=")?.trim().parse().ok())
 }
@@ -246,7 +352,7 @@ fn failure(path: &Path, error: tiff::TiffError) -> OpenError {
     use tiff::TiffError::{FormatError, IntSizeError, IoError, LimitsExceeded, UnsupportedError, UsageError};
     let (path, kind) = (path.to_path_buf(), "TIFF");
     match error {
-        IoError(e) => read_failure(&path, kind, &e),
+        IoError(e) => OpenError::from_read(&path, kind, &e),
         UnsupportedError(e) => OpenError::Unsupported {
             path,
             kind,
@@ -256,7 +362,7 @@ fn failure(path: &Path, error: tiff::TiffError) -> OpenError {
             path,
             found: "a table or strip in it announces too many bytes".into(),
             limit: "what the file itself could hold".into(),
-            remedy: "copy it again, or save it anew",
+            remedy: "copy it again, or save it anew".into(),
         },
         FormatError(_) | IntSizeError | UsageError(_) => OpenError::Corrupt { path, kind, reason: error.to_string() },
     }

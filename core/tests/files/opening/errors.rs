@@ -35,7 +35,9 @@ fn missing_empty_and_foreign_files() {
     fs::write(at("zero.png"), "").expect("written");
     failure(&at("zero.png"), &["empty", "0 bytes"]);
     fs::write(at("text.png"), "this is no picture at all").expect("written");
-    failure(&at("text.png"), &["not a picture", "convert"]);
+    failure(&at("text.png"), &["named as a PNG", "damaged or of another kind"]);
+    fs::write(at("text"), "this is no picture at all").expect("written");
+    failure(&at("text"), &["not a picture", "convert"]);
     fs::write(at("a.gif"), b"GIF89a\x01\x00\x01\x00\x00\x00\x00;").expect("written");
     failure(&at("a.gif"), &["video", "ffmpeg"]);
 }
@@ -72,24 +74,6 @@ fn a_bad_picture_in_a_folder_is_named_and_never_skipped() {
         std::os::unix::fs::symlink("nowhere", folder.path().join("2.png")).expect("linked");
         let error = Burst::open(folder.path()).expect_err("a link to nowhere");
         assert!(matches!(error, OpenError::NotFound { ref path } if path.ends_with("2.png")), "{error}");
-    }
-}
-
-#[test]
-fn truncated_files_of_every_format_say_so() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name);
-    let noise = image::RgbImage::from_fn(40, 30, |u, v| image::Rgb([(u * 37 + v * 91) as u8, (u * v) as u8, v as u8]));
-    for name in ["a.png", "a.bmp", "a.ppm", "a.webp", "a.tif"] {
-        save(&at(name), &noise);
-    }
-    tiff_pages::<colortype::Gray16>(&at("b.tif"), (40, 30), &[vec![7; 1200], vec![9; 1200]]);
-    write_npy(at("a.npy"), &Array3::<u16>::zeros((3, 20, 30))).expect("written");
-    for name in ["a.png", "a.bmp", "a.ppm", "a.webp", "a.tif", "b.tif", "a.npy"] {
-        let bytes = fs::read(at(name)).expect("read");
-        fs::write(at(name), &bytes[..bytes.len() * 2 / 3]).expect("written");
-        let error = failure(&at(name), &["damaged", "copy it again"]);
-        assert!(matches!(error, OpenError::Corrupt { .. }), "{name}: {error}");
     }
 }
 
@@ -189,8 +173,8 @@ fn limits_are_checked_before_memory_is_taken() {
     }
     fails(&at("many"), "3 × 30×30");
     // A few bytes that announce a giant, against the default limits.
-    fs::write(at("giant.pgm"), "P5 200000 200000 255\n").expect("written");
-    assert!(matches!(failure(&at("giant.pgm"), &["200000×200000"]), OpenError::BeyondLimit { .. }));
+    fs::write(at("giant.pam"), "P7\nWIDTH 200000\nHEIGHT 200000\nDEPTH 1\nMAXVAL 255\nENDHDR\n").expect("written");
+    assert!(matches!(failure(&at("giant.pam"), &["200000×200000"]), OpenError::BeyondLimit { .. }));
     let giant = "{'descr': '<f8', 'fortran_order': True, 'shape': (4000, 16000, 16000), }";
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((giant.len() as u16).to_le_bytes());

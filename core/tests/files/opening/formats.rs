@@ -223,16 +223,6 @@ fn a_two_dimensional_array_is_one_frame() {
 }
 
 #[test]
-fn frames_of_8_and_16_bit_are_each_divided_by_their_own_range() {
-    let folder = folder();
-    save(&folder.path().join("1.png"), &grey8(2, 1, 255));
-    save(&folder.path().join("2.png"), &ImageBuffer::from_pixel(2, 1, Luma([65535u16])));
-    let burst = Burst::open(folder.path()).expect("opens");
-    assert_eq!((burst.frames[0].at(0, 0), burst.frames[1].at(0, 0)), (1.0, 1.0));
-    assert_eq!(burst.full_scale, 65535.0);
-}
-
-#[test]
 fn tiffs_of_rarer_layouts() {
     let folder = folder();
     let path = folder.path().join("a.tif");

@@ -2,6 +2,8 @@
 //! that are damaged at random.
 
 mod calibrating;
+mod crafted;
+mod damaged;
 #[cfg(feature = "raw")]
 mod dng;
 mod errors;

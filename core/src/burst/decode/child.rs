@@ -1,0 +1,258 @@
+//! Decoding in a process of its own, where a decoder that is not ours can do no harm.
+//!
+//! A decoder that asks for more memory than there is ends its whole process, and nothing can catch that. So raw files,
+//! and pictures whose decoding takes much memory, are decoded by a child process: the same program, with a limit of
+//! memory and of time, which sends the pixels back. What ends the child is an error about the file. The library does
+//! not know which program that is; the program says so once, by [`DecodeWorker::install`].
+
+use super::wire::{DecodeRequest, Part, receive_reply, send};
+use super::{Expected, RawFrame};
+use crate::burst::error::OpenError;
+use crate::burst::options::OpenOptions;
+use crate::monitor::Monitor;
+use std::ffi::OsString;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::thread::Thread;
+use std::time::{Duration, Instant};
+
+/// The program that decodes files in a process of its own, and the arguments that tell it to.
+///
+/// It is started with the arguments and the path of a file, and must call [`serve_decoding`](super::serve_decoding)
+/// with that path. Without one, all files are decoded in the calling process; sizes that a file announces are compared
+/// with its length all the same, but a decoder that asks for too much memory ends the process.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DecodeWorker {
+    /// The program.
+    pub program: PathBuf,
+    /// Its arguments before the path.
+    pub arguments: Vec<OsString>,
+}
+
+static WORKER: OnceLock<DecodeWorker> = OnceLock::new();
+
+impl DecodeWorker {
+    /// Has it decode files from now on, for the whole process. Answers whether it does: the first one stays.
+    pub fn install(self) -> bool {
+        WORKER.set(self).is_ok()
+    }
+}
+
+/// Decoding that takes no more memory than this is done in the calling process, unless the file is raw; bytes.
+const LARGE_BYTES: u64 = 512 << 20;
+/// Memory that a process addresses before it decodes anything: its own code, libraries and stacks; bytes.
+const BASE_BYTES: u64 = 512 << 20;
+/// Time of a processor that a file may take for each of these, seconds: far more than it does.
+const BASE_SECONDS: u64 = 10;
+const PIXELS_A_SECOND: u64 = 250_000;
+const FILE_BYTES_A_SECOND: u64 = 1_000_000;
+/// The clock may show so many times what a processor may take: machines are busy.
+const CLOCK_FACTOR: u64 = 4;
+/// How often cancelling is looked for.
+const POLL: Duration = Duration::from_millis(10);
+
+/// What a file may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Budget {
+    memory_bytes: u64,
+    cpu_seconds: u64,
+}
+
+impl Budget {
+    /// That of a file of `file_bytes` with `pixels`, for whose decoding `decoder_bytes` should be enough.
+    pub(super) fn new(file_bytes: u64, pixels: u64, decoder_bytes: u64) -> Self {
+        Self {
+            memory_bytes: BASE_BYTES.saturating_add(decoder_bytes).saturating_add(file_bytes.saturating_mul(4)),
+            cpu_seconds: BASE_SECONDS + file_bytes / FILE_BYTES_A_SECOND + pixels / PIXELS_A_SECOND,
+        }
+    }
+}
+
+/// Whether decoding that takes `bytes` belongs into a process of its own, and there is a program for it.
+pub(super) fn takes(bytes: u64) -> bool {
+    bytes > LARGE_BYTES && is_installed()
+}
+
+/// Whether there is a program that decodes.
+pub(super) fn is_installed() -> bool {
+    WORKER.get().is_some()
+}
+
+/// Has `part` of the file `path`, of the format `kind`, decoded in a process of its own.
+///
+/// # Errors
+/// What the other process says of the file; [`OpenError::Corrupt`] where it did not live to say anything.
+pub(super) fn decode(
+    path: &Path,
+    kind: &'static str,
+    part: Part,
+    expected: Option<Expected<'_>>,
+    options: &OpenOptions,
+    budget: Budget,
+    monitor: &Monitor,
+) -> Result<RawFrame, OpenError> {
+    monitor.check()?;
+    let worker = WORKER.get().ok_or_else(|| failed(path, "no program is set that decodes it".to_owned()))?;
+    let mut running = Running::start(worker, path)?;
+    let request = DecodeRequest {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        part,
+        expected: expected.map(|expected| expected.size),
+        options: OpenOptions { bias: None, flat: None, ..options.clone() },
+        limits: options.limits,
+        memory_bytes: budget.memory_bytes,
+        cpu_seconds: budget.cpu_seconds,
+    };
+    let clock = Duration::from_secs(budget.cpu_seconds.saturating_mul(CLOCK_FACTOR));
+    let (mut stdin, mut stdout, stderr) = running.pipes();
+    let first = expected.map(|expected| (expected.first, expected.size));
+    let watch = Watch { child: &running.child, monitor, until: Instant::now() + clock, done: AtomicBool::new(false) };
+    let answer = std::thread::scope(|scope| {
+        let watching = std::thread::Builder::new().spawn_scoped(scope, || watch.until_done());
+        let watching = watching.map_err(|e| failed(path, format!("a thread could not be started: {e}")))?;
+        let _over = Over { done: &watch.done, thread: watching.thread().clone() };
+        // A child that is gone already cannot be written to; what it says last is read below.
+        Ok::<_, OpenError>(
+            send(&mut stdin, &request)
+                .and_then(|()| receive_reply(&mut stdout, path, kind, first, &options.limits)),
+        )
+    })?;
+    // The child ends when nobody holds the other end of its input any more.
+    drop(stdin);
+    monitor.check()?;
+    let is_overdue = Instant::now() >= watch.until;
+    match answer {
+        Ok(answer) => answer,
+        Err(error) => {
+            let reason = running.last_words(&error, stderr, is_overdue, budget);
+            Err(OpenError::Corrupt { path: path.into(), kind, reason })
+        }
+    }
+}
+
+/// The error of a process that could not be started.
+fn failed(path: &Path, reason: String) -> OpenError {
+    OpenError::Read { path: path.into(), reason }
+}
+
+/// A child, which does not outlive this.
+struct Running {
+    child: Mutex<Child>,
+}
+
+impl Running {
+    fn start(worker: &DecodeWorker, path: &Path) -> Result<Self, OpenError> {
+        let mut command = Command::new(&worker.program);
+        command.args(&worker.arguments).arg(path);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        // One thread, and one arena of the allocator: each more would take address space that the file is to have.
+        command.env("RAYON_NUM_THREADS", "1").env("MALLOC_ARENA_MAX", "1").env("RUST_BACKTRACE", "0");
+        #[cfg(unix)]
+        {
+            // What the terminal sends (Ctrl-C) is for the program, which ends its children itself.
+            std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        }
+        let child = command.spawn();
+        let child = child.map_err(|e| failed(path, format!("the process that decodes it could not be started: {e}")))?;
+        Ok(Self { child: Mutex::new(child) })
+    }
+
+    /// Its ends of the pipes, once.
+    fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
+        let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
+        const ASKED_FOR: &str = "it was started with this pipe, and nobody took it";
+        (
+            child.stdin.take().expect(ASKED_FOR),
+            child.stdout.take().expect(ASKED_FOR),
+            child.stderr.take().expect(ASKED_FOR),
+        )
+    }
+
+    /// Why there is no answer, as the end of a sentence about the file.
+    fn last_words(&mut self, error: &io::Error, stderr: ChildStderr, is_overdue: bool, budget: Budget) -> String {
+        let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
+        // It is ending by itself, or sent what is no answer and shall end.
+        if error.kind() != io::ErrorKind::UnexpectedEof && error.kind() != io::ErrorKind::BrokenPipe {
+            let _ = child.kill();
+        }
+        let mut words = String::new();
+        let _ = stderr.take(4096).read_to_string(&mut words);
+        let status = child.wait();
+        if is_overdue || status.as_ref().is_ok_and(is_out_of_time) {
+            return format!("its decoder was not done after {} seconds", budget.cpu_seconds);
+        }
+        // The standard library says so before it gives up.
+        let refused = words.split("memory allocation of ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
+        if let Some(bytes) = refused {
+            let bytes: u64 = bytes;
+            return format!(
+                "its decoder asked for {} MiB of memory, and may have {} MiB in all",
+                bytes.div_ceil(1 << 20),
+                budget.memory_bytes >> 20
+            );
+        }
+        match status {
+            Ok(status) => format!("its decoder failed unexpectedly ({status})"),
+            Err(_) => "its decoder failed unexpectedly".to_owned(),
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
+        // Of a child that has ended nothing is left to kill.
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+}
+
+/// Whether the system ended it for taking too much time.
+fn is_out_of_time(status: &ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt;
+        status.signal() == Some(rustix::process::Signal::XCPU.as_raw())
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
+    }
+}
+
+/// Ends the child when the work is cancelled or takes too long.
+struct Watch<'a> {
+    child: &'a Mutex<Child>,
+    monitor: &'a Monitor,
+    until: Instant,
+    done: AtomicBool,
+}
+
+impl Watch<'_> {
+    fn until_done(&self) {
+        while !self.done.load(Ordering::Acquire) {
+            if self.monitor.is_cancelled() || Instant::now() >= self.until {
+                let _ = self.child.lock().unwrap_or_else(PoisonError::into_inner).kill();
+                return;
+            }
+            std::thread::park_timeout(POLL);
+        }
+    }
+}
+
+/// Tells the watch that there is nothing to watch any more, also when the reading unwinds.
+struct Over<'a> {
+    done: &'a AtomicBool,
+    thread: Thread,
+}
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.done.store(true, Ordering::Release);
+        self.thread.unpark();
+    }
+}

@@ -1,0 +1,182 @@
+//! Whether the picture data of a JPEG is all there.
+//!
+//! The decoder fills in whatever is missing and says nothing. So the file is read here once more, without computing a
+//! pixel: its markers are followed to the end of the picture (EOI), and every Huffman code of every scan is read. Data
+//! that ends before its last block, that holds a code of no table, or that lacks a scan, is damage. Bytes after the end
+//! of the picture are allowed: cameras put films and second pictures there.
+
+mod bits;
+mod huffman;
+mod scan;
+
+use huffman::Table;
+use scan::{Component, Frame, Scan};
+
+/// What is known of a JPEG without decoding it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Soundness {
+    /// All data is there.
+    Whole,
+    /// The decoder would make up a part of the picture: why.
+    Damaged(String),
+    /// Of a kind that is not read here (arithmetic coding, lossless, 12 bit): the decoder says what it thinks of it.
+    Unknown,
+}
+
+/// Reads the JPEG `bytes`, which begin with its start marker. `tables` are the segments of a file that keeps them apart,
+/// as TIFF does; usually empty.
+pub(super) fn soundness(bytes: &[u8], tables: &[u8]) -> Soundness {
+    let mut reader = Reader::default();
+    if !tables.is_empty() {
+        // Tables alone have no picture and may lack their end.
+        let _ = reader.read(tables);
+    }
+    match reader.read(bytes) {
+        Ok(()) if reader.unknown => Soundness::Unknown,
+        Ok(()) => Soundness::Whole,
+        Err(_) if reader.unknown => Soundness::Unknown,
+        Err(reason) => Soundness::Damaged(reason),
+    }
+}
+
+/// What the segments that were read say.
+#[derive(Debug, Default)]
+struct Reader {
+    dc_tables: [Option<Table>; 4],
+    ac_tables: [Option<Table>; 4],
+    /// Minimum coded units between restart markers; 0 for none.
+    restart_interval: usize,
+    frame: Option<Frame>,
+    scans: usize,
+    /// Whether there is something that is not read here.
+    unknown: bool,
+}
+
+/// Scans beyond which a file is left to the decoder, which refuses it: many scans of few bytes would take long.
+const MAX_SCANS: usize = 100;
+const TOO_EARLY: &str = "it ends too early";
+
+impl Reader {
+    /// Follows the markers to the end of the picture.
+    fn read(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let mut at = 2; // the start marker
+        loop {
+            let (marker, next) = marker_from(bytes, at).ok_or("its end marker is missing: it is cut off")?;
+            at = next;
+            match marker {
+                0xd9 => break,
+                0x01 | 0xd0..=0xd8 => continue, // no segment follows
+                _ => {}
+            }
+            let length = bytes.get(at..at + 2).map(|b| usize::from(u16::from_be_bytes([b[0], b[1]])));
+            let end = at + length.ok_or(TOO_EARLY)?.max(2);
+            let segment = bytes.get(at + 2..end).ok_or(TOO_EARLY)?;
+            at = end;
+            match marker {
+                0xc4 => self.read_huffman_tables(segment)?,
+                0xc0..=0xc2 => self.read_frame(segment, marker == 0xc2)?,
+                // Lossless, differential and arithmetic kinds; the number of lines after the scan.
+                0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf | 0xdc => self.unknown = true,
+                0xdd => {
+                    let interval = segment.first_chunk::<2>().ok_or(TOO_EARLY)?;
+                    self.restart_interval = usize::from(u16::from_be_bytes(*interval));
+                }
+                0xda => at = self.read_scan(segment, bytes, at)?,
+                _ => {}
+            }
+            if self.unknown {
+                return Ok(());
+            }
+        }
+        match &self.frame {
+            Some(frame) => frame.check_complete(),
+            None => Err("it holds no picture".to_owned()),
+        }
+    }
+
+    fn read_huffman_tables(&mut self, mut segment: &[u8]) -> Result<(), String> {
+        while let [class_and_slot, rest @ ..] = segment {
+            let counts = rest.first_chunk::<16>().ok_or("a table of codes is cut off")?;
+            let total = counts.iter().map(|&n| usize::from(n)).sum::<usize>();
+            let values = rest.get(16..16 + total).ok_or("a table of codes is cut off")?;
+            let table = Table::new(counts, values).ok_or("a table of codes is damaged")?;
+            let tables = if class_and_slot >> 4 == 0 { &mut self.dc_tables } else { &mut self.ac_tables };
+            let slot = tables.get_mut(usize::from(class_and_slot & 15)).ok_or("a table of codes is damaged")?;
+            *slot = Some(table);
+            segment = &rest[16 + total..];
+        }
+        Ok(())
+    }
+
+    fn read_frame(&mut self, segment: &[u8], progressive: bool) -> Result<(), String> {
+        let [bits, h1, h0, w1, w0, count, components @ ..] = segment else { return Err(TOO_EARLY.to_owned()) };
+        let (width, height) = (u16::from_be_bytes([*w1, *w0]), u16::from_be_bytes([*h1, *h0]));
+        let (components, _) = components.as_chunks::<3>();
+        let components = components.iter().take(usize::from(*count));
+        let components: Vec<Component> =
+            components.map(|[id, sampling, _]| Component::new(*id, sampling >> 4, sampling & 15)).collect();
+        // A height of 0 is told after the scan. What the decoder refuses as wrong, it shall say itself.
+        let read_here = *bits == 8
+            && width > 0
+            && height > 0
+            && self.frame.is_none()
+            && components.len() == usize::from(*count)
+            && (1..=4).contains(&components.len())
+            && components.iter().all(Component::is_possible);
+        if !read_here {
+            self.unknown = true;
+            return Ok(());
+        }
+        self.frame = Some(Frame::new((width.into(), height.into()), components, progressive));
+        Ok(())
+    }
+
+    /// Reads the scan whose header is `segment` and whose data begins at `start`; answers where it ends.
+    fn read_scan(&mut self, segment: &[u8], bytes: &[u8], start: usize) -> Result<usize, String> {
+        self.scans += 1;
+        if self.scans > MAX_SCANS {
+            self.unknown = true;
+            return Ok(start);
+        }
+        let frame = self.frame.as_mut().ok_or("its picture data comes before its size")?;
+        let [count, rest @ ..] = segment else { return Err(TOO_EARLY.to_owned()) };
+        let count = usize::from(*count);
+        let (Some(selectors), Some([first, last, precision])) =
+            (rest.get(..2 * count), rest.get(2 * count..2 * count + 3))
+        else {
+            return Err(TOO_EARLY.to_owned());
+        };
+        let mut chosen = Vec::with_capacity(count);
+        for pair in selectors.chunks_exact(2) {
+            let index = frame.components.iter().position(|c| c.id == pair[0]);
+            let index = index.ok_or("a scan is of a component that it does not have")?;
+            chosen.push((index, usize::from(pair[1] >> 4 & 3), usize::from(pair[1] & 3)));
+        }
+        let scan = Scan {
+            components: chosen,
+            first: usize::from(*first),
+            last: usize::from(*last),
+            high: precision >> 4,
+            low: precision & 15,
+            restart_interval: self.restart_interval,
+        };
+        frame.read_scan(&scan, [&self.dc_tables, &self.ac_tables], bytes, start)
+    }
+}
+
+/// The next marker from `at` on, and the place after it. Bytes between segments that are no marker are passed over, as
+/// the decoder does.
+fn marker_from(bytes: &[u8], at: usize) -> Option<(u8, usize)> {
+    let mut at = at;
+    loop {
+        at += bytes.get(at..)?.iter().position(|b| *b == 0xff)?;
+        at += bytes[at..].iter().take_while(|b| **b == 0xff).count();
+        match *bytes.get(at)? {
+            0 => at += 1,
+            marker => return Some((marker, at + 1)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

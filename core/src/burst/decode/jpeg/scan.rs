@@ -1,0 +1,370 @@
+//! Scans of a JPEG (ITU-T T.81, F.2 and G.2): every code is read for its length, no coefficient is computed. Of a
+//! progressive picture it is remembered which coefficients are not zero, because later scans depend on that.
+
+use super::bits::Bits;
+use super::huffman::Table;
+use crate::plane::memory;
+
+/// Coefficients of a block.
+const BLOCK: usize = 64;
+/// What says that no scan of a coefficient came yet.
+const NEVER: u8 = 255;
+
+/// A component of the picture: brightness or a colour.
+#[derive(Debug)]
+pub(super) struct Component {
+    /// What scans call it.
+    pub id: u8,
+    across: usize,
+    down: usize,
+    /// Blocks of 8×8 that hold pixels.
+    size: (usize, usize),
+    /// Blocks in a row of the picture when it is filled up to whole coded units.
+    stride: usize,
+    /// For each block of a progressive picture: which coefficients are not zero.
+    nonzero: Vec<u64>,
+    /// For each coefficient: how many low bits are still to come.
+    missing_bits: [u8; BLOCK],
+}
+
+impl Component {
+    /// One of `across`×`down` blocks in each coded unit.
+    pub(super) fn new(id: u8, across: u8, down: u8) -> Self {
+        Self {
+            id,
+            across: across.into(),
+            down: down.into(),
+            size: (0, 0),
+            stride: 0,
+            nonzero: Vec::new(),
+            missing_bits: [NEVER; BLOCK],
+        }
+    }
+
+    /// Whether the standard allows it.
+    pub(super) fn is_possible(&self) -> bool {
+        (1..=4).contains(&self.across) && (1..=4).contains(&self.down)
+    }
+}
+
+/// A picture's components.
+#[derive(Debug)]
+pub(super) struct Frame {
+    /// In the order of the file.
+    pub components: Vec<Component>,
+    /// Coded units of the picture, when all components are interleaved.
+    units: (usize, usize),
+    progressive: bool,
+}
+
+/// The header of a scan.
+#[derive(Debug)]
+pub(super) struct Scan {
+    /// Index of each component, of its table for DC and of that for AC.
+    pub components: Vec<(usize, usize, usize)>,
+    /// The first coefficient.
+    pub first: usize,
+    /// The last coefficient.
+    pub last: usize,
+    /// Low bits that were still to come before this scan; 0 for the first one of a coefficient.
+    pub high: u8,
+    /// Low bits that are still to come after it.
+    pub low: u8,
+    /// Coded units between restart markers; 0 for none.
+    pub restart_interval: usize,
+}
+
+/// Tables for DC and for AC.
+type Tables<'a> = [&'a [Option<Table>; 4]; 2];
+
+/// Why a block could not be read.
+enum Fault {
+    NoCode,
+    Overfull,
+}
+
+impl Frame {
+    /// A picture of `size` (columns, rows), both above 0, of possible components.
+    pub(super) fn new((width, height): (usize, usize), mut components: Vec<Component>, progressive: bool) -> Self {
+        let across = components.iter().map(|c| c.across).max().unwrap_or(1);
+        let down = components.iter().map(|c| c.down).max().unwrap_or(1);
+        let units = (width.div_ceil(8 * across), height.div_ceil(8 * down));
+        if let [single] = &mut components[..] {
+            // One component alone is never interleaved, whatever it says of its sampling.
+            (single.across, single.down) = (1, 1);
+            single.size = (width.div_ceil(8), height.div_ceil(8));
+            single.stride = single.size.0;
+            return Self { units: single.size, components, progressive };
+        }
+        for component in &mut components {
+            let (own_width, own_height) =
+                ((width * component.across).div_ceil(across), (height * component.down).div_ceil(down));
+            component.size = (own_width.div_ceil(8), own_height.div_ceil(8));
+            component.stride = units.0 * component.across;
+        }
+        Self { components, units, progressive }
+    }
+
+    /// Reads the data of `scan` from `start` on; answers where it ends.
+    ///
+    /// # Errors
+    /// What is wrong with it, as the end of a sentence.
+    pub(super) fn read_scan(
+        &mut self,
+        scan: &Scan,
+        tables: Tables<'_>,
+        bytes: &[u8],
+        start: usize,
+    ) -> Result<usize, String> {
+        self.check_header(scan)?;
+        // Each block takes a bit at least, but in scans of AC alone, where one code may stand for many.
+        let blocks: usize = match &scan.components[..] {
+            [(index, ..)] => self.components[*index].size.0 * self.components[*index].size.1,
+            several => several.iter().map(|(index, ..)| self.blocks_of(*index)).sum(),
+        };
+        if scan.first == 0 && blocks / 8 > bytes.len().saturating_sub(start) {
+            return Err(format!("its picture data is too short for {blocks} blocks"));
+        }
+        for (index, ..) in &scan.components {
+            let count = self.blocks_of(*index);
+            let component = &mut self.components[*index];
+            if self.progressive && component.nonzero.is_empty() {
+                component.nonzero = memory::zeroed(count);
+            }
+            for missing in &mut component.missing_bits[scan.first..=scan.last] {
+                *missing = scan.low;
+            }
+        }
+        let mut state = ScanState { scan, tables, progressive: self.progressive, bits: Bits::new(bytes, start), run: 0 };
+        state.read(self, bytes)?;
+        Ok(state.bits.place())
+    }
+
+    /// How many blocks a component has, with those that fill up coded units.
+    fn blocks_of(&self, index: usize) -> usize {
+        let component = &self.components[index];
+        component.stride * self.units.1 * component.down
+    }
+
+    /// Whether the header of a scan is possible for this picture.
+    fn check_header(&self, scan: &Scan) -> Result<(), String> {
+        let ac = scan.first > 0;
+        // What refines comes after what it refines, and all of it after the DC of a block.
+        let begun = |index: usize| self.components[index].missing_bits[if scan.high > 0 { scan.first } else { 0 }] != NEVER;
+        let possible = (1..=4).contains(&scan.components.len())
+            && ((!ac && scan.high == 0) || scan.components.iter().all(|(index, ..)| begun(*index)))
+            && scan.first <= scan.last
+            && scan.last < BLOCK
+            && scan.low < 14
+            && (!self.progressive || ac || scan.last == 0)
+            && (!ac || (self.progressive && scan.components.len() == 1))
+            && (self.progressive || (scan.last == BLOCK - 1 && scan.high == 0 && scan.low == 0));
+        if possible { Ok(()) } else { Err("the header of a scan is damaged".to_owned()) }
+    }
+
+    /// Whether all scans came.
+    ///
+    /// # Errors
+    /// That some are missing.
+    pub(super) fn check_complete(&self) -> Result<(), String> {
+        let missing = |component: &Component| component.missing_bits.iter().any(|bits| *bits != 0);
+        match self.components.iter().filter(|component| missing(component)).count() {
+            0 => Ok(()),
+            _ if self.components.iter().all(|c| c.missing_bits[0] == NEVER) => Err("its picture data is missing".into()),
+            _ if self.progressive => Err("the scans that refine the picture are missing".to_owned()),
+            _ => Err("a scan is missing".to_owned()),
+        }
+    }
+}
+
+/// What changes while a scan is read.
+struct ScanState<'a> {
+    scan: &'a Scan,
+    tables: Tables<'a>,
+    progressive: bool,
+    bits: Bits<'a>,
+    /// Blocks that are still covered by the last code that ended several at once.
+    run: u32,
+}
+
+impl ScanState<'_> {
+    fn read(&mut self, frame: &mut Frame, bytes: &[u8]) -> Result<(), String> {
+        let single = (self.scan.components.len() == 1).then(|| self.scan.components[0].0);
+        let (columns, rows) = single.map_or(frame.units, |index| frame.components[index].size);
+        let units = columns * rows;
+        let mut until_restart = self.scan.restart_interval;
+        for unit in 0..units {
+            let (column, row) = (unit % columns, unit / columns);
+            if self.scan.restart_interval > 0 {
+                if until_restart == 0 {
+                    self.pass_restart(bytes, unit / self.scan.restart_interval - 1).map_err(|reason| {
+                        format!("{reason} after {} of its {rows} rows of blocks", row)
+                    })?;
+                    until_restart = self.scan.restart_interval;
+                }
+                until_restart -= 1;
+            }
+            for &(index, dc, ac) in &self.scan.components {
+                let component = &mut frame.components[index];
+                let (across, down) = if single.is_some() { (1, 1) } else { (component.across, component.down) };
+                for v in 0..down {
+                    for u in 0..across {
+                        let place = (row * down + v) * component.stride + column * across + u;
+                        let mut none = 0;
+                        let nonzero =
+                            if self.progressive { &mut component.nonzero[place] } else { &mut none };
+                        let read = self.read_block(nonzero, dc, ac);
+                        let problem = match read {
+                            _ if self.bits.overran() => "its picture data ends",
+                            Ok(()) => continue,
+                            Err(Fault::NoCode) => "its picture data holds a code of no table",
+                            Err(Fault::Overfull) => "its picture data overfills a block",
+                        };
+                        return Err(format!("{problem} after {row} of its {rows} rows of blocks"));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Passes over the restart marker that follows interval `interval`.
+    fn pass_restart(&mut self, bytes: &[u8], interval: usize) -> Result<(), &'static str> {
+        let (marker, next) = super::marker_from(bytes, self.bits.place()).ok_or("its picture data ends")?;
+        if !(0xd0..=0xd7).contains(&marker) {
+            return Err("its picture data ends");
+        }
+        if usize::from(marker - 0xd0) != interval % 8 {
+            return Err("a part of its picture data is missing");
+        }
+        self.bits.restart_at(next);
+        self.run = 0;
+        Ok(())
+    }
+
+    #[inline]
+    fn read_block(&mut self, nonzero: &mut u64, dc: usize, ac: usize) -> Result<(), Fault> {
+        if !self.progressive {
+            self.read_dc(dc)?;
+            return self.read_ac(ac, 1, BLOCK - 1);
+        }
+        match (self.scan.first, self.scan.high) {
+            (0, 0) => self.read_dc(dc),
+            (0, _) => {
+                self.bits.skip(1);
+                Ok(())
+            }
+            (_, 0) => self.read_ac_first(nonzero, ac),
+            _ => self.read_ac_refinement(nonzero, ac),
+        }
+    }
+
+    #[inline]
+    fn symbol(&mut self, table: &Option<Table>) -> Result<u8, Fault> {
+        let next = self.bits.peek16();
+        let (length, symbol) = table.as_ref().and_then(|table| table.code(next)).ok_or(Fault::NoCode)?;
+        self.bits.skip(length);
+        Ok(symbol)
+    }
+
+    fn read_dc(&mut self, table: usize) -> Result<(), Fault> {
+        let tables = self.tables;
+        let size = self.symbol(&tables[0][table])?;
+        if size > 15 {
+            return Err(Fault::Overfull);
+        }
+        self.bits.skip(size.into());
+        Ok(())
+    }
+
+    /// All coefficients from `first` to `last`.
+    fn read_ac(&mut self, table: usize, first: usize, last: usize) -> Result<(), Fault> {
+        let tables = self.tables;
+        let table = tables[1][table].as_ref().ok_or(Fault::NoCode)?;
+        let mut k = first;
+        while k <= last {
+            let (length, symbol) = table.code(self.bits.peek16()).ok_or(Fault::NoCode)?;
+            let (zeros, size) = (usize::from(symbol >> 4), u32::from(symbol & 15));
+            self.bits.skip(length + size);
+            if size == 0 && zeros < 15 {
+                return Ok(());
+            }
+            k += zeros + 1;
+        }
+        if k > last + 1 { Err(Fault::Overfull) } else { Ok(()) }
+    }
+
+    /// The first scan of coefficients, of which one code may end many blocks.
+    fn read_ac_first(&mut self, nonzero: &mut u64, table: usize) -> Result<(), Fault> {
+        if self.run > 0 {
+            self.run -= 1;
+            return Ok(());
+        }
+        let tables = self.tables;
+        let mut k = self.scan.first;
+        while k <= self.scan.last {
+            let symbol = self.symbol(&tables[1][table])?;
+            let (zeros, size) = (u32::from(symbol >> 4), u32::from(symbol & 15));
+            if size == 0 {
+                if zeros < 15 {
+                    self.run = (1 << zeros) - 1 + self.bits.take(zeros);
+                    return Ok(());
+                }
+                k += 16;
+                continue;
+            }
+            k += zeros as usize;
+            if k > self.scan.last {
+                return Err(Fault::Overfull);
+            }
+            self.bits.skip(size);
+            *nonzero |= 1 << k;
+            k += 1;
+        }
+        if k > self.scan.last + 1 { Err(Fault::Overfull) } else { Ok(()) }
+    }
+
+    /// A later scan of coefficients: a bit more of those that are not zero, and new ones.
+    fn read_ac_refinement(&mut self, nonzero: &mut u64, table: usize) -> Result<(), Fault> {
+        let tables = self.tables;
+        let (mut k, last) = (self.scan.first, self.scan.last);
+        if self.run == 0 {
+            while k <= last {
+                let symbol = self.symbol(&tables[1][table])?;
+                let (mut zeros, size) = (u32::from(symbol >> 4), symbol & 15);
+                if size == 0 && zeros < 15 {
+                    // This block is one of the run.
+                    self.run = (1 << zeros) + self.bits.take(zeros);
+                    break;
+                }
+                if size > 0 {
+                    self.bits.skip(1); // the sign of the new coefficient
+                }
+                while k <= last {
+                    if *nonzero >> k & 1 == 1 {
+                        self.bits.skip(1);
+                    } else if zeros == 0 {
+                        break;
+                    } else {
+                        zeros -= 1;
+                    }
+                    k += 1;
+                }
+                if size > 0 {
+                    if k > last {
+                        return Err(Fault::Overfull);
+                    }
+                    *nonzero |= 1 << k;
+                }
+                k += 1;
+            }
+        }
+        if self.run > 0 {
+            for k in k..=last {
+                self.bits.skip((*nonzero >> k & 1) as u32);
+            }
+            self.run -= 1;
+        }
+        Ok(())
+    }
+}

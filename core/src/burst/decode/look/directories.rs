@@ -1,0 +1,382 @@
+//! The directories of a TIFF file, and of raw files that are TIFFs by their structure (DNG, NEF, CR2, ARW and others).
+//!
+//! A directory is a list of entries: a tag, a type, a count of values, and the values or their place. A decoder that
+//! takes the count at its word takes memory for four thousand million values of a file of two hundred bytes. Here every
+//! count is compared with the file's length, and nothing is kept but a few numbers of each directory.
+
+use super::{Refusal, read_at};
+use std::collections::HashSet;
+use std::io::{Read, Seek};
+
+/// Directories that are looked at, at most; a burst has fewer frames.
+const MAX_DIRECTORIES: usize = 1 << 14;
+/// Entries of all directories together, at most: real files have some tens a directory.
+const MAX_ENTRIES: usize = 1 << 20;
+/// Texts are read whole by decoders; none is longer than this.
+pub(in crate::burst::decode) const MAX_TEXT_BYTES: u64 = 1 << 26;
+/// The values of all entries together may be this many times the file, because several may share a place.
+const MAX_SHARING: u64 = 4;
+/// And this much besides, bytes, for small files.
+const SMALL_VALUES: u64 = 1 << 24;
+
+/// Tags that are understood here.
+mod tag {
+    pub(super) const NEW_SUBFILE_TYPE: u16 = 254;
+    pub(super) const IMAGE_WIDTH: u16 = 256;
+    pub(super) const IMAGE_LENGTH: u16 = 257;
+    pub(super) const IMAGE_DESCRIPTION: u16 = 270;
+    pub(super) const STRIP_OFFSETS: u16 = 273;
+    pub(super) const STRIP_BYTE_COUNTS: u16 = 279;
+    pub(super) const TILE_OFFSETS: u16 = 324;
+    pub(super) const TILE_BYTE_COUNTS: u16 = 325;
+    pub(super) const SUB_DIRECTORIES: u16 = 330;
+    pub(super) const EXIF: u16 = 34665;
+    pub(super) const GPS: u16 = 34853;
+    pub(super) const INTEROPERABILITY: u16 = 40965;
+    pub(super) const DNG_VERSION: u16 = 50706;
+    /// Tags below this one are those of the standard, above it anybody's.
+    pub(super) const PRIVATE: u16 = 32768;
+}
+
+/// The values of an entry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Values {
+    kind: u16,
+    count: u64,
+    /// Where they are, unless in the entry itself.
+    at: Option<u64>,
+    /// Those of the entry itself.
+    inline: [u8; 8],
+}
+
+impl Values {
+    fn bytes(&self) -> u64 {
+        self.count.saturating_mul(size_of_kind(self.kind))
+    }
+}
+
+/// What is kept of a directory.
+#[derive(Debug, Default)]
+pub(in crate::burst::decode) struct Directory {
+    /// Columns; 0 where it says nothing.
+    pub width: u64,
+    /// Rows; 0 where it says nothing.
+    pub height: u64,
+    /// Whether it says that it is a smaller copy of another.
+    pub is_thumbnail: bool,
+    /// Place and length of its description.
+    description: Option<(u64, u64)>,
+    /// Places of the strips or tiles, and their lengths.
+    chunks: [Option<Values>; 2],
+}
+
+/// The directories of a file.
+#[derive(Debug)]
+pub(in crate::burst::decode) struct Directories {
+    /// Those of the chain and those that they point at, in the order in which they are found.
+    pub list: Vec<Directory>,
+    /// Whether the first one says that the file is a DNG.
+    pub is_dng: bool,
+    big_endian: bool,
+}
+
+/// A place where a directory is said to be.
+#[derive(Debug, Clone, Copy)]
+struct Pointer {
+    at: u64,
+    /// Whether it is one of the file's pages, and another may follow it.
+    in_chain: bool,
+    /// Whether it holds notes (EXIF): what they point at need not be there, and decoders pass over it.
+    is_notes: bool,
+}
+
+impl Directories {
+    /// Looks at no more than `most` pages of `file`, a TIFF of `length` bytes. A file that is `raw` by its name, or a
+    /// DNG, must hold all values of all its directories of pictures.
+    ///
+    /// # Errors
+    /// What the file announces and cannot hold.
+    pub(in crate::burst::decode) fn read(
+        file: &mut (impl Read + Seek),
+        length: u64,
+        raw: bool,
+        most: usize,
+    ) -> Result<Self, Refusal> {
+        let mut start = [0; 16];
+        let have = start.len().min(usize::try_from(length).unwrap_or(usize::MAX));
+        read_at(file, 0, &mut start[..have])?;
+        let big_endian = start[0] == b'M';
+        let numbers = Numbers { big_endian };
+        let big = numbers.u16(&start[2..4]) == 43;
+        let first = if big { numbers.u64(&start[8..16]) } else { u64::from(numbers.u32(&start[4..8])) };
+        let found = Self { list: Vec::new(), is_dng: false, big_endian };
+        let mut walk =
+            Walk { file, length, numbers, big, raw, entries: 0, value_bytes: 0, seen: HashSet::new(), found };
+        walk.read_all(first, most.min(MAX_DIRECTORIES))?;
+        Ok(walk.found)
+    }
+
+    /// The largest (columns × rows) that a directory announces.
+    pub(in crate::burst::decode) fn pixels(&self) -> u64 {
+        self.list.iter().map(|d| d.width.saturating_mul(d.height)).max().unwrap_or(0)
+    }
+
+    /// The beginning of the first page's description; at most `most` bytes of it.
+    pub(in crate::burst::decode) fn description(
+        &self,
+        file: &mut (impl Read + Seek),
+        most: usize,
+    ) -> Option<String> {
+        let (at, length) = self.list.first()?.description?;
+        let mut bytes = vec![0; most.min(usize::try_from(length).ok()?)];
+        read_at(file, at, &mut bytes).ok()?;
+        bytes.truncate(bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len()));
+        Some(String::from_utf8_lossy(&bytes).into_owned())
+    }
+
+    /// Whether all strips and tiles of full pictures lie in the file of `length` bytes.
+    ///
+    /// # Errors
+    /// That it ends before one of them.
+    pub(in crate::burst::decode) fn check_chunks(
+        &self,
+        file: &mut (impl Read + Seek),
+        length: u64,
+    ) -> Result<(), Refusal> {
+        let numbers = Numbers { big_endian: self.big_endian };
+        for directory in self.list.iter().filter(|d| !d.is_thumbnail) {
+            let [Some(places), Some(lengths)] = directory.chunks else { continue };
+            let (places, lengths) = (numbers.list(file, places)?, numbers.list(file, lengths)?);
+            let end = places.iter().zip(&lengths).map(|(at, bytes)| at.saturating_add(*bytes)).max();
+            if end.is_some_and(|end| end > length) {
+                return Err(Refusal::corrupt("it ends before its picture data does"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Numbers in the file's byte order.
+#[derive(Debug, Clone, Copy)]
+struct Numbers {
+    big_endian: bool,
+}
+
+impl Numbers {
+    fn u16(self, bytes: &[u8]) -> u16 {
+        let bytes = [bytes[0], bytes[1]];
+        if self.big_endian { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) }
+    }
+
+    fn u32(self, bytes: &[u8]) -> u32 {
+        let bytes = [bytes[0], bytes[1], bytes[2], bytes[3]];
+        if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+    }
+
+    fn u64(self, bytes: &[u8]) -> u64 {
+        let (a, b) = (u64::from(self.u32(bytes)), u64::from(self.u32(&bytes[4..])));
+        if self.big_endian { a << 32 | b } else { b << 32 | a }
+    }
+
+    /// `bytes` as whole numbers of the type `kind`; none for types that are no such numbers.
+    fn of_bytes(self, kind: u16, bytes: &[u8]) -> impl Iterator<Item = u64> {
+        let size = match kind {
+            1 | 3 | 4 | 13 | 16 | 18 => size_of_kind(kind) as usize,
+            _ => usize::MAX,
+        };
+        bytes.chunks_exact(size).map(move |value| match size {
+            1 => u64::from(value[0]),
+            2 => u64::from(self.u16(value)),
+            4 => u64::from(self.u32(value)),
+            _ => self.u64(value),
+        })
+    }
+
+    /// The values of an entry whose count was compared with the file's length, as whole numbers.
+    fn list(self, file: &mut (impl Read + Seek), values: Values) -> Result<Vec<u64>, Refusal> {
+        let Some(at) = values.at else {
+            let inline = &values.inline[..values.bytes() as usize];
+            return Ok(self.of_bytes(values.kind, inline).collect());
+        };
+        let mut bytes = crate::plane::memory::zeroed::<u8>(values.bytes() as usize);
+        read_at(file, at, &mut bytes)?;
+        Ok(self.of_bytes(values.kind, &bytes).collect())
+    }
+}
+
+/// Bytes of a value of each type; 1 for types that are not known, as decoders take them.
+fn size_of_kind(kind: u16) -> u64 {
+    match kind {
+        3 | 8 => 2,
+        4 | 9 | 11 | 13 => 4,
+        5 | 10 | 12 | 16 | 17 | 18 => 8,
+        _ => 1,
+    }
+}
+
+fn is_known(kind: u16) -> bool {
+    (1..=13).contains(&kind) || (16..=18).contains(&kind)
+}
+
+/// The way through a file.
+struct Walk<'a, R> {
+    file: &'a mut R,
+    length: u64,
+    numbers: Numbers,
+    big: bool,
+    /// Whether the file is raw, by its name or as a DNG: its decoder reads all that its directories point at.
+    raw: bool,
+    entries: usize,
+    value_bytes: u64,
+    seen: HashSet<u64>,
+    found: Directories,
+}
+
+impl<R: Read + Seek> Walk<'_, R> {
+    fn read_all(&mut self, first: u64, most: usize) -> Result<(), Refusal> {
+        let mut next = Some(Pointer { at: first, in_chain: true, is_notes: false });
+        let (mut pages, mut others) = (0, 0);
+        while let Some(page) = next.filter(|_| pages < most) {
+            if !self.seen.insert(page.at) {
+                return Err(Refusal::corrupt("its list of pages leads back to itself"));
+            }
+            let mut pointed_at = Vec::new();
+            next = self.read_directory(page, &mut pointed_at)?;
+            pages += 1;
+            while let Some(pointer) = pointed_at.pop() {
+                others += 1;
+                // Two directories may point at one; a circle is no more than that.
+                if others < MAX_DIRECTORIES && self.seen.insert(pointer.at) {
+                    self.read_directory(pointer, &mut pointed_at)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the directory there; answers where the next page is, and adds those that it points at to `pointed_at`.
+    fn read_directory(&mut self, pointer: Pointer, pointed_at: &mut Vec<Pointer>) -> Result<Option<Pointer>, Refusal> {
+        let Some((entries, next)) = self.table_at(pointer)? else { return Ok(None) };
+        let entry_bytes = if self.big { 20 } else { 12 };
+        let tags = entries.chunks_exact(entry_bytes).map(|entry| self.numbers.u16(entry));
+        if self.found.list.is_empty() && tags.into_iter().any(|tag| tag == tag::DNG_VERSION) {
+            (self.found.is_dng, self.raw) = (true, true);
+        }
+        let mut directory = Directory::default();
+        for entry in entries.chunks_exact(entry_bytes) {
+            let tag = self.numbers.u16(entry);
+            let values = self.values_of(entry);
+            self.check(tag, values, pointer)?;
+            let single = self.single(entry);
+            match tag {
+                tag::NEW_SUBFILE_TYPE => directory.is_thumbnail = single & 1 == 1,
+                tag::IMAGE_WIDTH => directory.width = single,
+                tag::IMAGE_LENGTH => directory.height = single,
+                tag::IMAGE_DESCRIPTION => directory.description = values.at.map(|at| (at, values.count)),
+                tag::STRIP_OFFSETS | tag::TILE_OFFSETS => directory.chunks[0] = Some(values),
+                tag::STRIP_BYTE_COUNTS | tag::TILE_BYTE_COUNTS => directory.chunks[1] = Some(values),
+                tag::SUB_DIRECTORIES if self.raw && !pointer.is_notes => {
+                    let places = self.numbers.list(self.file, values)?.into_iter().take(MAX_DIRECTORIES);
+                    pointed_at.extend(places.map(|at| Pointer { at, in_chain: false, is_notes: false }));
+                }
+                tag::EXIF | tag::GPS | tag::INTEROPERABILITY if self.raw => {
+                    pointed_at.push(Pointer { at: single, in_chain: false, is_notes: true });
+                }
+                _ => {}
+            }
+        }
+        if !pointer.is_notes {
+            self.found.list.push(directory);
+        }
+        Ok((pointer.in_chain && next != 0).then_some(Pointer { at: next, ..pointer }))
+    }
+
+    /// The entries of a directory, and the place of the next page; nothing where notes are not there.
+    fn table_at(&mut self, pointer: Pointer) -> Result<Option<(Vec<u8>, u64)>, Refusal> {
+        let (count_bytes, entry_bytes, offset_bytes) = if self.big { (8, 20, 8) } else { (2, 12, 4) };
+        let left = self.length.saturating_sub(pointer.at);
+        let mut head = [0; 8];
+        let mut bytes = None;
+        if left >= count_bytes {
+            read_at(self.file, pointer.at, &mut head[..count_bytes as usize])?;
+            let count = if self.big { self.numbers.u64(&head) } else { u64::from(self.numbers.u16(&head)) };
+            bytes = count.checked_mul(entry_bytes).filter(|bytes| {
+                bytes.checked_add(count_bytes + offset_bytes).is_some_and(|all| all <= left)
+            });
+        }
+        let bytes = match bytes {
+            Some(bytes) => bytes,
+            None if pointer.is_notes => return Ok(None),
+            None if left == 0 => return Err(Refusal::corrupt("its list of pages leads beyond its end")),
+            None => return Err(Refusal::corrupt("it ends too early, within a directory")),
+        };
+        self.entries = self.entries.saturating_add((bytes / entry_bytes) as usize);
+        if self.entries > MAX_ENTRIES {
+            return Err(Refusal::corrupt(format!("its directories have more than {MAX_ENTRIES} entries")));
+        }
+        let mut table = vec![0; (bytes + offset_bytes) as usize];
+        read_at(self.file, pointer.at + count_bytes, &mut table)?;
+        let next = &table[bytes as usize..];
+        let next = if self.big { self.numbers.u64(next) } else { u64::from(self.numbers.u32(next)) };
+        table.truncate(bytes as usize);
+        Ok(Some((table, next)))
+    }
+
+    /// Type, count and place of the values of `entry`.
+    fn values_of(&self, entry: &[u8]) -> Values {
+        let kind = self.numbers.u16(&entry[2..]);
+        let (count, field, room) = if self.big {
+            (self.numbers.u64(&entry[4..]), self.numbers.u64(&entry[12..]), 8)
+        } else {
+            (u64::from(self.numbers.u32(&entry[4..])), u64::from(self.numbers.u32(&entry[8..])), 4)
+        };
+        let values = Values { kind, count, at: None, inline: [0; 8] };
+        if values.bytes() > room {
+            return Values { at: Some(field), ..values };
+        }
+        let mut inline = [0; 8];
+        inline[..room as usize].copy_from_slice(&entry[entry.len() - room as usize..]);
+        Values { inline, ..values }
+    }
+
+    /// The value of an entry that has one whole number; 0 for others.
+    fn single(&self, entry: &[u8]) -> u64 {
+        match self.values_of(entry) {
+            values @ Values { count: 1, at: None, .. } => {
+                self.numbers.of_bytes(values.kind, &values.inline).next().unwrap_or(0)
+            }
+            _ => 0,
+        }
+    }
+
+    fn check(&mut self, tag: u16, values: Values, pointer: Pointer) -> Result<(), Refusal> {
+        let bytes = values.bytes();
+        if bytes > self.length {
+            return Err(Refusal::corrupt(format!(
+                "tag {tag} announces {} values of {} bytes each, and the file has {} bytes",
+                values.count,
+                size_of_kind(values.kind),
+                self.length
+            )));
+        }
+        const TEXT: u16 = 2;
+        if values.kind == TEXT && bytes > MAX_TEXT_BYTES {
+            return Err(Refusal::TooLarge {
+                found: format!("tag {tag} is a text of {} MiB", bytes >> 20),
+                limit: format!("{} MiB", MAX_TEXT_BYTES >> 20),
+            });
+        }
+        self.value_bytes = self.value_bytes.saturating_add(bytes);
+        if self.value_bytes > self.length.saturating_mul(MAX_SHARING).saturating_add(SMALL_VALUES) {
+            return Err(Refusal::corrupt("its directories announce far more than the file holds"));
+        }
+        let is_read = is_known(values.kind) && !pointer.is_notes && (self.raw || tag < tag::PRIVATE);
+        if is_read && values.at.is_some_and(|at| at.saturating_add(bytes) > self.length) {
+            return Err(Refusal::corrupt(format!("it ends before the values of tag {tag}")));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,76 @@
+//! The other side of [`child`](super::child): the process that decodes one file and sends its pixels.
+
+use super::wire::{DecodeRequest, Part, receive, send_reply};
+use super::{Expected, RawFrame, frame, page};
+use crate::burst::error::OpenError;
+use crate::burst::options::OpenOptions;
+use crate::monitor::Monitor;
+use std::io::{self, Read, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Decodes the file `path` as the standard input asks, and sends it to the standard output: what a program does that
+/// was started as a [`DecodeWorker`](super::DecodeWorker). The process takes limits of memory and time on itself, and
+/// ends when its input does.
+pub fn serve_decoding(path: &Path) -> ExitCode {
+    // A panic becomes an error about the file, which is sent; its message would be nobody's.
+    std::panic::set_hook(Box::new(|_| {}));
+    match serve(path) {
+        Ok(()) => ExitCode::SUCCESS,
+        // Nobody hears the answer, or nobody asked.
+        Err(_) => ExitCode::FAILURE,
+    }
+}
+
+fn serve(path: &Path) -> io::Result<()> {
+    let request: DecodeRequest = receive(&mut io::stdin().lock())?;
+    limit(request.memory_bytes, request.cpu_seconds);
+    // Decoders that work in parallel do so on this thread alone; others would take address space of their own.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
+    std::thread::Builder::new().stack_size(64 << 10).spawn(|| {
+        // Nothing more comes. When the input ends, whoever asked is gone.
+        let _ = io::stdin().lock().read(&mut [0]);
+        std::process::exit(1);
+    })?;
+    let mut output = io::stdout().lock();
+    send_reply(&mut output, answer(path, &request))?;
+    output.flush()
+}
+
+fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame, OpenError> {
+    if request.version != env!("CARGO_PKG_VERSION") {
+        return Err(OpenError::Read {
+            path: path.into(),
+            reason: "the program was replaced while it ran; start it again".to_owned(),
+        });
+    }
+    let options = OpenOptions { limits: request.limits, ..request.options.clone() };
+    let expected = request.expected.map(|size| Expected { first: path, size });
+    match request.part {
+        Part::Only => frame(path, expected, &options, &Monitor::default()),
+        Part::Page { page: number, frame } => page(path, number, frame, &options),
+    }
+}
+
+/// Takes limits on this process: memory that it may address (bytes) and time of a processor (seconds).
+#[cfg(unix)]
+fn limit(memory_bytes: u64, cpu_seconds: u64) {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    // The first limit of time is a signal that says so, the second one just an end.
+    let limits = [
+        (Resource::As, memory_bytes, memory_bytes),
+        (Resource::Cpu, cpu_seconds, cpu_seconds.saturating_add(5)),
+        (Resource::Core, 0, 0),
+    ];
+    for (resource, current, maximum) in limits {
+        let now = getrlimit(resource);
+        let lower = |limit: Option<u64>, to: u64| Some(limit.map_or(to, |limit| limit.min(to)));
+        let lowered = Rlimit { current: lower(now.current, current), maximum: lower(now.maximum, maximum) };
+        // A system that knows no such limit leaves that of the clock, which the other process keeps.
+        let _ = setrlimit(resource, lowered);
+    }
+}
+
+/// Takes no limits: the other process keeps that of the clock.
+#[cfg(not(unix))]
+fn limit(_memory_bytes: u64, _cpu_seconds: u64) {}
