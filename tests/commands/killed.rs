@@ -73,14 +73,7 @@ fn written(folder: &Path) -> BTreeSet<(String, SystemTime)> {
 
 /// Starts a run into `out`, and kills it once it has written `count` files, and `later` after that. Returns whether it
 /// was killed before it ended.
-fn kill_after(
-    home: &Path,
-    line: &[&str],
-    out: &Path,
-    count: usize,
-    later: Duration,
-    is_asked: bool,
-) -> bool {
+fn kill_after(home: &Path, line: &[&str], out: &Path, count: usize, later: Duration, is_asked: bool) -> bool {
     let before = written(out);
     let mut running = program(home, line);
     let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");

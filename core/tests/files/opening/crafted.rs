@@ -6,7 +6,8 @@ fn directory(entries: &[(u16, u16, u32, u32)], length: usize) -> Vec<u8> {
     let mut bytes = b"II*\0\x08\0\0\0".to_vec();
     bytes.extend((entries.len() as u16).to_le_bytes());
     for (tag, kind, count, value) in entries {
-        bytes.extend([&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat());
+        bytes
+            .extend([&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat());
     }
     bytes.extend([0; 4]);
     bytes.resize(length.max(bytes.len()), 0);
@@ -60,7 +61,8 @@ pub fn huge_description_tiff() -> Vec<u8> {
     let mut bytes = b"II+\0\x08\0\0\0\x10\0\0\0\0\0\0\0".to_vec();
     bytes.extend((entries.len() as u64).to_le_bytes());
     for (tag, kind, count, value) in entries {
-        bytes.extend([&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat());
+        bytes
+            .extend([&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat());
     }
     bytes.extend([0; 8]);
     bytes

@@ -111,7 +111,12 @@ fn damaged_jpegs_are_taken_where_that_is_asked_for_and_named() {
     assert_eq!(burst.frames[1].row(0), burst.frames[0].row(0));
     assert_ne!(burst.frames[1].row(29), burst.frames[0].row(29));
     let notes: Vec<String> = burst.notes().iter().map(burstscope::burst::Note::for_command).collect();
-    assert!(notes.iter().any(|note| note.contains("1 of 3 frames are damaged") && note.contains("1.jpg (its picture data ends")), "{notes:?}");
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("1 of 3 frames are damaged") && note.contains("1.jpg (its picture data ends")),
+        "{notes:?}"
+    );
     let whole = open_with(folder.path().join("0.jpg").as_path(), &accepting()).expect("sound");
     assert!(whole.remarks.is_empty());
 }

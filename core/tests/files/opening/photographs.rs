@@ -30,7 +30,11 @@ fn colour_of_8_bit_is_said_to_be_encoded_and_is_undone_when_asked() {
     ] {
         let burst = Burst::open(at(name)).expect(name);
         assert_eq!(burst.encoding, encoding, "{name}");
-        assert_eq!(burst.notes().iter().any(|note| note.option == Some("linearise")), encoding == Encoding::Srgb, "{name}");
+        assert_eq!(
+            burst.notes().iter().any(|note| note.option == Some("linearise")),
+            encoding == Encoding::Srgb,
+            "{name}"
+        );
         assert!((burst.frames[0].at(0, 0) - 188.0 / 255.0).abs() < 1e-6, "{name}: as stored");
         let undone = linearised(&at(name));
         assert_eq!(undone.encoding, Encoding::Linear);
