@@ -3,6 +3,15 @@
 #   make run     opens the window (where there is no display: draws it into a PNG and lists the features)
 #   make test    runs all tests
 #
+# What is typed every day, which installs nothing:
+#
+#   make check         formats, lints and builds the documentation
+#   make test-core     tests the library: the detector, its files and measurements
+#   make test-window   tests the window
+#   make pictures      accepts the pictures that have changed: look at screenshots/*.new.png first
+#   make bench         times the stages of the detector
+#   make fuzz          reads damaged input; CASES=1000000 for a night of it
+#
 # On Debian-like systems both first install the system packages that are missing, and say which. Elsewhere they install nothing:
 # a desktop's usual libraries are enough for the window, and Vulkan (Mesa's lavapipe will do) for the tests of it.
 
@@ -13,13 +22,38 @@ PACKAGES_DRAW = mesa-vulkan-drivers
 # A virtual display, and the libraries that a window loads while it opens.
 PACKAGES_WINDOW = xvfb libxcursor1 libxi6 libxkbcommon-x11-0
 
-.PHONY: run test packages
+# Damaged inputs that each test of `make fuzz` gets.
+CASES ?= 20000
+
+.PHONY: run test check test-core test-window pictures bench fuzz packages
 
 run: packages
 	$(CARGO) run --release
 
 test: packages
 	$(CARGO) test --workspace
+
+check:
+	$(CARGO) fmt --all
+	$(CARGO) clippy --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
+
+test-core:
+	$(CARGO) test -p burstscope-core
+
+test-window:
+	$(CARGO) test --test window
+
+pictures:
+	UPDATE_SNAPSHOTS=1 $(CARGO) test --test window
+
+bench:
+	$(CARGO) bench --bench stages
+
+fuzz:
+	PROPTEST_CASES=$(CASES) $(CARGO) test -p burstscope-core --test files -- parsers fuzz
+	PROPTEST_CASES=$(CASES) $(CARGO) test -p burstscope-core --lib -- no_header_panics damaged_records
+	PROPTEST_CASES=$(CASES) $(CARGO) test --test commands lessons_and_sessions
 
 packages:
 	@if ! command -v apt-get >/dev/null 2>&1 || ! command -v dpkg-query >/dev/null 2>&1; then \

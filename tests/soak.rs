@@ -4,11 +4,6 @@
 //! One test, alone in its program, so that nothing else is counted: what the engine says it holds, and all that the
 //! program has asked for.
 
-#[path = "common/allocated.rs"]
-mod allocated;
-
-use allocated::allocated_bytes;
-
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::{DetectorParams, SearchParams, Slope, SlopeGrid};
 use burstscope::engine::{DatasetUpdate, Engine, Held, Update};
@@ -16,9 +11,13 @@ use burstscope::requests::{
     BurstSource, Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DetectRequest, Keeping, OpenBurst, PictureKind,
     PictureRequest, PictureSlot,
 };
+use peak_alloc::PeakAlloc;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 const BURSTS: usize = 500;
 const FRAMES: usize = 3;
@@ -34,7 +33,7 @@ const TRAIL_BYTES: usize = 64 << 10;
 const GROWTH_BYTES: u64 = 256 << 10;
 
 /// After this something that is awaited does not come any more.
-const PATIENCE: Duration = Duration::from_secs(600);
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A long sequence of small frames: a blob that goes to and fro over noise.
 fn write_frames(folder: &Path) {
@@ -77,7 +76,7 @@ struct Soak {
 impl Soak {
     fn note(&mut self, engine: &Engine) {
         self.held.push(engine.held());
-        self.allocated.push(allocated_bytes());
+        self.allocated.push(ALLOCATOR.current_usage() as u64);
     }
 
     /// Holds the end against what there was at [`SETTLED`].

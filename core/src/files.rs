@@ -4,7 +4,10 @@
 //! before it fills the memory or is waited for. A file's name need not be text; where text is wanted (JSON, a manifest)
 //! its other bytes are written as `\xNN`, so that nothing fails over a name and two names stay two.
 
+pub mod lock;
+
 use serde::Serializer;
+use std::error::Error;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::{self, Read};
@@ -49,7 +52,7 @@ pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
 /// The program's version.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// How the line begins that says who wrote a file.
-const WRITTEN_BY: &str = "# Written by Burstscope ";
+pub const WRITTEN_BY: &str = "# Written by Burstscope ";
 
 /// The first line of a parameter or session file: which version of the program wrote it.
 pub fn written_by() -> String {
@@ -69,6 +72,21 @@ pub fn explained(text: &str, problem: &str) -> String {
         }
         None => problem.to_owned(),
     }
+}
+
+/// Why a file could not be written, in words.
+pub fn write_problem(error: &io::Error) -> String {
+    if is_size_limit(error) {
+        format!("it becomes larger than this system or the limit of this process (ulimit -f) allows ({error})")
+    } else {
+        error.to_string()
+    }
+}
+
+/// Whether the system's limit on the size of files is behind the error, which an encoder may have wrapped.
+fn is_size_limit(error: &(dyn Error + 'static)) -> bool {
+    let Some(io) = error.downcast_ref::<io::Error>() else { return error.source().is_some_and(is_size_limit) };
+    io.kind() == io::ErrorKind::FileTooLarge || io.get_ref().is_some_and(|inner| is_size_limit(inner))
 }
 
 /// The path as text: as it is where it is text, with its other bytes as `\xNN`.
@@ -116,6 +134,15 @@ mod tests {
         assert_eq!(read_text(&path, 10).expect_err("no text").kind(), io::ErrorKind::InvalidData);
         #[cfg(unix)]
         assert_eq!(read_text(Path::new("/dev/zero"), 10).expect_err("a device").kind(), io::ErrorKind::InvalidInput);
+    }
+
+    #[test]
+    fn a_limit_on_the_size_of_files_is_said_also_by_an_encoder() {
+        let limit = || io::Error::from(io::ErrorKind::FileTooLarge);
+        for error in [limit(), io::Error::other(limit()), io::Error::other(io::Error::other(limit()))] {
+            assert!(write_problem(&error).contains("ulimit -f"), "{error}");
+        }
+        assert_eq!(write_problem(&io::Error::other("disk full")), "disk full");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What the window does with files: asks for them, opens, restores, loads and writes them.
 
-use super::dialogs::{ExportKind, FileAnswer, PathField, Purpose, Question};
+use super::dialogs::{ExportKind, FileAnswer, PathField, Purpose, Question, ReplaceFile};
 use super::session::Session;
 use super::window::BurstscopeApp;
 use crate::app::pane::Content;
@@ -11,6 +11,7 @@ use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
+use crate::export::{Inputs, OutputRules, Overwrite};
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text};
 use crate::requests::{BurstSource, JobId, MapKind};
 use std::path::PathBuf;
@@ -190,10 +191,30 @@ impl BurstscopeApp {
         }
     }
 
-    fn write(&mut self, purpose: Purpose, path: PathBuf) {
-        match crate::app::jobs::writing::prepare(purpose, &self.model, &self.widgets) {
+    /// Writes a file to a path that was typed; where there is a file, it asks first.
+    pub(super) fn ask_and_write(&mut self, purpose: Purpose, path: PathBuf) {
+        let is_there = std::fs::symlink_metadata(&path).is_ok();
+        match self.may_replace().check(&path) {
+            Ok(()) if is_there => self.overlays.replace_file = Some(ReplaceFile::new(purpose, path)),
+            _ => self.write(purpose, path),
+        }
+    }
+
+    /// What may be written over once a person was asked: anything but what is open.
+    fn may_replace(&self) -> OutputRules {
+        OutputRules::new(Inputs::of(self.model.opened_files()), Overwrite::Force)
+    }
+
+    /// Writes a file. Whoever chose the path was asked about what is there.
+    pub(super) fn write(&mut self, purpose: Purpose, path: PathBuf) {
+        let rules = self.may_replace();
+        let prepared = crate::app::jobs::writing::prepare(purpose, &self.model, &self.widgets);
+        match rules.check(&path).map_err(|e| e.to_string()).and(prepared) {
             Ok(work) => {
+                self.model.messages.resolved(purpose.title());
                 self.engine.task(purpose.title(), move || {
+                    // It may have waited for its turn.
+                    rules.check(&path).map_err(|e| e.to_string())?;
                     work(&path)?;
                     Ok(format!("Wrote {}", path.display()))
                 });

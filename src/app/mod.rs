@@ -15,6 +15,7 @@ pub mod canvas;
 pub mod clipboard;
 pub mod dataset;
 pub mod dialogs;
+mod ending;
 pub mod figure;
 mod files;
 pub mod gpu;
@@ -43,6 +44,7 @@ pub mod window;
 pub mod words;
 pub mod workspace;
 
+pub use ending::EndRequest;
 pub use render::{RenderError, RenderOptions, render_to_png};
 pub use run::run;
 pub use startup::Startup;

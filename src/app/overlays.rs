@@ -2,7 +2,7 @@
 
 use super::actions::{Queue, palette::Palette, shortcuts_sheet};
 use super::dataset::CutDialog;
-use super::dialogs::PathField;
+use super::dialogs::{PathField, ReplaceFile};
 use super::window::BurstscopeApp;
 use crate::app::panel::calibration::CalibrationChoice;
 use crate::app::panel::glossary::GlossaryWindow;
@@ -21,6 +21,8 @@ pub(super) struct Overlays {
     /// The calibration that is being set, while its dialog is open.
     pub calibration: Option<OpenOptions>,
     pub path_field: Option<PathField>,
+    /// A file that is to be written where one is already, while it is asked whether it may be.
+    pub replace_file: Option<ReplaceFile>,
     /// Bursts of a folder, of which one is to be chosen, and as which it is opened.
     pub choice: Vec<BurstSource>,
     pub choice_side: Side,
@@ -71,6 +73,7 @@ impl BurstscopeApp {
             || self.overlays.figure_open
             || self.overlays.calibration.is_some()
             || self.overlays.path_field.is_some()
+            || self.overlays.replace_file.is_some()
             || self.overlays.cut.is_some()
             || self.overlays.replace_features
             || !self.overlays.choice.is_empty()
@@ -99,9 +102,17 @@ impl BurstscopeApp {
             if !stay {
                 self.overlays.path_field = None;
             }
-            if let Some(path) = path {
-                self.use_files(purpose, vec![path]);
+            match path {
+                Some(path) if purpose.saves() => self.ask_and_write(purpose, path),
+                Some(path) => self.use_files(purpose, vec![path]),
+                None => {}
             }
+        } else if let Some(question) = &self.overlays.replace_file
+            && let Some(may_replace) = question.ui(ctx)
+            && let Some(ReplaceFile { purpose, path, .. }) = self.overlays.replace_file.take()
+            && may_replace
+        {
+            self.write(purpose, path);
         }
         if let Some(burst) = crate::app::panel::chooser::chooser_ui(ctx, &mut self.overlays.choice) {
             match self.overlays.choice_side {

@@ -9,7 +9,7 @@ use crate::burst::{Burst, OpenOptions};
 use crate::dataset::DatasetSource;
 use crate::detector::view::check_level;
 use crate::detector::{ParamError, SearchParams, Slope, SlopeGrid};
-use crate::export::{ExportError, Picture, write_png};
+use crate::export::{ExportError, OutputRules, Picture, write_png};
 use crate::monitor::{Cancelled, Monitor};
 use crate::requests::BurstSource;
 use crate::teach::Lesson;
@@ -58,6 +58,8 @@ pub struct RenderOptions {
     pub select_strongest: bool,
     /// How long it may take to open the burst and to detect.
     pub max_duration: Duration,
+    /// Which file the picture may replace. What the window opens is never replaced.
+    pub rules: OutputRules,
     /// Ends it early: the picture is not written then.
     pub monitor: Monitor,
 }
@@ -83,6 +85,7 @@ impl Default for RenderOptions {
             detect: true,
             select_strongest: false,
             max_duration: Duration::from_secs(600),
+            rules: OutputRules::default(),
             monitor: Monitor::default(),
         }
     }
@@ -117,6 +120,7 @@ pub enum RenderError {
 /// When the burst cannot be opened, the parameters make no sense for it, nothing can be drawn, or the file cannot be
 /// written.
 pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderError> {
+    options.rules.check(path)?;
     let settings = Settings {
         theme: if options.light { egui::ThemePreference::Light } else { egui::ThemePreference::Dark },
         auto_detect: options.detect,
@@ -135,6 +139,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     };
     let mut placed = false;
     let (mut problem, unfit) = (None, RefCell::new(None));
+    let mut opened = Vec::new();
     let rendered = render_offscreen(
         egui::vec2(options.size_points.0, options.size_points.1),
         options.scale,
@@ -144,13 +149,16 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         |ctx, _| BurstscopeApp::new(ctx, None, startup),
         |app, ui| {
             app.show(ui);
-            let opened = app.model.burst.is_some() && (options.second.is_none() || app.model.pair.b.burst.is_some());
-            if opened && !placed {
+            let is_open = app.model.burst.is_some() && (options.second.is_none() || app.model.pair.b.burst.is_some());
+            if is_open && !placed {
                 if options.session.is_none() && options.lesson.is_none() {
                     place(app, options);
                     *unfit.borrow_mut() = app.model.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
                 }
                 placed = true;
+            }
+            if is_open && path.exists() {
+                opened = app.model.opened_files();
             }
             if options.select_strongest && app.model.pair.selected.is_none() {
                 app.model.pair.selected = app.model.pair.listed.first().copied();
@@ -183,6 +191,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     if !rendered.settled {
         return Err(RenderError::Timeout(options.max_duration.as_secs()));
     }
+    options.rules.clone().and_opened(opened).check(path)?;
     let (width, height) = rendered.image.dimensions();
     write_png(path, Picture::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
     Ok(())

@@ -135,6 +135,18 @@ impl BurstscopeApp {
         true
     }
 
+    /// Whether the window was asked to end from outside. Then its session is saved and it is closed.
+    pub(super) fn leaves_when_asked(&mut self, ctx: &egui::Context) -> bool {
+        if !self.end.is_made() {
+            return false;
+        }
+        if !std::mem::replace(&mut self.is_ending, true) {
+            self.keep_session_now();
+        }
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        true
+    }
+
     /// Why the device was lost with which the window was drawn; another one is to draw it from now on.
     fn take_lost_device(&mut self) -> Option<String> {
         let why = self.lost_device.take()?;

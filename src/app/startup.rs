@@ -1,6 +1,7 @@
 //! With what a window starts.
 
 use super::dialogs::{FileDialogs, SystemDialogs};
+use super::ending::EndRequest;
 use super::recovery::KeptIn;
 use super::settings::Settings;
 use crate::burst::OpenOptions;
@@ -35,6 +36,8 @@ pub struct Startup {
     pub kept: Option<KeptIn>,
     /// Asks for files.
     pub dialogs: Arc<dyn FileDialogs>,
+    /// Asks the window to end from outside.
+    pub end: EndRequest,
     /// Bytes of pictures that are kept.
     pub cache_bytes: usize,
 }
@@ -53,6 +56,7 @@ impl Default for Startup {
             settings: Settings::default(),
             kept: None,
             dialogs: Arc::new(SystemDialogs),
+            end: EndRequest::default(),
             cache_bytes: crate::engine::DEFAULT_CACHE_BYTES,
         }
     }

@@ -6,6 +6,7 @@ mod reading;
 use super::actions::{self, ActionId, Queue};
 use super::dataset::thumbnails::Thumbnails;
 use super::dialogs::Desk;
+use super::ending::EndRequest;
 use super::inspector::PaneWidgets;
 use super::lesson::{Captions, Lessons};
 use super::measure::RegionCache;
@@ -97,6 +98,10 @@ pub struct BurstscopeApp {
     pub(super) recovery: Option<Recovery>,
     /// Why the device that drew the window is lost, until it is drawn by another.
     pub(super) lost_device: Option<String>,
+    /// Asks the window to end from outside.
+    pub(super) end: EndRequest,
+    /// Whether it does.
+    pub(super) is_ending: bool,
     settings: Settings,
 }
 
@@ -107,6 +112,7 @@ impl BurstscopeApp {
             super::gpu::install(ctx, render_state);
         }
         super::style::apply(ctx);
+        startup.end.wakes(ctx);
         let waker = ctx.clone();
         let on_update: OnUpdate = Arc::new(move || waker.request_repaint());
         let mut model = Model::default();
@@ -145,6 +151,8 @@ impl BurstscopeApp {
             desk: Desk::new(startup.dialogs, on_update),
             recovery: None,
             lost_device: None,
+            end: startup.end,
+            is_ending: false,
             settings: startup.settings,
         };
         app.begin_keeping_session(startup.kept.as_ref());
@@ -276,7 +284,7 @@ impl BurstscopeApp {
 impl eframe::App for BurstscopeApp {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         // What a lost device shall draw fails; so nothing is.
-        if !self.leaves_lost_device(ui.ctx()) {
+        if !self.leaves_lost_device(ui.ctx()) && !self.leaves_when_asked(ui.ctx()) {
             self.show(ui);
         }
     }
@@ -289,8 +297,9 @@ impl eframe::App for BurstscopeApp {
     }
 
     fn on_exit(&mut self) {
-        // With a lost device only the drawing ends; the window goes on, or its session is offered at the next start.
-        if let (Some(recovery), None) = (&self.recovery, &self.lost_device) {
+        // With a lost device only the drawing ends; the window goes on, or its session is offered at the next start. So it
+        // is where nobody closed the window.
+        if let (Some(recovery), None, false) = (&self.recovery, &self.lost_device, self.end.is_made()) {
             recovery.end();
         }
     }

@@ -3,7 +3,7 @@
 
 use super::burst_search_args::BurstSearchArgs;
 use super::calibration_args::CalibrationArgs;
-use super::output_args::OutputArgs;
+use super::output_args::{OutputArgs, OverwriteArgs};
 use crate::detector::params::doc;
 use crate::detector::{FrameRange, Slope};
 use crate::export::ExportFormat;
@@ -48,6 +48,9 @@ pub struct DetectArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 const DETECT_HELP: &str = "\
@@ -96,6 +99,9 @@ pub struct StackArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 /// Align the frames of a burst and average them into one image: the burst-merge baseline.
@@ -120,6 +126,9 @@ pub struct MergeArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 pub(super) fn parse_slope(text: &str) -> Result<Slope, String> {

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::search_options::SearchArgs;
 use super::study::{Searched, once_each, searched_by};
 use crate::evaluate::ChartStudy;
-use crate::export::write_whole;
+use crate::export::{OutputRules, write_whole};
 use std::io::Write;
 use std::path::Path;
 
@@ -37,8 +37,14 @@ pub(super) fn chart_study(
 }
 
 /// Writes the figure if one was asked for.
-pub(super) fn write_plot(console: &Console, path: Option<&Path>, svg: impl FnOnce() -> String) -> Result<(), Failure> {
+pub(super) fn write_plot(
+    console: &Console,
+    path: Option<&Path>,
+    rules: &OutputRules,
+    svg: impl FnOnce() -> String,
+) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
+    rules.check(path)?;
     write_whole(path, |out| out.write_all(svg().as_bytes()))?;
     console.say(&format!("\nwrote {}\n", path.display()))
 }

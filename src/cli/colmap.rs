@@ -6,7 +6,10 @@ use super::failure::Failure;
 use super::inputs::{Place, open_options, resolve_bursts};
 use super::report::FailureReport;
 use crate::burst::BurstSource;
-use crate::dataset::{CameraChoice, ColmapJob, ColmapReport, Event, FeatureJob, FeatureStore, export_colmap, gather};
+use crate::dataset::{
+    CameraChoice, ColmapJob, ColmapReport, Comparison, Event, FeatureJob, FeatureStore, GatherReport, LeftOut,
+    export_colmap_from, gather,
+};
 use crate::detector::SearchParams;
 use crate::matching::MatchParams;
 use serde::Serialize;
@@ -22,9 +25,14 @@ struct ColmapDocument<'a> {
     matching: &'a MatchParams,
     #[serde(flatten)]
     report: &'a ColmapReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gathered: Option<GatherReport>,
     failures: &'a [FailureReport],
     next: [String; 2],
 }
+
+/// Bursts that a line names.
+const NAMED: usize = 3;
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let detector = args.run.search.params()?;
@@ -53,10 +61,14 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             Place::Demo { .. } | Place::Example(_) => {}
         }
     }
+    let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
+    let mut store = FeatureStore::open(&args.out, &job.features)?.comparing(comparison);
+    let mut gathered = None;
     if !args.gather.is_empty() {
-        let mut store = FeatureStore::open(&args.out, &job.features)?;
-        let brought = gather(&mut store, &bursts, &args.gather, &console.monitor)?;
-        console.say(&format!("gathered the features of {brought} of {} bursts\n", bursts.len()))?;
+        let report = gather(&mut store, &bursts, &args.gather, &console.monitor)?;
+        console.say(&format!("gathered the features of {} of {} bursts\n", report.brought.len(), bursts.len()))?;
+        tell_what_was_left(&report).iter().for_each(|line| console.note(line));
+        gathered = Some(report);
     }
     let mut said = Ok(());
     let mut on = |event: Event<'_>| match event {
@@ -70,7 +82,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         Event::Failed { name, error } => fail(name, error.to_string()),
         Event::Matching { pairs } => console.begin(format!("{pairs} pairs: ")),
     };
-    let report = export_colmap(&bursts, &args.out, &job, &mut on, &console.monitor)?;
+    let report = export_colmap_from(&mut store, &bursts, &job, &mut on, &console.monitor)?;
     said?;
     let next = next_commands(&args.out);
     console.say(&summary(&report, &next))?;
@@ -80,10 +92,31 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         params: &job.features.detector,
         matching: &job.matching,
         report: &report,
+        gathered,
         failures: &failures,
         next,
     })?;
     if failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
+}
+
+/// What was not gathered and why, a line for each folder and reason.
+fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
+    let mut lines: Vec<(&Path, String, Vec<&str>)> = Vec::new();
+    for LeftOut { folder, burst, reason } in &report.left_out {
+        let reason = reason.to_string();
+        match lines.iter_mut().find(|(of, why, _)| *of == folder && *why == reason) {
+            Some((.., bursts)) => bursts.push(burst),
+            None => lines.push((folder, reason, vec![burst])),
+        }
+    }
+    let left = lines.into_iter().map(|(folder, reason, bursts)| {
+        let more = bursts.len().saturating_sub(NAMED);
+        let more = if more == 0 { String::new() } else { format!(" and {more} more") };
+        let names = bursts[..bursts.len().min(NAMED)].join(", ");
+        format!("--gather {}: {names}{more} not taken: {reason}", folder.display())
+    });
+    let strange = report.strange_folders.iter();
+    left.chain(strange.map(|folder| format!("--gather {}: it holds none of these bursts", folder.display()))).collect()
 }
 
 /// What to do next, as it is typed.

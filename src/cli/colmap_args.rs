@@ -26,9 +26,13 @@ pub struct ColmapArgs {
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
     /// Folder that another run of this command wrote, of some of these bursts with the same options: what it has
-    /// finished is copied. Given once for each.
+    /// finished is copied; what does not fit is named on the standard error. Given once for each.
     #[arg(long, value_name = "DIR")]
     pub gather: Vec<PathBuf>,
+    /// Compare the frames of finished bursts with their checksums, not with their lengths and times alone: every frame
+    /// is read.
+    #[arg(long)]
+    pub check_content: bool,
     /// Which bursts are matched: all, or each with the next K (sequential:K).
     #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
     pub pairs: PairSelection,
@@ -56,7 +60,8 @@ Files in DIR:
   features/NAME.png.txt      its features, as COLMAP's feature_importer reads them
   database.db                cameras, images, keypoints, descriptors, matches, two-view geometries; COLMAP 3.12 and later make no change but to
                              add what is theirs, earlier ones overlook rigs and frames
-  manifest.json              what is finished, and with which parameters
+  manifest.json              with which parameters this was made
+  records/NAME.png.json      what is finished: its frames with their lengths, times and checksums
 
 Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. One camera is shared by all images;
 without one, COLMAP's guess is taken. Models: SIMPLE_PINHOLE f,cx,cy;
@@ -67,4 +72,5 @@ JSON (--json):
   {\"version\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
    \"images\": [{\"id\", \"burst\", \"image\", \"features\", \"resumed\"}],
    \"pairs\": [{\"ids\": [a, b], \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\"}],
+   \"gathered\": with --gather, {\"brought\": [burst], \"left_out\": [{\"folder\", \"burst\", \"reason\"}], \"strange_folders\": [path]},
    \"failures\": [{\"name\", \"error\"}], \"next\": [command]}";

@@ -1,15 +1,15 @@
-//! Where a command meets the terminal: results on the standard output, progress on the standard error, Ctrl-C as a
-//! cancel.
+//! Where a command meets the terminal: results on the standard output, progress on the standard error, Ctrl-C and the
+//! like as a cancel.
 
 use super::failure::Failure;
 use super::output_args::OutputArgs;
+use super::signals;
 use super::terminal::{complain, print, print_json, printable};
 use crate::detector::memory;
 use crate::monitor::Monitor;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// A command's terminal.
@@ -24,11 +24,11 @@ pub(super) struct Console {
 const STEPS: u64 = 1000;
 
 impl Console {
-    /// Sets up threads, the budget of memory, the progress bar (only where the standard error is a terminal) and
-    /// Ctrl-C: once cancels the work, twice leaves at once.
+    /// Sets up threads, the budget of memory, the progress bar (only where the standard error is a terminal), Ctrl-C and
+    /// what else asks the program to end: once cancels the work, twice leaves at once.
     ///
     /// # Errors
-    /// When threads or the Ctrl-C handler cannot be set up.
+    /// When threads cannot be started, or nobody can listen for Ctrl-C.
     pub fn new(output: &OutputArgs) -> Result<Self, Failure> {
         if let Some(threads) = output.threads {
             rayon::ThreadPoolBuilder::new()
@@ -49,15 +49,7 @@ impl Console {
             shown.set_position((progress.fraction * STEPS as f32) as u64);
         });
         let cancelled = monitor.clone();
-        let again = AtomicBool::new(false);
-        ctrlc::set_handler(move || {
-            cancelled.cancel();
-            if again.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        })
-        .context("cannot listen for Ctrl-C")
-        .map_err(Failure::Failed)?;
+        signals::on_end(move || cancelled.cancel())?;
         Ok(Self { monitor, bar, output: *output })
     }
 
@@ -103,6 +95,11 @@ impl Console {
     /// Tells of something that failed, on the standard error.
     pub fn complain(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("error: {text}")));
+    }
+
+    /// Says something beside the results that should not be overlooked, on the standard error.
+    pub fn note(&self, text: &str) {
+        self.bar.suspend(|| complain(&format!("note: {text}")));
     }
 
     /// Removes the bar.

@@ -9,11 +9,12 @@ use crate::baseline::{Searched, search};
 use crate::burst::{Burst, OpenOptions};
 use crate::dataset::CameraChoice;
 use crate::detector::{Detection, SearchParams, explain};
-use crate::export::{ExportFormat, write_detection};
+use crate::export::{ExportFormat, OutputRules, detection_files, write_detection};
+use crate::files::lock::FolderLock;
 use crate::files::path_text;
 use crate::matching::Camera;
 use crate::monitor::Stage;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What is done with every burst: how its features are found and what is written of them.
@@ -23,6 +24,8 @@ pub(super) struct DetectJob<'a> {
     params: &'a SearchParams,
     /// The camera that took the bursts, where it is known: bursts of another size are not its.
     camera: CameraChoice,
+    /// What may be written over.
+    pub rules: OutputRules,
 }
 
 impl<'a> DetectJob<'a> {
@@ -38,7 +41,25 @@ impl<'a> DetectJob<'a> {
         let mut formats = formats.to_vec();
         formats.sort_unstable();
         formats.dedup();
-        Ok(Self { out, formats, params, camera: CameraChoice::default() })
+        let (camera, rules) = (CameraChoice::default(), OutputRules::default());
+        Ok(Self { out, formats, params, camera, rules })
+    }
+
+    /// Takes the folder for this process, once it is sure that the features of `inputs` and the files `others` may be
+    /// written there.
+    ///
+    /// # Errors
+    /// A file that must stay, or a folder that another process has.
+    pub fn take_folder(&self, inputs: &[Input], others: &[PathBuf]) -> Result<FolderLock, Failure> {
+        for file in inputs.iter().flat_map(|input| self.files(&input.name)).chain(others.iter().cloned()) {
+            self.rules.check(&file)?;
+        }
+        Ok(FolderLock::take(self.out)?)
+    }
+
+    /// The files that the features of the burst of this name go to.
+    fn files(&self, name: &str) -> Vec<PathBuf> {
+        detection_files(self.out, name, &self.formats)
     }
 
     /// The same for bursts of this camera, where it is known.
@@ -49,17 +70,21 @@ impl<'a> DetectJob<'a> {
 
 pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
-    let job = DetectJob::new(&args.out, &args.format, &params)?;
+    let mut job = DetectJob::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
     let options = open_options(&inputs, &args.run.calibration)?;
+    job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
+    let folder = job.take_folder(&inputs, &[])?;
     let count = inputs.len();
     let mut report = DetectReport::new(&params);
     for (index, input) in inputs.into_iter().enumerate() {
         let name = input.name.clone();
         console.begin(if count > 1 { format!("[{}/{count}] {name}: ", index + 1) } else { format!("{name}: ") });
-        match detect_burst(input, &options, &job, &console) {
+        match detect_burst(input, &options, (&job, &folder), &console) {
             Ok((burst, ..)) => report.bursts.push(burst),
+            // Whoever removed the folder wants none of the others.
+            Err(_) if folder.check().is_err() => break,
             Err(Failure::Interrupted) => return Err(Failure::Interrupted),
             Err(Failure::Failed(error) | Failure::Usage(error)) => {
                 console.complain(&format!("{name}: {error:#}"));
@@ -68,6 +93,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
             Err(Failure::Reported) => report.failures.push(FailureReport { name, error: String::new() }),
         }
     }
+    folder.check()?;
     if count > 1 {
         let features: usize = report.bursts.iter().map(|b| b.features).sum();
         let done = report.bursts.len();
@@ -80,12 +106,12 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
 /// Opens a burst, finds its features, writes them and says so.
 ///
 /// # Errors
-/// A burst that cannot be opened or is not of the camera, parameters that make no sense for it, files that cannot be
-/// written, or an interruption.
+/// A burst that cannot be opened or is not of the camera, parameters that make no sense for it, files that cannot be or
+/// must not be written, or an interruption.
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,
-    job: &DetectJob<'_>,
+    (job, folder): (&DetectJob<'_>, &FolderLock),
     console: &Console,
 ) -> Result<(BurstReport, Burst, Detection), Failure> {
     let (name, paths) = (input.name.clone(), input.path_texts());
@@ -98,6 +124,8 @@ pub(super) fn detect_burst(
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     let start = Instant::now();
+    folder.check()?;
+    job.files(&name).iter().try_for_each(|file| job.rules.check(file))?;
     let files = write_detection(job.out, &name, &detection, &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files.iter().map(|file| path_text(file))).collect();

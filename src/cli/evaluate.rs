@@ -8,7 +8,9 @@ use super::evaluate_matches;
 use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
+use super::outputs;
 use super::study::{Document, Searched, searched};
+use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
 use crate::evaluate::figure::roc_svg;
@@ -34,9 +36,11 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     }
     let study = chart_study((&args.charts, &args.compared), &args.search, args.snr.clone())?;
     let console = Console::new(&args.output)?;
+    let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
+    outputs::check(&rules, args.plot.as_deref())?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_table(&report))?;
-    write_plot(&console, args.plot.as_deref(), || roc_svg(&report))?;
+    write_plot(&console, args.plot.as_deref(), &rules, || roc_svg(&report))?;
     console.say_json(&Document::new("evaluate chart", &report))
 }
 

@@ -4,7 +4,7 @@ use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
-use super::output_args::OutputArgs;
+use super::output_args::{OutputArgs, OverwriteArgs};
 use super::search_options::SearchArgs;
 use crate::synth::{ChartParams, NoiseCase};
 use clap::{Args, Subcommand};
@@ -63,6 +63,9 @@ pub struct EvaluateChartArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 const CHART_HELP: &str = "\

@@ -7,13 +7,16 @@ use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
 use super::evaluate_tables::{burst_frames_table, frames_table};
 use super::failure::Failure;
-use super::inputs::{open_options, resolve_one, resolve_pair};
+use super::inputs::{Input, open_options, resolve_one, resolve_pair};
+use super::output_args::OverwriteArgs;
+use super::outputs;
 use super::study::Document;
 use crate::burst::Burst;
 use crate::detector::params::doc;
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::frames_figure::{burst_frames_svg, frames_svg};
 use crate::evaluate::{BurstFramesStudy, FramesStudy};
+use crate::export::OutputRules;
 use crate::inspect::truth::truth_of;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -52,6 +55,9 @@ pub struct FramesArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 const FRAMES_HELP: &str = "\
@@ -72,6 +78,10 @@ pub(super) fn run(args: &FramesArgs) -> Result<(), Failure> {
     }
 }
 
+fn rules(args: &FramesArgs, inputs: &[Input]) -> OutputRules {
+    args.overwrite.rules(inputs, &args.run.calibration.options(), &[args.run.search.file.params.as_ref()])
+}
+
 fn charts(args: &FramesArgs) -> Result<(), Failure> {
     if args.run.search.frames.is_some() {
         let problem = "charts have as many frames as --frame-counts says; leave it out";
@@ -87,9 +97,11 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
         frame_counts: if args.frame_counts.is_empty() { FRAME_COUNTS.to_vec() } else { args.frame_counts.clone() },
     };
     let console = Console::new(&args.run.output)?;
+    let rules = rules(args, &[]);
+    outputs::check(&rules, args.plot.as_deref())?;
     let report = study.run(&console.monitor)?;
     console.say(&frames_table(&report))?;
-    write_plot(&console, args.plot.as_deref(), || frames_svg(&report))?;
+    write_plot(&console, args.plot.as_deref(), &rules, || frames_svg(&report))?;
     console.say_json(&Document::new("evaluate frames", &report))
 }
 
@@ -105,11 +117,13 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
         None => vec![resolve_one(&[input.to_owned()], "evaluate frames")?],
     };
     let options = open_options(&inputs, &args.run.calibration)?;
+    let rules = rules(args, &inputs);
+    outputs::check(&rules, args.plot.as_deref())?;
     let silent = console.monitor.silent();
     let bursts = inputs.iter().map(|i| i.open(&options, &silent)).collect::<Result<Vec<Burst>, _>>()?;
     let truth = truth_of(&bursts[0]).map_err(|e| Failure::Failed(e.into()))?;
     let report = study.run(&bursts[0], bursts.get(1), truth.as_ref(), &console.monitor)?;
     console.say(&burst_frames_table(&report))?;
-    write_plot(&console, args.plot.as_deref(), || burst_frames_svg(&report))?;
+    write_plot(&console, args.plot.as_deref(), &rules, || burst_frames_svg(&report))?;
     console.say_json(&Document::new("evaluate frames", &report))
 }

@@ -14,6 +14,9 @@ use crate::monitor::Cancelled;
 use crate::synth::{SynthError, WriteBurstError};
 use std::process::ExitCode;
 
+/// The exit code of a command that was interrupted.
+pub const INTERRUPTED: u8 = 130;
+
 /// Why a command did not do all it was asked for.
 #[derive(Debug)]
 pub enum Failure {
@@ -23,7 +26,7 @@ pub enum Failure {
     Failed(anyhow::Error),
     /// Everything that failed was reported already: exit code 1.
     Reported,
-    /// Interrupted from outside, as by Ctrl-C: exit code 130.
+    /// Interrupted from outside, as by Ctrl-C or a scheduler: exit code 130.
     Interrupted,
 }
 
@@ -43,7 +46,7 @@ impl Failure {
         ExitCode::from(match self {
             Self::Failed(_) | Self::Reported => 1,
             Self::Usage(_) => 2,
-            Self::Interrupted => 130,
+            Self::Interrupted => INTERRUPTED,
         })
     }
 
@@ -96,6 +99,12 @@ impl From<ParamError> for Failure {
 
 impl From<crate::export::ExportError> for Failure {
     fn from(error: crate::export::ExportError) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+impl From<crate::files::lock::LockError> for Failure {
+    fn from(error: crate::files::lock::LockError) -> Self {
         Self::Failed(error.into())
     }
 }

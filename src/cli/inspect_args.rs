@@ -2,6 +2,7 @@
 
 use super::args::INPUT_HELP;
 use super::burst_search_args::BurstSearchArgs;
+use super::output_args::OverwriteArgs;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -23,6 +24,9 @@ pub struct SlopesArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 const SLOPES_HELP: &str = "\
@@ -63,6 +67,9 @@ pub struct ProbeArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 const PROBE_HELP: &str = "\

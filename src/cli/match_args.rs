@@ -3,6 +3,7 @@
 use super::burst_search_args::BurstSearchArgs;
 use super::choices::{IMAGE_KINDS, words};
 use super::matching_args::MatchingArgs;
+use super::output_args::OverwriteArgs;
 use crate::dataset::ImageKind;
 use crate::export::ExportFormat;
 use clap::Args;
@@ -38,6 +39,9 @@ pub struct MatchArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 const MATCH_HELP: &str = "\

@@ -64,15 +64,18 @@ struct Files<'a> {
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
     let matching = args.matching.params()?;
-    let job = DetectJob::new(&args.out, &args.format, &params)?.of_camera(matching.camera.clone());
+    let mut job = DetectJob::new(&args.out, &args.format, &params)?.of_camera(matching.camera.clone());
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_pair(&args.a, &args.b)?;
     let options = open_options(&inputs, &args.run.calibration)?;
     let name = safe_file_name(&format!("{}_{}", inputs[0].name, inputs[1].name));
+    let [matches, picture] = ["csv", "png"].map(|end| args.out.join(format!("{name}.matches.{end}")));
+    job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
+    let folder = job.take_folder(&inputs, &[matches.clone(), picture.clone()])?;
     let mut found: Vec<(BurstReport, Burst, Detection)> = Vec::with_capacity(2);
     for (index, input) in inputs.into_iter().enumerate() {
         console.begin(format!("[{}/2] {}: ", index + 1, input.name));
-        found.push(detect_burst(input, &options, &job, &console)?);
+        found.push(detect_burst(input, &options, (&job, &folder), &console)?);
     }
     console.begin("matches: ".to_owned());
     let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };
@@ -84,14 +87,15 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     let rows = match_rows(a, b, &result);
-    let (matches, picture) =
-        (args.out.join(format!("{name}.matches.csv")), args.out.join(format!("{name}.matches.png")));
+    folder.check()?;
+    [&matches, &picture].into_iter().try_for_each(|file| job.rules.check(file))?;
     write_matches_csv(&matches, &rows)?;
     let lines: Vec<MatchLine> = rows
         .iter()
         .map(|r| MatchLine { a: r.a, b: r.b, inlier: r.verified.is_none_or(|(_, inlier)| inlier) })
         .collect();
     write_match_picture(&picture, picture_a.picture(), picture_b.picture(), &lines)?;
+    folder.check()?;
     let model = result.verification.as_ref().and_then(|v| v.model.as_ref());
     console.say(&summary(&result.counts, &matching, model.is_some()))?;
     console.say(&format!("  wrote        {}\n  wrote        {}\n", matches.display(), picture.display()))?;

@@ -38,6 +38,7 @@ mod merge;
 #[cfg(feature = "app")]
 mod opening;
 pub mod output_args;
+mod outputs;
 mod probe;
 #[cfg(feature = "app")]
 mod render;
@@ -45,6 +46,7 @@ mod render;
 pub mod render_args;
 mod report;
 pub mod search_options;
+mod signals;
 mod slopes;
 mod stack;
 mod study;
@@ -90,6 +92,7 @@ pub fn run() -> ExitCode {
             return ExitCode::from(code);
         }
     };
+    signals::survive_file_size_limit();
     let result = memory::refusable(|| done(&cli)).unwrap_or_else(|refused| Err(Failure::Failed(refused.into())));
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -23,6 +23,16 @@ pub struct OutputArgs {
     pub memory: Option<u64>,
 }
 
+/// What may be written over.
+#[derive(Debug, Clone, Copy, Default, Args)]
+#[command(next_help_heading = "Output")]
+pub struct OverwriteArgs {
+    /// Replace files that Burstscope did not write, and links, which are not followed. Files that the command opens are
+    /// never replaced.
+    #[arg(long)]
+    pub force: bool,
+}
+
 /// Bytes from `8G`, `500M` (powers of 1000) or a part of the machine's memory in percent.
 fn parse_memory(text: &str) -> Result<u64, String> {
     let bad =

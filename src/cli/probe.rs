@@ -4,6 +4,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use super::inspect_args::ProbeArgs;
+use super::outputs;
 use crate::export::{ExportError, write_whole};
 use crate::files::path_text;
 use crate::inspect::figure::probe_svg;
@@ -23,6 +24,8 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let console = Console::new(&args.run.output)?;
     let input = resolve_one(&args.inputs, "probe")?;
     let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
+    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
+    outputs::check(&rules, args.plot.as_deref())?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let (width, height) = burst.size();
@@ -40,6 +43,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     console.monitor.check()?;
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
+        rules.check(path)?;
         write_text(path, &probe_svg(&answer, &input.name))?;
     }
     let mut text = String::new();

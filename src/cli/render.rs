@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{Input, Place};
+use super::inputs::{Input, Place, resolve};
 use super::opening::{Opening, what_to_open};
 use super::render_args::RenderArgs;
 use crate::app::{RenderOptions, render_to_png};
@@ -17,6 +17,9 @@ use std::time::Duration;
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
+    let calibration = args.calibration.options();
+    let settings = [args.search.file.params.as_ref()].into_iter().chain(args.inputs.iter().map(Some));
+    let rules = args.overwrite.rules(&resolve(&args.inputs), &calibration, &settings.collect::<Vec<_>>());
     let Sources { source, second, dataset, session } = sources_of(what_to_open(&args.inputs, args.sequence)?)?;
     let options = RenderOptions {
         source: source.unwrap_or(BurstSource::Demo),
@@ -25,7 +28,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         session,
         lesson: None,
         params,
-        calibration: args.calibration.options(),
+        calibration,
         size_points: args.size,
         scale: args.scale,
         light: args.light,
@@ -36,6 +39,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         level: args.level,
         detect: !args.no_detect,
         select_strongest: args.select_strongest,
+        rules,
         max_duration: Duration::from_secs(args.timeout),
         monitor: console.monitor.clone(),
     };

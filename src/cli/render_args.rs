@@ -3,7 +3,7 @@
 use super::args::{INPUT_HELP, SequenceArgs, parse_slope};
 use super::calibration_args::CalibrationArgs;
 use super::choices::{VIEW_KINDS, words};
-use super::output_args::OutputArgs;
+use super::output_args::{OutputArgs, OverwriteArgs};
 use super::search_options::SearchArgs;
 use crate::app::project::cursor::ViewKind;
 use crate::detector::Slope;
@@ -68,6 +68,9 @@ pub struct RenderArgs {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 fn parse_size(text: &str) -> Result<(f32, f32), String> {

@@ -4,6 +4,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use super::inspect_args::SlopesArgs;
+use super::outputs;
 use super::probe::{check_svg, write_text};
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
@@ -24,6 +25,8 @@ pub(super) fn run(args: &SlopesArgs) -> Result<(), Failure> {
     let console = Console::new(&args.run.output)?;
     let input = resolve_one(&args.inputs, "slopes")?;
     let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
+    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
+    outputs::check(&rules, args.plot.as_deref())?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, SEARCH_SHARE))?;
@@ -32,6 +35,7 @@ pub(super) fn run(args: &SlopesArgs) -> Result<(), Failure> {
     let mut text = spectrum_text(&answer, &input.name);
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
+        rules.check(path)?;
         write_text(path, &spectrum_svg(&answer, &input.name))?;
         text += &format!("wrote {}\n", path.display());
     }

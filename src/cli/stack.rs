@@ -21,6 +21,8 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let console = Console::new(&args.run.output)?;
     let input = resolve_one(&args.inputs, "stack")?;
     let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
+    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
+    rules.check(&args.out)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
     params.validate_for(burst.len(), burst.size())?;
@@ -31,6 +33,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     };
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
+    rules.check(&args.out)?;
     write_tiff(&args.out, &image)?;
     let (mut low, mut high, mut sum) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f64);
     for &x in image.data() {

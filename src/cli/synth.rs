@@ -4,10 +4,11 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve};
 use super::output_args::OutputArgs;
+use super::outputs::opened;
 use super::synth_args::{ChartArgs, NoisyArgs, SceneArgs, SynthArgs, SynthKind};
 use super::trajectory_args::TrajectoryArgs;
 use crate::burst::Burst;
-use crate::export::safe_file_name;
+use crate::export::{OutputRules, Overwrite, safe_file_name};
 use crate::files::path_text;
 use crate::synth::{
     ChartParams, FrameLevels, NoisyParams, SceneParams, Trajectory, Truth, synth_chart, synth_scene, write_burst,
@@ -40,6 +41,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let inputs = resolve(&args.inputs);
     let options = open_options(&inputs, &args.calibration)?;
+    OutputRules::new(opened(&inputs, &options, &[]), Overwrite::Refuse).check_folder(&args.out)?;
     let mut levels = FrameLevels::default();
     for input in &inputs {
         console.begin(format!("{}: ", input.name));

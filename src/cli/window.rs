@@ -7,6 +7,7 @@ use super::inputs::{DEMO, Input};
 use super::opening::{Opening, what_to_open};
 use super::output_args::OutputArgs;
 use super::render::{Sources, drawn, source_of, sources_of};
+use super::signals;
 use super::table::feature_table;
 use super::terminal::print;
 use crate::app::{RenderOptions, Startup};
@@ -14,7 +15,7 @@ use crate::baseline::search;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
-use crate::export::safe_file_name;
+use crate::export::{OutputRules, safe_file_name};
 use crate::teach::{Lesson, built_in, built_in_names, lessons_at};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,8 +41,15 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
         };
     }
     let Sources { source, second, dataset, session } = sources_of(opening)?;
-    let startup = Startup { source, second, dataset, params, calibration, session, ..Startup::default() };
-    crate::app::run(startup).map_err(Failure::Failed)
+    show(Startup { source, second, dataset, params, calibration, session, ..Startup::default() })
+}
+
+/// Shows the window until it is closed, or asked to end from outside.
+fn show(startup: Startup) -> Result<(), Failure> {
+    let (asked, end) = (startup.end.clone(), startup.end.clone());
+    signals::on_end(move || end.make())?;
+    crate::app::run(startup).map_err(Failure::Failed)?;
+    if asked.is_made() { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
 /// Opens the window with the lesson of this name, or at this path; without a display its first step is drawn.
@@ -49,7 +57,7 @@ fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
     let (lesson, others) = lesson_named(name)?;
     let startup = Startup { lesson: Some(lesson.clone()), lessons: others, params, ..Startup::default() };
     if has_display() {
-        return crate::app::run(startup).map_err(Failure::Failed);
+        return show(startup);
     }
     let (file, console) = begin_without_display(&lesson.name, "nothing is listed")?;
     draw(&RenderOptions { lesson: Some(lesson), ..RenderOptions::default() }, &file, &console)
@@ -87,6 +95,13 @@ fn has_display() -> bool {
 /// Says that the window becomes a picture, and what `else_is_done`. Answers the picture's file and the console.
 fn begin_without_display(name: &str, else_is_done: &str) -> Result<(PathBuf, Console), Failure> {
     let file = PathBuf::from(format!("burstscope-{}.png", safe_file_name(name)));
+    if OutputRules::default().check(&file).is_err() {
+        return Err(Failure::Failed(anyhow::anyhow!(
+            "there is no display, and the file into which the window would be drawn is not one that Burstscope wrote; \
+             move it away, or name another one with 'burstscope render --out': {}",
+            file.display()
+        )));
+    }
     print(&format!(
         "There is no display here (neither DISPLAY nor WAYLAND_DISPLAY is set).\nThe window is drawn into {} instead, and {else_is_done}.\n\n",
         file.display()

@@ -27,6 +27,9 @@ mod source;
 mod study;
 mod trail;
 
+#[cfg(test)]
+mod tests;
+
 pub use against::{Against, AgainstRequest, ComparedWith, OthersSource, Reference};
 pub use coherence::{CoherenceRequest, Coherences};
 pub use compare::{CompareRequest, Compared};

@@ -21,9 +21,28 @@ pub struct Running {
 impl Running {
     /// How long it still takes if it goes on as it went so far; `None` while that cannot be told.
     pub fn time_left(&self) -> Option<Duration> {
-        let fraction = self.progress?.fraction;
-        let gone = self.started.elapsed();
-        let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
-        can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))
+        time_left(self.started.elapsed(), self.progress?.fraction)
+    }
+}
+
+/// How long work still takes that has done `fraction` of it in `gone`, if it goes on as it went so far; `None` while
+/// that cannot be told.
+fn time_left(gone: Duration, fraction: f32) -> Option<Duration> {
+    let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
+    can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_follows_from_what_is_done() {
+        let left = |millis, fraction| time_left(Duration::from_millis(millis), fraction);
+        assert_eq!(left(10_000, 0.5), Some(Duration::from_secs(10)));
+        assert_eq!(left(1_000, 0.25), Some(Duration::from_secs(3)));
+        assert_eq!(left(10_000, 0.01), None, "too early to say");
+        assert_eq!(left(400, 0.5), None, "too short to say");
+        assert_eq!(left(10_000, 1.0), None, "it is done");
     }
 }

@@ -1,33 +1,49 @@
-//! Ctrl-C: exit code 130, and nothing half-written.
+//! Ctrl-C, and what schedulers and closed terminals send: exit code 130, and nothing half-written.
 #![cfg(unix)]
 
-use super::support::{names, program, run_well};
+use super::support::{at_work, ended, names, program, run_well};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// Starts a long command, interrupts it after a while, and answers its exit code and how long it took to stop.
-fn interrupt(home: &Path, arguments: &[&str], after: Duration) -> (Option<i32>, Duration) {
+/// What asks a program to end. Where the tests themselves were started so that they outlive their terminal, the program
+/// does not hear that either, and a line says so.
+fn signals() -> Vec<&'static str> {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    if ignored.is_some_and(|mask| mask & 1 == 0) {
+        vec!["-INT", "-TERM", "-HUP"]
+    } else {
+        println!("SIGHUP is not heard here and was left out");
+        vec!["-INT", "-TERM"]
+    }
+}
+
+fn send(signal: &str, process: u32) {
+    let sent = Command::new("kill").args([signal, &process.to_string()]).status().expect("kill runs");
+    assert!(sent.success());
+}
+
+/// Starts a command whose work takes many minutes, interrupts it by `signal` while it is at work, and returns its exit
+/// code.
+fn interrupt(home: &Path, arguments: &[&str], signal: &str) -> Option<i32> {
     let mut child =
         program(home, arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
-    std::thread::sleep(after);
+    at_work(&child);
     assert!(child.try_wait().expect("a state").is_none(), "{arguments:?} ended before it could be interrupted");
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
-    assert!(killed.success());
-    let start = Instant::now();
-    let code = child.wait().expect("an end").code();
-    (code, start.elapsed())
+    send(signal, child.id());
+    ended(child).status.code()
 }
 
 #[test]
-fn making_a_large_burst_stops_at_once_and_leaves_nothing() {
+fn making_a_large_burst_stops_and_leaves_nothing() {
     let home = tempfile::tempdir().expect("a folder");
     let arguments =
-        ["synth", "chart", "--out", "big", "--width", "3000", "--height", "2000", "--frames", "40", "--threads", "1"];
-    let (code, duration) = interrupt(home.path(), &arguments, Duration::from_millis(800));
-    assert_eq!(code, Some(130));
-    assert!(duration < Duration::from_secs(3), "{duration:?}");
-    assert_eq!(names(home.path()), Vec::<String>::new());
+        ["synth", "chart", "--out", "big", "--width", "3000", "--height", "2000", "--frames", "400", "--threads", "1"];
+    for signal in signals() {
+        assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
+        assert_eq!(names(home.path()), Vec::<String>::new());
+    }
 }
 
 #[test]
@@ -48,10 +64,10 @@ fn a_long_search_stops_and_leaves_nothing() {
         "--out",
         "found",
     ];
-    let (code, duration) = interrupt(home.path(), &arguments, Duration::from_millis(1500));
-    assert_eq!(code, Some(130));
-    assert!(duration < Duration::from_secs(5), "{duration:?}");
-    assert_eq!(names(home.path()), ["chart"]);
+    for signal in signals() {
+        assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
+        assert_eq!(names(home.path()), ["chart"]);
+    }
 }
 
 #[test]
@@ -59,19 +75,67 @@ fn a_study_stops_and_leaves_no_figure() {
     let home = tempfile::tempdir().expect("a folder");
     let arguments =
         ["evaluate", "chart", "--motion", "2d", "--seeds", "500", "--threads", "1", "--plot", "roc.svg", "--json"];
-    let (code, duration) = interrupt(home.path(), &arguments, Duration::from_millis(1500));
-    assert_eq!(code, Some(130));
-    assert!(duration < Duration::from_secs(5), "{duration:?}");
-    assert_eq!(names(home.path()), Vec::<String>::new());
+    for signal in signals() {
+        assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
+        assert_eq!(names(home.path()), Vec::<String>::new());
+    }
 }
 
 #[test]
 fn figures_stop_and_leave_none_half_made() {
     let home = tempfile::tempdir().expect("a folder");
     let arguments = ["figures", "--out", "paper", "--only", "fig5", "--no-colmap", "--threads", "1"];
-    let (code, duration) = interrupt(home.path(), &arguments, Duration::from_millis(1500));
-    assert_eq!(code, Some(130));
-    assert!(duration < Duration::from_secs(5), "{duration:?}");
-    let left = names(&home.path().join("paper"));
-    assert!(left.iter().all(|name| name == "records" || name.starts_with('.')), "{left:?}");
+    for signal in signals() {
+        assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
+        let left = names(&home.path().join("paper"));
+        assert!(left.iter().all(|name| name == "records" || name.starts_with('.')), "{left:?}");
+    }
+}
+
+#[test]
+fn a_burst_in_a_dataset_stops_and_the_folder_goes_on_later() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b"] {
+        run_well(home.path(), &["synth", "chart", "--out", &format!("nights/{name}"), "--frames", "4", "--quiet"]);
+    }
+    let slopes = ["--slopes-u", "-3:3:41", "--slopes-v", "-3:3:41"];
+    let arguments = [&["colmap", "nights", "--out", "rec", "--threads", "1"][..], &slopes].concat();
+    for signal in signals() {
+        assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
+        let left = home.path().join("rec");
+        assert!(!left.exists() || !names(&left).contains(&"database.db".to_owned()), "{signal}");
+    }
+    run_well(home.path(), &["colmap", "nights", "--out", "rec", "--slopes-u", "-1:1:3", "--octaves", "2"]);
+}
+
+#[test]
+fn a_second_request_ends_it_at_once() {
+    let home = tempfile::tempdir().expect("a folder");
+    let arguments = ["evaluate", "chart", "--motion", "2d", "--seeds", "500", "--threads", "1"];
+    let mut child = program(home.path(), &arguments);
+    let child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
+    at_work(&child);
+    send("-TERM", child.id());
+    send("-INT", child.id());
+    assert_eq!(ended(child).status.code(), Some(130));
+}
+
+/// Started by `nohup`, a run outlives its terminal.
+#[cfg(target_os = "linux")]
+#[test]
+fn where_a_closed_terminal_is_to_be_ignored_it_is() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(home.path(), &["synth", "chart", "--out", "a", "--frames", "8", "--quiet"]);
+    let program = env!("CARGO_BIN_EXE_burstscope");
+    let script =
+        format!("trap '' HUP; exec '{program}' detect a --slopes-u -3:3:21 --slopes-v -3:3:9 --threads 1 --out out");
+    let mut child = Command::new("sh");
+    child.current_dir(home.path()).args(["-c", &script]).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = child.spawn().expect("the program starts");
+    for _ in 0..3 {
+        std::thread::sleep(Duration::from_millis(200));
+        send("-HUP", child.id());
+    }
+    assert_eq!(child.wait().expect("an end").code(), Some(0));
+    assert_eq!(names(&home.path().join("out")), ["a.csv"]);
 }

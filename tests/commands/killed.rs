@@ -1,11 +1,12 @@
-//! A run that is killed at any moment goes on where it was, and never takes features of other parameters for its own.
+//! A run that is killed at any moment goes on where it was, and never takes features of other parameters or frames for
+//! its own.
 
 use super::support::{names, program, run, run_badly, run_well, stderr};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
-use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::process::{Command, Stdio};
+use std::time::{Duration, SystemTime};
 
 /// Twenty small bursts, one film.
 fn film(home: &Path) {
@@ -55,43 +56,73 @@ fn same(folder: &Path, expected: &BTreeMap<String, Vec<u8>>, what: &str) {
     }
 }
 
+/// The files in `folder` and its parts, with the times at which they were written last.
+fn written(folder: &Path) -> BTreeSet<(String, SystemTime)> {
+    let mut written = BTreeSet::new();
+    for part in ["", "images", "features", "records"] {
+        // A file may go away between the two looks at it.
+        for entry in fs::read_dir(folder.join(part)).into_iter().flatten().flatten() {
+            if let Some(at) = entry.metadata().ok().filter(|data| data.is_file()).and_then(|data| data.modified().ok())
+            {
+                written.insert((format!("{part}/{}", entry.file_name().to_string_lossy()), at));
+            }
+        }
+    }
+    written
+}
+
+/// Starts a run into `out`, and kills it once it has written `count` files, and `later` after that. Returns whether it
+/// was killed before it ended.
+fn kill_after(home: &Path, line: &[&str], out: &Path, count: usize, later: Duration, is_asked: bool) -> bool {
+    let before = written(out);
+    let mut running = program(home, line);
+    let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+    while written(out).difference(&before).count() < count && running.try_wait().expect("a state").is_none() {
+        std::thread::sleep(Duration::from_micros(500));
+    }
+    std::thread::sleep(later);
+    let ended = running.try_wait().expect("a state").is_some();
+    if is_asked && !ended {
+        let sent = Command::new("kill").args(["-TERM", &running.id().to_string()]).status();
+        assert!(sent.expect("kill runs").success());
+    } else {
+        running.kill().expect("it is ours");
+    }
+    running.wait().expect("it ends");
+    !ended
+}
+
 #[test]
 fn killed_at_any_moment_it_goes_on_to_the_same_end() {
     let home = tempfile::tempdir().expect("a folder");
     film(home.path());
-    let started = Instant::now();
     run_well(home.path(), &arguments("whole", "12"));
-    let whole = started.elapsed();
-    let expected = made(&home.path().join("whole"));
+    let whole = home.path().join("whole");
+    let expected = made(&whole);
     assert!(expected["keypoints"].len() > 1000 && expected.len() == 46, "twenty bursts with features");
-    // A generator of moments; any would do.
-    let mut state = 0x2545_F491u32;
-    let mut moment = || {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        whole.mul_f64(f64::from(state) / f64::from(u32::MAX))
-    };
-    for round in 0..10 {
+    let files = written(&whole).len();
+    // From before the first file to the last ones, which are written when all bursts are done.
+    let mut killed = 0;
+    for round in 0..4 {
         let out = format!("killed {round}");
-        for kill in 0..5 {
+        let folder = home.path().join(&out);
+        for kill in 0..3 {
             // Every other run looks for other features.
             let line = arguments(&out, if kill % 2 == 0 { "12" } else { "3" });
-            let mut running = program(home.path(), &line);
-            let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
-            std::thread::sleep(moment());
-            running.kill().expect("it is ours");
-            running.wait().expect("it ends");
+            let moment = 3 * round + kill;
+            let later = Duration::from_millis(moment as u64 % 4);
+            let is_asked = cfg!(unix) && kill % 2 == 1;
+            killed += usize::from(kill_after(home.path(), &line, &folder, moment * files / 11, later, is_asked));
         }
         let output = run(home.path(), &arguments(&out, "12"));
         assert_eq!(output.status.code(), Some(0), "round {round}: {}", stderr(&output));
-        let folder = home.path().join(&out);
         same(&folder, &expected, &format!("round {round}"));
         for part in ["", "images", "features", "records"] {
             let left: Vec<_> = names(&folder.join(part)).into_iter().filter(|name| name.ends_with(".tmp")).collect();
             assert!(left.is_empty(), "round {round}: {part} holds {left:?}");
         }
     }
+    assert!(killed >= 8, "{killed} of 12 runs were killed before they ended");
 }
 
 #[test]
@@ -124,6 +155,108 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     fs::remove_dir(&record).expect("removed");
     run_well(home.path(), &arguments("rec", "12"));
     same(&folder, &expected, "in the way");
+}
+
+/// Two bursts of three frames whose files are of one length whatever they show.
+fn nights(home: &Path) {
+    for (night, seed) in [("a", "1"), ("b", "2")] {
+        let size = ["--width", "96", "--height", "72", "--frames", "3", "--discs", "4", "--radius", "3:6"];
+        run_well(home, &[&["synth", "chart", "--out", night, "--seed", seed, "--snr", "5"][..], &size].concat());
+        fs::create_dir_all(home.join("nights").join(night)).expect("made");
+        for t in 0..3 {
+            let frame = image::open(home.join(night).join(format!("frame_00{t}.png"))).expect("a frame");
+            frame.save(home.join(format!("nights/{night}/{t}.pgm"))).expect("written");
+        }
+    }
+}
+
+/// Which of the bursts of `nights` were taken from an earlier run into the folder `rec`.
+fn resumed(home: &Path, more: &[&str]) -> Vec<bool> {
+    let arguments = ["colmap", "nights", "--out", "rec", "--slopes-u", "-1:1:3", "--octaves", "2", "--json"];
+    let json: serde_json::Value = serde_json::from_str(&run_well(home, &[&arguments, more].concat())).expect("JSON");
+    json["images"].as_array().expect("images").iter().map(|image| image["resumed"] == true).collect()
+}
+
+#[test]
+fn features_are_kept_for_frames_of_the_same_content() {
+    let home = tempfile::tempdir().expect("a folder");
+    nights(home.path());
+    let at = |name: &str| home.path().join(name);
+    assert_eq!(resumed(home.path(), &[]), [false, false]);
+    let first = made(&at("rec"));
+    // Other access rights, another date, a copy in the frame's place: the content is the same.
+    let frame = at("nights/a/1.pgm");
+    let (content, modified) = (fs::read(&frame).expect("read"), fs::metadata(&frame).and_then(|f| f.modified()));
+    let modified = modified.expect("a time");
+    let set_modified = |time| fs::File::options().write(true).open(&frame).and_then(|file| file.set_modified(time));
+    set_modified(modified - Duration::from_secs(60)).expect("set");
+    assert_eq!(resumed(home.path(), &[]), [true, true]);
+    fs::write(at("copy.pgm"), &content).and_then(|()| fs::rename(at("copy.pgm"), &frame)).expect("replaced");
+    assert_eq!(resumed(home.path(), &[]), [true, true]);
+    assert_eq!(resumed(home.path(), &["--check-content"]), [true, true]);
+    // Another frame of the same length and date.
+    let other = fs::read(at("nights/b/1.pgm")).expect("read");
+    assert!(other.len() == content.len() && other != content);
+    set_modified(modified).expect("set");
+    resumed(home.path(), &[]);
+    fs::write(&frame, &other).and_then(|()| set_modified(modified)).expect("replaced");
+    if cfg!(unix) {
+        assert_eq!(resumed(home.path(), &[]), [false, true]);
+        assert!(made(&at("rec")) != first, "other frames have other features");
+    }
+    fs::write(&frame, &content).expect("put back");
+    resumed(home.path(), &["--check-content"]);
+    same(&at("rec"), &first, "put back");
+}
+
+#[test]
+fn the_content_decides_when_it_is_asked_for_and_records_of_before_are_believed() {
+    let home = tempfile::tempdir().expect("a folder");
+    nights(home.path());
+    resumed(home.path(), &[]);
+    let record = home.path().join("rec/records/a.png.json");
+    let change = |change: fn(&mut serde_json::Value)| {
+        let mut json = serde_json::from_str(&fs::read_to_string(&record).expect("a record")).expect("JSON");
+        change(&mut json);
+        fs::write(&record, json.to_string()).expect("written");
+    };
+    // As if the frame had changed, and length and times with nothing to tell it.
+    change(|json| json["files"][1]["crc32"] = serde_json::json!(1));
+    assert_eq!(resumed(home.path(), &[]), [true, true]);
+    assert_eq!(resumed(home.path(), &["--check-content"]), [false, true]);
+    assert_eq!(resumed(home.path(), &["--check-content"]), [true, true]);
+    // As programs wrote it that had no checksums of frames and pictures.
+    change(|json| {
+        let json = json.as_object_mut().expect("an object");
+        json.remove("picture_content").expect("it was there");
+        for file in json["files"].as_array_mut().expect("files") {
+            let file = file.as_object_mut().expect("an object");
+            file.remove("crc32").expect("it was there");
+            file.remove("changed_ns");
+        }
+    });
+    assert_eq!(resumed(home.path(), &[]), [true, true]);
+    assert_eq!(resumed(home.path(), &["--check-content"]), [false, true]);
+}
+
+#[test]
+fn a_picture_that_was_emptied_or_altered_is_written_again() {
+    let home = tempfile::tempdir().expect("a folder");
+    nights(home.path());
+    resumed(home.path(), &[]);
+    let first = made(&home.path().join("rec"));
+    let picture = home.path().join("rec/images/b.png");
+    let whole = fs::read(&picture).expect("a picture");
+    let mut altered = whole.clone();
+    altered[whole.len() / 2] ^= 1;
+    for wrong in [&b""[..], &whole[..whole.len() / 2], &altered] {
+        fs::write(&picture, wrong).expect("written");
+        assert_eq!(resumed(home.path(), &[]), [true, true], "its features are whole");
+        same(&home.path().join("rec"), &first, "written again");
+    }
+    fs::remove_file(&picture).expect("removed");
+    assert_eq!(resumed(home.path(), &[]), [true, true]);
+    same(&home.path().join("rec"), &first, "made again");
 }
 
 #[test]
@@ -162,9 +295,25 @@ fn what_several_runs_have_found_is_gathered() {
     assert!(text.contains("gathered the features of 3 of 4 bursts"), "{text}");
     assert_eq!(text.matches("from an earlier run").count(), 3, "{text}");
     same(&home.path().join("all"), &made(&home.path().join("whole")), "gathered");
-    // Features of other parameters are not taken.
-    let text = colmap(&["nights"], &["--out", "other", "--gather", "one", "--edge-threshold", "5"]);
-    assert!(text.contains("gathered the features of 0 of 4 bursts"), "{text}");
+    // What is not taken is named with the reason, where nobody overlooks it and in the JSON.
+    let gather = |more: &[&str]| run(home.path(), &[&["colmap", "nights"][..], &search, more].concat());
+    let output = gather(&["--out", "again", "--gather", "one", "--gather", "two"]);
+    assert!(
+        stderr(&output).contains("note: --gather two: d not taken: its file of features is missing or was altered")
+    );
+    fs::create_dir(home.path().join("film")).expect("made");
+    let output = gather(&["--out", "other", "--gather", "one", "--gather", "film", "--edge-threshold", "5", "--json"]);
+    let words = stderr(&output);
+    assert!(
+        words.contains("--gather one: a, b not taken") && words.contains("other options (edge-threshold)"),
+        "{words}"
+    );
+    assert!(words.contains("--gather film: it holds none of these bursts"), "{words}");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(json["gathered"]["brought"], serde_json::json!([]));
+    assert_eq!(json["gathered"]["left_out"][1]["burst"], "b");
+    assert!(json["gathered"]["left_out"][1]["reason"].as_str().is_some_and(|why| why.contains("edge-threshold")));
+    assert_eq!(json["gathered"]["strange_folders"], serde_json::json!(["film"]));
     let words = run_badly(home.path(), &["colmap", "nights", "--out", "none", "--gather", "gone"], 1);
     assert!(words.contains("gone"), "{words}");
 }

@@ -40,7 +40,8 @@ fn a_search_beyond_the_budget_is_refused_before_a_pixel_is_read() {
     let found = ["detect", "large.npy", "--out", "found"];
     let opened = run_badly(home.path(), &found, 1);
     assert!(opened.contains("large.npy") && !opened.contains("--memory"), "{opened}");
-    for (search, code) in [(&found[..], 1), (&["probe", "large.npy", "--at", "9,9"], 2), (&["slopes", "large.npy"], 2)] {
+    for (search, code) in [(&found[..], 1), (&["probe", "large.npy", "--at", "9,9"], 2), (&["slopes", "large.npy"], 2)]
+    {
         for slopes in [&[][..], &["--slopes-u", "-1:1:3"]] {
             let words = run_badly(home.path(), &[search, slopes, &["--memory", "50M"]].concat(), code);
             assert!(words.contains("--memory") && words.contains("10 frames of 2000×1000"), "{words}");

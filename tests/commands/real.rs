@@ -1,6 +1,7 @@
 //! `detect` on real pictures, where they are; see the folder's own notes for what is known about them.
 
-use super::support::{features, run_well, shared_data};
+use super::support::{features, run_well};
+use crate::shared::shared;
 
 /// The joint rule of the paper, whose features at a wrong slope are few: at each slope for itself, bright blobs also
 /// leave smears at slopes that are not theirs.
@@ -19,9 +20,10 @@ const JOINT: [&str; 12] = [
     "strict",
 ];
 
+#[needs::shared("data")]
 #[test]
 fn the_graffiti_burst_moves_by_one_pixel_to_the_right() {
-    let Some(data) = shared_data() else { return };
+    let data = shared("data");
     let home = tempfile::tempdir().expect("a folder");
     // In this order the motion is uniform.
     let frames: Vec<String> =
@@ -35,9 +37,10 @@ fn the_graffiti_burst_moves_by_one_pixel_to_the_right() {
     assert!(rows.len() > 500 && right * 10 > rows.len() * 9, "{right} of {} features at slope (1, 0)", rows.len());
 }
 
+#[needs::shared("data")]
 #[test]
 fn the_eight_discs_have_their_true_slopes() {
-    let Some(data) = shared_data() else { return };
+    let data = shared("data");
     let home = tempfile::tempdir().expect("a folder");
     let input = data.join("buff-demo-2d");
     run_well(
@@ -69,9 +72,10 @@ fn the_eight_discs_have_their_true_slopes() {
     }
 }
 
+#[needs::shared("data")]
 #[test]
 fn a_real_cameras_features_pile_up_at_its_motion() {
-    let Some(data) = shared_data() else { return };
+    let data = shared("data");
     let home = tempfile::tempdir().expect("a folder");
     let mut frames: Vec<String> = std::fs::read_dir(data.join("slider-far"))
         .expect("a folder")

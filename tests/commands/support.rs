@@ -1,7 +1,12 @@
 //! Running the program.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::{Child, Command, Output};
+use std::sync::mpsc;
+use std::time::Duration;
+
+/// What has not ended after this will not end: tests of hanging give up then.
+const GUARD: Duration = Duration::from_secs(120);
 
 /// The program with `arguments`, in the folder `home`, without a display.
 pub fn program(home: &Path, arguments: &[&str]) -> Command {
@@ -16,6 +21,39 @@ pub fn program(home: &Path, arguments: &[&str]) -> Command {
 /// Runs it to its end.
 pub fn run(home: &Path, arguments: &[&str]) -> Output {
     program(home, arguments).output().expect("the program starts")
+}
+
+/// Waits for the end of a process that may hang.
+///
+/// # Panics
+/// It did not end; it is killed then.
+pub fn ended(running: Child) -> Output {
+    let id = running.id().to_string();
+    let (ending, end) = mpsc::channel();
+    std::thread::spawn(move || ending.send(running.wait_with_output()));
+    let Ok(output) = end.recv_timeout(GUARD) else {
+        let killed = Command::new("kill").args(["-KILL", &id]).status();
+        panic!("process {id} did not end within {GUARD:?} and was killed: {killed:?}");
+    };
+    output.expect("an end")
+}
+
+/// Waits until a process that was started just now has taken over Ctrl-C, and is at work a little.
+pub fn at_work(running: &Child) {
+    let status = format!("/proc/{}/status", running.id());
+    // Bit 1 of the mask stands for SIGINT, which is signal 2.
+    let catches = |status: String| {
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"))?;
+        Some(u64::from_str_radix(caught.trim(), 16).ok()? & 0b10 != 0)
+    };
+    if cfg!(target_os = "linux") {
+        while std::fs::read_to_string(&status).ok().and_then(catches) == Some(false) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_millis(300));
+    } else {
+        std::thread::sleep(Duration::from_millis(1500));
+    }
 }
 
 /// Runs it and expects exit code 0; answers the standard output.
@@ -44,11 +82,6 @@ pub fn names(folder: &Path) -> Vec<String> {
         .collect();
     names.sort();
     names
-}
-
-/// The folder of real data, if it is there; a printed line if not.
-pub fn shared_data() -> Option<PathBuf> {
-    crate::shared::shared("data")
 }
 
 /// The lines of a CSV file of features as numbers, without the header.

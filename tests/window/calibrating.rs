@@ -31,7 +31,9 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     };
     assert!((value(&window, 0, 0) - 1300.0).abs() < 3.0 && (value(&window, 90, 1) - 900.0).abs() < 3.0);
     // What the values look like was said when it was opened.
-    assert!(window.app().model.burst.as_ref().unwrap().burst.notes().iter().any(|note| note.option == Some("full-scale")));
+    assert!(
+        window.app().model.burst.as_ref().unwrap().burst.notes().iter().any(|note| note.option == Some("full-scale"))
+    );
     window.run_action("calibration");
     // The first file that is dropped is the bias; the flat is chosen.
     window.drop_file(home.path().join("bias.png"));

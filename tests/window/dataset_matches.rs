@@ -24,7 +24,7 @@ fn detected(home: &Path) -> Window {
 fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
     let job = FeatureJob { detector: few_slopes().into(), open: OpenOptions::default(), images: ImageKind::default() };
     let store = FeatureStore::open(&home.join("film-burstscope-5"), &job).unwrap();
-    let features: Vec<_> = walk_again(home).iter().map(|b| store.kept(b).unwrap()).collect();
+    let features: Vec<_> = walk_again(home).iter().map(|b| store.kept(b, &Monitor::default()).unwrap()).collect();
     let mut counts = None;
     let mut on = |_, result: &burstscope::matching::MatchResult| {
         counts = Some(result.counts);

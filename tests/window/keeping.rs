@@ -252,3 +252,84 @@ fn typing_gives_a_file_another_name_and_a_new_folder_is_announced() {
     window.settle();
     assert!(wanted.with_extension("csv").is_file(), "the kind of file stays");
 }
+
+#[test]
+fn a_typed_name_of_a_file_that_is_there_is_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("params.toml");
+    let mut window = Start::without_auto_detect().open();
+    let type_name = |window: &mut crate::support::Window, file: &std::path::Path| {
+        // Nobody answers for the system's dialog, so the field opens.
+        window.run_action("save parameters");
+        window.wait("the field opens", |app| app.is_settled());
+        window.harness.run_steps(3);
+        let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
+        field.type_text(file.with_extension("").to_str().unwrap());
+        window.harness.run_steps(3);
+        window.key(egui::Key::Enter);
+        window.harness.run_steps(3);
+    };
+    let text = || std::fs::read_to_string(&file).unwrap();
+    type_name(&mut window, &file);
+    window.settle();
+    assert!(text().starts_with("# Written by Burstscope"), "nothing was there, so nothing is asked");
+
+    std::fs::write(&file, "precious").unwrap();
+    type_name(&mut window, &file);
+    assert!(window.shows("Replace this file?") && window.shows("Burstscope did not write it"));
+    window.click("Cancel");
+    window.settle();
+    assert!(!window.shows("Replace this file?") && text() == "precious");
+    type_name(&mut window, &file);
+    window.snapshot("replace_file");
+    window.click("Replace");
+    window.settle();
+    assert!(text().starts_with("# Written by Burstscope"));
+    type_name(&mut window, &file);
+    assert!(window.shows("Burstscope wrote it"));
+    window.key(egui::Key::Escape);
+    window.harness.run_steps(3);
+    assert!(!window.shows("Replace this file?"));
+
+    #[cfg(unix)]
+    {
+        let thesis = folder.path().join("thesis.txt");
+        std::fs::write(&thesis, "precious").unwrap();
+        std::fs::remove_file(&file).unwrap();
+        std::os::unix::fs::symlink(&thesis, &file).unwrap();
+        type_name(&mut window, &file);
+        assert!(window.shows("It is a link"));
+        window.click("Replace");
+        window.settle();
+        assert_eq!(std::fs::read_to_string(&thesis).unwrap(), "precious");
+        assert!(!std::fs::symlink_metadata(&file).unwrap().is_symlink() && text().contains("Burstscope"));
+    }
+}
+
+#[test]
+fn what_is_open_is_never_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let stack = noisy_stack(folder.path(), 3, 48, 48);
+    let gold = folder.path().join("bias.npy");
+    std::fs::copy(&stack, &gold).unwrap();
+    let mut start = Start::of(&stack);
+    start.startup.calibration.bias = Some(gold.clone());
+    let mut window = start.open();
+    for file in [&stack, &gold] {
+        let before = std::fs::read(file).unwrap();
+        // The system's dialog has asked whether it may be replaced, and somebody said yes.
+        window.dialogs.will_choose(file);
+        window.run_action("picture as png");
+        window.wait("a message", |app| !app.model.messages.errors().is_empty());
+        assert!(window.shows("files that were opened are never written to"));
+        assert!(std::fs::read(file).unwrap() == before);
+        let id = window.app().model.messages.errors()[0].id;
+        window.app_mut().model.messages.dismiss(id);
+    }
+    // Another file beside it is written.
+    let png = folder.path().join("p.png");
+    window.dialogs.will_choose(&png);
+    window.run_action("picture as png");
+    window.settle();
+    assert!(burstscope::export::is_ours(&png));
+}

@@ -5,7 +5,7 @@ use burstscope::app::Startup;
 use burstscope::app::offscreen::Offscreen;
 use burstscope::app::recovery::{KeptIn, Record};
 use burstscope::app::session::Session;
-use burstscope::app::{BurstscopeApp, gpu};
+use burstscope::app::{BurstscopeApp, EndRequest, gpu};
 use burstscope::detector::Slope;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -99,7 +99,7 @@ fn where_nothing_can_be_kept_that_is_said() {
 #[test]
 fn the_offer_looks_like_this() {
     let home = tempfile::tempdir().unwrap();
-    for (name, minutes) in [("lanterns", 5), ("harbour", 90)] {
+    for (name, minutes) in [("lanterns", 90), ("harbour", 150)] {
         let record = Record::new(home.path()).unwrap();
         record.write(&format!("version = 3\nburst = {{ paths = [\"/data/{name}\"] }}\n")).unwrap();
         let then = SystemTime::now() - Duration::from_secs(60 * minutes + 20);
@@ -117,7 +117,7 @@ fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
     // Never by itself in this test.
     start.startup.kept.as_mut().unwrap().every = Duration::from_secs(3600);
     let mut device = None;
-    let builder = crate::common::builder(start.size).wgpu_setup(crate::common::wgpu_setup());
+    let builder = crate::harness::builder(start.size).wgpu_setup(crate::harness::wgpu_setup());
     let harness = builder.build_eframe(|cc| {
         device = cc.wgpu_render_state.as_ref().map(|state| state.device.clone());
         BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), start.startup)
@@ -136,6 +136,59 @@ fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
     // The drawing ends; should no other device be found, the session is there at the next start.
     end_in_the_ordinary_way(window);
     assert!(keeping(home.path(), Start::nothing_open()).open().shows(OFFER));
+}
+
+#[test]
+fn a_window_that_is_asked_to_end_from_outside_finishes_its_files_and_keeps_its_session() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("running");
+    let end = EndRequest::default();
+    let mut start = keeping(&folder, Start::without_auto_detect());
+    // Never by itself in this test.
+    start.startup.kept.as_mut().unwrap().every = Duration::from_secs(3600);
+    start.startup.end = end.clone();
+    let mut window = start.open();
+    window.slide("Slope u", -1.5);
+    let commands = |window: &Window| window.harness.output().viewport_output[&egui::ViewportId::ROOT].commands.clone();
+    assert!(!commands(&window).contains(&egui::ViewportCommand::Close));
+    let file = home.path().join("params.toml");
+    window.dialogs.will_choose(&file);
+    window.run_action("save parameters");
+    window.wait("the file is chosen", |app| !app.is_asking());
+    std::thread::scope(|scope| {
+        scope.spawn(|| end.make());
+    });
+    window.harness.step();
+    assert!(commands(&window).contains(&egui::ViewportCommand::Close));
+    let is_kept = || sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(-1.5, 0.0));
+    assert!(is_kept());
+    // The window closes as it does when a person closes it; but nobody did.
+    end_in_the_ordinary_way(window);
+    assert!(is_kept() && file.is_file());
+    assert!(keeping(&folder, Start::nothing_open()).open().shows(OFFER));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_session_that_could_not_be_written_is_written_later() {
+    let home = tempfile::tempdir().unwrap();
+    let (folder, aside) = (home.path().join("running"), home.path().join("aside"));
+    let mut window = keeping(&folder, Start::without_auto_detect()).open();
+    window.wait("the session is kept", |_| !sessions(&folder).is_empty());
+    window.settle();
+    // A file where the folder should be: nothing can be written there.
+    std::fs::rename(&folder, &aside).unwrap();
+    std::fs::write(&folder, "").unwrap();
+    window.slide("Slope u", 0.75);
+    window.wait("that is said", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows("Save the session by itself"));
+    std::fs::remove_file(&folder).unwrap();
+    std::fs::rename(&aside, &folder).unwrap();
+    let is_kept =
+        |_: &BurstscopeApp| sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(0.75, 0.0));
+    window.wait("it is written though nothing has changed since", is_kept);
+    window.wait("the message goes", |app| app.model.messages.errors().is_empty());
+    end_in_the_ordinary_way(window);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! A window for tests, and what a person's hands do to it.
 
-use crate::common;
+use crate::{harness as common, pictures};
 use burstscope::app::dialogs::{FileDialogs, Question};
 use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// How long anything may take before a test gives up.
-const PATIENCE: Duration = Duration::from_secs(600);
+/// What has not happened after this will not happen.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Dialogs that answer from a list.
 #[derive(Default, Clone)]
@@ -111,7 +111,11 @@ impl Start {
         let harness = common::builder(self.size)
             .with_pixels_per_point(self.pixels_per_point)
             .wgpu_setup(common::wgpu_setup())
-            .build_eframe(|cc| BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), self.startup));
+            .build_eframe(|cc| {
+                let render_state = cc.wgpu_render_state.as_ref();
+                pictures::drawn_on(&render_state.expect("a device").adapter.get_info());
+                BurstscopeApp::new(&cc.egui_ctx, render_state, self.startup)
+            });
         Window { harness, dialogs }
     }
 }
@@ -292,7 +296,7 @@ impl Window {
             found.elapsed = Duration::from_millis(120);
         }
         self.harness.run_steps(2);
-        self.harness.snapshot(name);
+        pictures::compare(&mut self.harness, name);
     }
 }
 

@@ -18,8 +18,8 @@ mod progress;
 mod sequence;
 mod source;
 
-pub use decode::{DecodeWorker, serve_decoding};
 pub use declared::Declared;
+pub use decode::{DecodeWorker, serve_decoding};
 pub use encoding::Encoding;
 pub use error::OpenError;
 pub use limits::Limits;

@@ -136,7 +136,8 @@ impl Burst {
             })
             .collect();
         let count = damaged.len();
-        let text = format!("{count} of {} frames are damaged, and a part of each is made up: {}", self.len(), list(&damaged));
+        let text =
+            format!("{count} of {} frames are damaged, and a part of each is made up: {}", self.len(), list(&damaged));
         (count > 0).then_some(text)
     }
 
@@ -150,7 +151,12 @@ impl Burst {
                 RemarkKind::Damaged(_) => None,
             })
             .collect();
-        let text = format!("{} of {} frames are of another kind than their names say: {}", misnamed.len(), self.len(), list(&misnamed));
+        let text = format!(
+            "{} of {} frames are of another kind than their names say: {}",
+            misnamed.len(),
+            self.len(),
+            list(&misnamed)
+        );
         (!misnamed.is_empty()).then_some(text)
     }
 }

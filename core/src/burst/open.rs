@@ -172,11 +172,7 @@ fn read<'a>(
 }
 
 /// Whether the frames' values have a unit in common; `path` names a frame.
-fn check_samples(
-    frames: &[RawFrame],
-    options: &OpenOptions,
-    path: impl Fn(usize) -> PathBuf,
-) -> Result<(), OpenError> {
+fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<(), OpenError> {
     let Some((first, others)) = frames.split_first() else { return Ok(()) };
     for (t, frame) in others.iter().enumerate() {
         let (first_kind, kind) = (std::mem::discriminant(&first.scale), std::mem::discriminant(&frame.scale));

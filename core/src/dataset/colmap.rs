@@ -17,6 +17,9 @@ use crate::monitor::Monitor;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+/// The name of the database in the dataset's folder.
+const DATABASE_FILE: &str = "database.db";
+
 /// What is made of a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColmapJob {
@@ -115,13 +118,29 @@ pub fn export_colmap(
     on: &mut dyn FnMut(Event<'_>),
     monitor: &Monitor,
 ) -> Result<ColmapReport, DatasetError> {
+    export_colmap_from(&mut FeatureStore::open(out, &job.features)?, bursts, job, on, monitor)
+}
+
+/// The same into the folder of `store`, which holds what [`ColmapJob::features`] says.
+///
+/// # Errors
+/// As [`export_colmap`].
+pub fn export_colmap_from(
+    store: &mut FeatureStore,
+    bursts: &[BurstSource],
+    job: &ColmapJob,
+    on: &mut dyn FnMut(Event<'_>),
+    monitor: &Monitor,
+) -> Result<ColmapReport, DatasetError> {
     let matching = job.verified_matching()?;
     job.features.detector.validate()?;
     if bursts.len() < 2 {
         return Err(DatasetError::TooFew { count: bursts.len() });
     }
-    let mut store = FeatureStore::open(out, &job.features)?;
-    let all = features_of_all(bursts, &mut store, job, on, monitor)?;
+    let out = store.folder().to_path_buf();
+    store.protect(bursts)?;
+    store.check_output(&out.join(DATABASE_FILE))?;
+    let all = features_of_all(bursts, store, job, on, monitor)?;
     if all.len() < 2 {
         return Err(DatasetError::TooFew { count: all.len() });
     }
@@ -129,13 +148,14 @@ pub fn export_colmap(
     on(Event::Matching { pairs: pairs.len() });
     store.begin_writing()?;
     let mut report = ColmapReport {
-        database: out.join("database.db"),
+        database: out.join(DATABASE_FILE),
         images_folder: out.join(IMAGES_FOLDER),
         cameras: Vec::new(),
         known_camera: job.camera.is_known(),
         images: Vec::new(),
         pairs: Vec::new(),
     };
+    store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| -> Result<(), DatasetError> {
         for burst in &all {
             monitor.check()?;
@@ -171,6 +191,8 @@ pub fn export_colmap(
         match_pairs(&all, &pairs, &matching, &mut write, monitor)?;
         Ok(monitor.check()?)
     })?;
+    // Should the folder have been removed since, it holds nothing but the database now.
+    store.begin_writing()?;
     Ok(report)
 }
 

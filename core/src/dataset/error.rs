@@ -3,6 +3,7 @@
 use crate::burst::OpenError;
 use crate::detector::{DetectError, ParamError};
 use crate::export::ExportError;
+use crate::files::lock::LockError;
 use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 use std::path::PathBuf;
@@ -26,14 +27,6 @@ pub enum DatasetError {
     /// The folder holds something else.
     #[error("this folder holds files, but no dataset that was begun by this command; name a new or an empty folder: {}", .0.display())]
     Occupied(PathBuf),
-    /// Another process writes into the folder.
-    #[error("{owner} writes into this folder; wait until it has finished, or name another folder: {}", .folder.display())]
-    Locked {
-        /// The folder.
-        folder: PathBuf,
-        /// Who.
-        owner: String,
-    },
     /// Fewer than two bursts.
     #[error(
         "{count} bursts have features, and matching needs two or more; name a folder of bursts, or cut a long sequence with --burst-length"
@@ -57,6 +50,12 @@ impl DatasetError {
     /// first burst; what makes no sense later makes none for one burst, such as one with too few frames.)
     pub(super) fn is_final(&self) -> bool {
         !matches!(self, Self::Open(_) | Self::Param(_))
+    }
+}
+
+impl From<LockError> for DatasetError {
+    fn from(error: LockError) -> Self {
+        Self::Export(error.into())
     }
 }
 

@@ -1,15 +1,18 @@
 //! The features of each burst of a dataset: found once, kept in files, and taken from there the next time.
 
-use super::lock::FolderLock;
-use super::manifest::{Checksum, DETECTOR_KEY, FileStamp, Manifest, Record};
+use super::kept::NotKept;
+use super::manifest::{DETECTOR_KEY, MANIFEST_FILE, Manifest, Record};
 use super::picture::{ImageKind, write_picture};
+use super::stamp::{Checksum, Comparison, FileStamp};
 use super::{CameraChoice, DatasetError};
 use crate::baseline::{Searched, check_memory, search};
-use crate::burst::{Burst, BurstSource, OpenOptions, RawColour};
+use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, RawColour};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
-    ColmapKeypoint, ExportError, parse_colmap, remove_temporary_files, safe_file_name, write_colmap_keypoints,
+    ColmapKeypoint, ExportError, Inputs, OutputRules, Overwrite, parse_colmap, remove_temporary_files, safe_file_name,
+    write_colmap_keypoints,
 };
+use crate::files::lock::FolderLock;
 use crate::monitor::Monitor;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -101,6 +104,10 @@ pub struct FeatureStore {
     job: FeatureJob,
     /// With what features are found now.
     made_with: Manifest,
+    /// How frames are compared with those of finished bursts.
+    comparison: Comparison,
+    /// What must not be written over.
+    rules: OutputRules,
     /// Taken when something is written first.
     lock: Option<FolderLock>,
 }
@@ -109,21 +116,21 @@ impl FeatureStore {
     /// The dataset in `folder`, begun or to begin. Nothing is written.
     ///
     /// # Errors
-    /// [`DatasetError::Occupied`] when the folder holds something else, [`DatasetError::Open`] when the bias frame
-    /// cannot be looked at.
+    /// [`DatasetError::Occupied`] when the folder holds something else, [`DatasetError::Open`] when the bias or flat
+    /// frame cannot be read.
     pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self, DatasetError> {
-        let stamps = |path: &Option<PathBuf>| match path {
-            Some(path) => FileStamp::of(&BurstSource { name: String::new(), paths: vec![path.clone()] }.files()?),
-            None => Ok(Vec::new()),
+        let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>, DatasetError> {
+            let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
+            Ok(stamps.iter().map(FileStamp::content).collect())
         };
         // By way of text, because that is how the file has it: a number may look different as a value.
         let mut settings = Map::new();
         settings.insert(DETECTOR_KEY.to_owned(), Value::String(job.detector.to_toml()));
-        settings.insert("bias".to_owned(), json!(stamps(&job.open.bias)?));
+        settings.insert("bias".to_owned(), json!(contents(&job.open.bias)?));
         settings.insert("full_scale".to_owned(), json!(job.open.full_scale));
         // Named only where they are asked for, so that folders of before go on.
         if job.open.flat.is_some() {
-            settings.insert("flat".to_owned(), json!(stamps(&job.open.flat)?));
+            settings.insert("flat".to_owned(), json!(contents(&job.open.flat)?));
         }
         if job.open.black_level.is_some() {
             settings.insert("black_level".to_owned(), json!(job.open.black_level));
@@ -139,12 +146,20 @@ impl FeatureStore {
         }
         Manifest::check_folder(folder)?;
         let made_with = Manifest::new(Value::Object(settings));
-        Ok(Self { folder: folder.into(), job: job.clone(), made_with, lock: None })
+        let (comparison, rules) = (Comparison::default(), OutputRules::default());
+        Ok(Self { folder: folder.into(), job: job.clone(), made_with, comparison, rules, lock: None })
+    }
+
+    /// The same with frames compared so with those of finished bursts.
+    pub fn comparing(self, comparison: Comparison) -> Self {
+        Self { comparison, ..self }
     }
 
     /// The files of another folder, for the same job.
     pub(super) fn like(&self, folder: &Path) -> Self {
-        Self { folder: folder.into(), job: self.job.clone(), made_with: self.made_with.clone(), lock: None }
+        let (comparison, rules) = (self.comparison, OutputRules::default());
+        let (job, made_with) = (self.job.clone(), self.made_with.clone());
+        Self { folder: folder.into(), job, made_with, comparison, rules, lock: None }
     }
 
     /// The dataset's folder.
@@ -159,35 +174,72 @@ impl FeatureStore {
         SearchParams::from_toml(&Manifest::detector_text(folder)?).ok()
     }
 
-    /// Whether `source` is finished, as far as can be told without reading its features.
+    /// Makes sure, now and whenever something is written, that no frame of `bursts` and no bias or flat frame is
+    /// written over.
+    ///
+    /// # Errors
+    /// [`ExportError::Input`] for a frame that lies where something is to be written, [`ExportError::Link`] for a link.
+    pub fn protect(&mut self, bursts: &[BurstSource]) -> Result<(), DatasetError> {
+        let of_bursts = bursts.iter().flat_map(|burst| burst.files().unwrap_or_else(|_| burst.paths.clone()));
+        let calibration =
+            [&self.job.open.bias, &self.job.open.flat].map(|path| calibration_files(path).unwrap_or_default());
+        let inputs = Inputs::of(of_bursts.chain(calibration.into_iter().flatten()));
+        self.rules = OutputRules::new(inputs, Overwrite::Refuse);
+        for image_name in bursts.iter().map(image_name) {
+            for file in [self.feature_file(&image_name), self.picture_file(&image_name)] {
+                self.rules.check_own(&file)?;
+            }
+        }
+        Ok(self.rules.check_own(&self.folder.join(MANIFEST_FILE))?)
+    }
+
+    /// Whether `file` of the dataset's folder may be written.
+    ///
+    /// # Errors
+    /// As [`Self::protect`].
+    pub(super) fn check_output(&self, file: &Path) -> Result<(), DatasetError> {
+        Ok(self.rules.check_own(file)?)
+    }
+
+    /// Whether `source` is finished, as far as can be told without reading its frames or its features.
     pub fn finished(&self, source: &BurstSource) -> Option<FinishedBurst> {
-        let Record { features, content, seconds, .. } = self.record(source)?;
+        let files = source.files().ok()?;
+        let Record { features, content, seconds, .. } =
+            self.record(source, &files, Comparison::Glance, &Monitor::default()).ok()?;
         let there = content.is_as_long_as(&self.feature_file(&image_name(source)));
         there.then_some(FinishedBurst { features, seconds })
     }
 
     /// The features of `source` if it is finished, from its files.
-    pub fn kept(&self, source: &BurstSource) -> Option<BurstFeatures> {
-        let Record { size, features, content, seconds, .. } = self.record(source)?;
+    ///
+    /// # Errors
+    /// Why they are not taken.
+    pub fn kept(&self, source: &BurstSource, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
+        let files = source.files().map_err(DatasetError::from)?;
+        Ok(self.kept_with_record(source, &files, monitor)?.0)
+    }
+
+    fn kept_with_record(
+        &self,
+        source: &BurstSource,
+        files: &[PathBuf],
+        monitor: &Monitor,
+    ) -> Result<(BurstFeatures, Record), NotKept> {
+        let record = self.record(source, files, self.comparison, monitor)?;
         let (name, image_name) = (source.name.clone(), image_name(source));
         let path = self.feature_file(&image_name);
         // A file of another length was altered; it is not even read.
-        let bytes = content.is_as_long_as(&path).then(|| std::fs::read(&path).ok())??;
-        if Checksum::of(&bytes) != content {
-            return None;
+        let bytes = record.content.is_as_long_as(&path).then(|| std::fs::read(&path).ok()).flatten();
+        let bytes = bytes.filter(|bytes| Checksum::of(bytes) == record.content).ok_or(NotKept::Altered)?;
+        let text = String::from_utf8(bytes).map_err(|_| NotKept::Altered)?;
+        let (keypoints, descriptors) = parse_colmap(&path, &text).map_err(|_| NotKept::Altered)?;
+        if keypoints.len() != record.features {
+            return Err(NotKept::Altered);
         }
-        let (keypoints, descriptors) = parse_colmap(&path, &String::from_utf8(bytes).ok()?).ok()?;
-        let whole = keypoints.len() == features;
-        whole.then_some(BurstFeatures {
-            name,
-            image_name,
-            size,
-            keypoints,
-            descriptors,
-            resumed: true,
-            slopes: None,
-            seconds,
-        })
+        let (size, seconds) = (record.size, record.seconds);
+        let kept =
+            BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, slopes: None, seconds };
+        Ok((kept, record))
     }
 
     /// The features of `source`, from its files if it is finished. Otherwise they are found, and written with its
@@ -201,33 +253,37 @@ impl FeatureStore {
         camera: &CameraChoice,
         monitor: &Monitor,
     ) -> Result<BurstFeatures, DatasetError> {
-        let stamps = FileStamp::of(&source.files()?)?;
-        let image_name = image_name(source);
-        let picture_file = self.folder.join(IMAGES_FOLDER).join(&image_name);
-        let (found, opened) = match self.kept(source) {
-            Some(kept) => (kept, None),
-            None => {
-                let (found, burst) = self.find(source, camera, monitor)?;
-                (found, Some(burst))
+        let files = source.files()?;
+        match self.kept_with_record(source, &files, monitor) {
+            Ok((kept, record)) => {
+                camera.for_images(kept.size)?;
+                self.complete(source, &files, record, monitor)?;
+                Ok(kept)
             }
-        };
-        camera.for_images(found.size)?;
-        let same_picture = self.record(source).is_some_and(|record| record.picture == self.job.images);
-        if found.resumed && same_picture && picture_file.is_file() {
-            return Ok(found);
+            Err(NotKept::Failed(error @ DatasetError::Cancelled(_))) => Err(error),
+            Err(_) => self.make(source, &files, camera, monitor),
         }
+    }
+
+    /// Finds the features of `source`, and writes them with its picture and record.
+    fn make(
+        &mut self,
+        source: &BurstSource,
+        files: &[PathBuf],
+        camera: &CameraChoice,
+        monitor: &Monitor,
+    ) -> Result<BurstFeatures, DatasetError> {
+        // Before anything is read.
+        check_memory(&source.paths, &self.job.open, &self.job.detector)?;
+        let stamps = FileStamp::with_checksums(files, monitor)?;
+        let (found, burst) = self.find(source, camera, monitor)?;
         self.begin_writing()?;
-        let path = self.feature_file(&image_name);
-        if opened.is_some() {
-            Record::remove(&self.folder, &image_name)?;
-            write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
-        }
-        let content = Checksum::of(&std::fs::read(&path).map_err(|e| ExportError::write(&path, &e))?);
-        let burst = match opened {
-            Some(burst) => burst,
-            None => self.burst(source, monitor)?,
-        };
-        write_picture(&picture_file, &burst, self.job.images, &self.job.detector.detector, monitor)?;
+        let path = self.feature_file(&found.image_name);
+        self.check_output(&path)?;
+        Record::remove(&self.folder, &found.image_name)?;
+        write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
+        let content = Checksum::of_file(&path).map_err(|e| ExportError::write(&path, &e))?;
+        let picture_content = self.write_picture_of(&found.image_name, &burst, monitor)?;
         let record = Record {
             made_with: self.made_with.clone(),
             files: stamps,
@@ -235,27 +291,67 @@ impl FeatureStore {
             features: found.keypoints.len(),
             content,
             picture: self.job.images,
+            picture_content: Some(picture_content),
             seconds: found.seconds,
         };
-        record.write(&self.folder, &image_name)?;
+        record.write(&self.folder, &found.image_name)?;
         Ok(found)
     }
 
+    /// Writes anew what is missing of a burst whose features are kept: the picture, if it is another one than the one
+    /// that was written, and in the record the times of frames that have their content still.
+    fn complete(
+        &mut self,
+        source: &BurstSource,
+        files: &[PathBuf],
+        record: Record,
+        monitor: &Monitor,
+    ) -> Result<(), DatasetError> {
+        let image_name = image_name(source);
+        let picture_file = self.picture_file(&image_name);
+        let is_whole = match record.picture_content {
+            Some(content) => content.is_of(&picture_file),
+            None => std::fs::metadata(&picture_file).is_ok_and(|file| file.is_file() && file.len() > 0),
+        };
+        let stamps = FileStamp::with_times_of(&record.files, files)?;
+        let picture_content = if is_whole && record.picture == self.job.images {
+            if stamps == record.files {
+                return Ok(());
+            }
+            self.begin_writing()?;
+            record.picture_content
+        } else {
+            let burst = self.burst(source, monitor)?;
+            self.begin_writing()?;
+            Some(self.write_picture_of(&image_name, &burst, monitor)?)
+        };
+        let record = Record { files: stamps, picture: self.job.images, picture_content, ..record };
+        Ok(record.write(&self.folder, &image_name)?)
+    }
+
+    fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum, DatasetError> {
+        let path = self.picture_file(image_name);
+        self.check_output(&path)?;
+        write_picture(&path, burst, self.job.images, &self.job.detector.detector, monitor)?;
+        Ok(Checksum::of_file(&path).map_err(|e| ExportError::write(&path, &e))?)
+    }
+
     /// Before anything is written: takes the folder for this process, clears what a killed run left, and says with what
-    /// the dataset is made.
+    /// the dataset is made. Later: makes sure that the folder is still the one that was taken.
     ///
     /// # Errors
-    /// [`DatasetError::Locked`] when another process has the folder, or what cannot be written.
+    /// A folder that another process has, or that was removed meanwhile; what cannot be written.
     pub(super) fn begin_writing(&mut self) -> Result<(), DatasetError> {
-        if self.lock.is_none() {
-            let lock = FolderLock::take(&self.folder)?;
-            let folders = [IMAGES_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
-            for folder in folders.iter().chain([&self.folder, &Record::folder(&self.folder)]) {
-                remove_temporary_files(folder);
-            }
-            self.made_with.write(&self.folder)?;
-            self.lock = Some(lock);
+        if let Some(lock) = &self.lock {
+            return Ok(lock.check()?);
         }
+        let lock = FolderLock::take(&self.folder)?;
+        let folders = [IMAGES_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
+        for folder in folders.iter().chain([&self.folder, &Record::folder(&self.folder)]) {
+            remove_temporary_files(folder);
+        }
+        self.made_with.write(&self.folder)?;
+        self.lock = Some(lock);
         Ok(())
     }
 
@@ -267,7 +363,6 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<(BurstFeatures, Burst), DatasetError> {
         let started = Instant::now();
-        check_memory(&source.paths, &self.job.open, &self.job.detector)?;
         let burst = self.burst(source, monitor)?;
         camera.for_images(burst.size())?;
         let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
@@ -286,11 +381,23 @@ impl FeatureStore {
         Ok((found, burst))
     }
 
-    /// The record of `source`, if it was made with what is asked for now from files that are as they were.
-    fn record(&self, source: &BurstSource) -> Option<Record> {
-        let record = Record::read(&self.folder, &image_name(source))?;
-        let stamps = FileStamp::of(&source.files().ok()?).ok()?;
-        (record.made_with == self.made_with && record.files == stamps).then_some(record)
+    /// The record of `source`, if it was made with what is asked for now from `files` as they are.
+    fn record(
+        &self,
+        source: &BurstSource,
+        files: &[PathBuf],
+        comparison: Comparison,
+        monitor: &Monitor,
+    ) -> Result<Record, NotKept> {
+        let record = Record::read(&self.folder, &image_name(source)).ok_or(NotKept::NoRecord)?;
+        if record.made_with != self.made_with {
+            return Err(match record.made_with.is_of_this_program() {
+                true => NotKept::OtherOptions(record.made_with.differences(&self.made_with)),
+                false => NotKept::OtherProgram,
+            });
+        }
+        let agree = FileStamp::all_agree(&record.files, files, comparison, monitor)?;
+        if agree { Ok(record) } else { Err(NotKept::OtherFiles) }
     }
 
     fn burst(&self, source: &BurstSource, monitor: &Monitor) -> Result<Burst, DatasetError> {
@@ -300,6 +407,18 @@ impl FeatureStore {
     /// COLMAP's importer looks for the features of `a.png` in `a.png.txt`.
     fn feature_file(&self, image_name: &str) -> PathBuf {
         self.folder.join(FEATURES_FOLDER).join(format!("{image_name}.txt"))
+    }
+
+    fn picture_file(&self, image_name: &str) -> PathBuf {
+        self.folder.join(IMAGES_FOLDER).join(image_name)
+    }
+}
+
+/// The files of a bias or flat frame, which may be a folder of them.
+fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>, OpenError> {
+    match path {
+        Some(path) => BurstSource { name: String::new(), paths: vec![path.clone()] }.files(),
+        None => Ok(Vec::new()),
     }
 }
 
@@ -321,6 +440,7 @@ pub fn detect_all(
     on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
 ) -> Result<(), DatasetError> {
+    store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;
     for (index, source) in bursts.iter().enumerate() {
         on(BurstEvent::Begin { index });

@@ -2,20 +2,51 @@
 //!
 //! A dataset that outgrows one machine is split: each run takes some of its bursts and keeps their features in a folder
 //! of its own. Afterwards one run gathers them: of each burst that is not finished yet, the files of a run that found
-//! them with the same parameters in the same frames are copied. Nothing else is trusted, so what does not fit is found
-//! again.
+//! them with the same parameters in the same frames are copied. Nothing else is trusted: what does not fit is named, and
+//! found again.
 
-use super::DatasetError;
 use super::features::{FEATURES_FOLDER, FeatureStore, IMAGES_FOLDER, image_name};
+use super::kept::NotKept;
 use super::manifest::Record;
+use super::{BurstFeatures, DatasetError};
 use crate::burst::BurstSource;
 use crate::export::{ExportError, write_whole};
+use crate::files::serialize_path;
 use crate::monitor::Monitor;
+use serde::{Serialize, Serializer};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Copies into the folder of `store` what the runs in `folders` have finished of `bursts`; answers how many bursts were
-/// brought.
+/// What was gathered, and what was not.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct GatherReport {
+    /// Names of the bursts whose features were brought.
+    pub brought: Vec<String>,
+    /// Bursts that a folder has features of which were not taken, and which no other folder brought.
+    pub left_out: Vec<LeftOut>,
+    /// Folders that hold none of the bursts.
+    #[serde(serialize_with = "crate::files::serialize_paths")]
+    pub strange_folders: Vec<PathBuf>,
+}
+
+/// A burst whose features a folder has, and that were not taken from there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// The folder.
+    #[serde(serialize_with = "serialize_path")]
+    pub folder: PathBuf,
+    /// The burst's name.
+    pub burst: String,
+    /// Why they were not taken.
+    #[serde(serialize_with = "as_text")]
+    pub reason: NotKept,
+}
+
+fn as_text<S: Serializer>(reason: &NotKept, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(reason)
+}
+
+/// Copies into the folder of `store` what the runs in `folders` have finished of `bursts`.
 ///
 /// # Errors
 /// A folder that is none, a file that cannot be read or written, a folder in which another process writes, or that it
@@ -25,32 +56,64 @@ pub fn gather(
     bursts: &[BurstSource],
     folders: &[PathBuf],
     monitor: &Monitor,
-) -> Result<usize, DatasetError> {
+) -> Result<GatherReport, DatasetError> {
     if let Some(missing) = folders.iter().find(|folder| !folder.is_dir()) {
         let reason = "there is no such folder of kept features".to_owned();
         return Err(ExportError::Read { path: missing.clone(), reason }.into());
     }
+    store.protect(bursts)?;
     let others = folders.iter().map(|folder| store.like(folder)).collect::<Vec<_>>();
-    let mut brought = 0;
+    let mut knows_one = vec![false; folders.len()];
+    let mut report = GatherReport::default();
     for source in bursts {
         monitor.check()?;
-        if store.finished(source).is_some() {
-            continue;
+        let is_finished = store.finished(source).is_some();
+        let (mut brought, mut left_out) = (false, Vec::new());
+        for (other, knows_one) in others.iter().zip(&mut knows_one) {
+            if is_finished || brought {
+                // Only whether the folder is of this dataset is of interest.
+                *knows_one = *knows_one || Record::read(other.folder(), &image_name(source)).is_some();
+                continue;
+            }
+            match other.kept(source, monitor) {
+                Ok(features) => {
+                    (brought, *knows_one) = (true, true);
+                    bring(store, other, &features)?;
+                }
+                Err(NotKept::Failed(error @ DatasetError::Cancelled(_))) => return Err(error),
+                Err(NotKept::NoRecord) => {}
+                Err(reason) => {
+                    *knows_one = true;
+                    left_out.push(LeftOut { folder: other.folder().into(), burst: source.name.clone(), reason });
+                }
+            }
         }
-        // A file that was altered is not kept, see there.
-        let Some(other) = others.iter().find(|other| other.kept(source).is_some()) else { continue };
-        let image = image_name(source);
-        let Some(record) = Record::read(other.folder(), &image) else { continue };
-        store.begin_writing()?;
-        Record::remove(store.folder(), &image)?;
-        let feature_file = Path::new(FEATURES_FOLDER).join(format!("{image}.txt"));
-        for file in [feature_file, Path::new(IMAGES_FOLDER).join(&image)] {
-            copy(&other.folder().join(&file), &store.folder().join(&file))?;
+        if brought {
+            report.brought.push(source.name.clone());
+        } else {
+            report.left_out.append(&mut left_out);
         }
-        record.write(store.folder(), &image)?;
-        brought += 1;
     }
-    Ok(brought)
+    let strange = folders.iter().zip(knows_one).filter(|(_, knows_one)| !knows_one);
+    report.strange_folders.extend(strange.map(|(folder, _)| folder.clone()));
+    Ok(report)
+}
+
+/// Copies the files of a burst that is finished in `other`. A picture that is missing there is made again later.
+fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeatures) -> Result<(), DatasetError> {
+    let image = &features.image_name;
+    let Some(record) = Record::read(other.folder(), image) else { return Ok(()) };
+    store.begin_writing()?;
+    Record::remove(store.folder(), image)?;
+    let feature_file = Path::new(FEATURES_FOLDER).join(format!("{image}.txt"));
+    let picture_file = Path::new(IMAGES_FOLDER).join(image);
+    let has_picture = other.folder().join(&picture_file).is_file();
+    for file in [Some(feature_file), has_picture.then_some(picture_file)].into_iter().flatten() {
+        let to = store.folder().join(&file);
+        store.check_output(&to)?;
+        copy(&other.folder().join(&file), &to)?;
+    }
+    Ok(record.write(store.folder(), image)?)
 }
 
 /// Copies a file whole or not at all.

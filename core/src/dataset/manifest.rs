@@ -8,14 +8,15 @@
 //! another as well as those of one.
 
 use super::DatasetError;
-use crate::burst::OpenError;
+use super::stamp::{Checksum, FileStamp};
 use crate::detector::REVISION;
-use crate::export::{ExportError, is_temporary_name, write_whole};
-use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, path_text, read_text};
+use crate::export::{ExportError, write_whole};
+use crate::files::lock::is_free;
+use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, read_text};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
 
 /// The name of the file.
 pub(super) const MANIFEST_FILE: &str = "manifest.json";
@@ -24,34 +25,6 @@ const RECORDS_FOLDER: &str = "records";
 
 /// The detector's parameters among the settings.
 pub(super) const DETECTOR_KEY: &str = "detector";
-
-/// A file as it was when it was read.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct FileStamp {
-    /// See [`path_text`]: a name need not be text.
-    path: String,
-    bytes: u64,
-    /// Nanoseconds since 1970; 0 where the system does not say.
-    modified_ns: u64,
-}
-
-impl FileStamp {
-    /// Of each of `files`.
-    pub(super) fn of(files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
-        files.iter().map(|path| Self::of_one(path)).collect()
-    }
-
-    fn of_one(path: &Path) -> Result<Self, DatasetError> {
-        let unread = |e: std::io::Error| OpenError::Read { path: path.into(), reason: e.to_string() };
-        let metadata = std::fs::metadata(path).map_err(unread)?;
-        let modified = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-        Ok(Self {
-            path: path_text(&std::path::absolute(path).unwrap_or_else(|_| path.into())),
-            bytes: metadata.len(),
-            modified_ns: modified.map_or(0, |since| since.as_nanos() as u64),
-        })
-    }
-}
 
 /// With what features are found, beside the bursts' own files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -74,15 +47,10 @@ impl Manifest {
     /// # Errors
     /// [`DatasetError::Occupied`] when `folder` holds files but no manifest: it is somebody's own.
     pub(super) fn check_folder(folder: &Path) -> Result<(), DatasetError> {
-        if folder.join(MANIFEST_FILE).is_file() {
-            return Ok(());
-        }
-        let ours = |entry: std::io::Result<std::fs::DirEntry>| {
-            entry
-                .is_ok_and(|entry| is_temporary_name(&entry.file_name()) || entry.file_name() == super::lock::LOCK_FILE)
-        };
-        let empty = std::fs::read_dir(folder).map_or(true, |mut entries| entries.all(ours));
-        if empty { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
+        let is_begun = folder.join(MANIFEST_FILE).is_file();
+        // What else keeps it from being read keeps it from being written; that is said then.
+        let is_usable = is_begun || is_free(folder).unwrap_or(true);
+        if is_usable { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
     }
 
     /// The one in `folder`, if it can be read.
@@ -91,7 +59,7 @@ impl Manifest {
     }
 
     /// Whether this program would find the same bits.
-    fn is_of_this_program(&self) -> bool {
+    pub(super) fn is_of_this_program(&self) -> bool {
         self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == Some(REVISION)
     }
 
@@ -100,6 +68,25 @@ impl Manifest {
     pub(super) fn detector_text(folder: &Path) -> Option<String> {
         let manifest = Self::read(folder).filter(Self::is_of_this_program)?;
         manifest.settings.get(DETECTOR_KEY)?.as_str().map(str::to_owned)
+    }
+
+    /// The names of the settings in which another one differs: `detector` is named by its parameters.
+    pub(super) fn differences(&self, other: &Self) -> Vec<String> {
+        let keys =
+            |manifest: &Self| manifest.settings.as_object().map(|map| map.keys().cloned().collect::<BTreeSet<_>>());
+        let all: BTreeSet<String> = [self, other].into_iter().filter_map(keys).flatten().collect();
+        let mut names = Vec::new();
+        for key in all.into_iter().filter(|key| self.settings.get(key) != other.settings.get(key)) {
+            let table = |manifest: &Self| manifest.settings.get(&key)?.as_str()?.parse::<toml::Table>().ok();
+            match (key.as_str(), table(self), table(other)) {
+                (DETECTOR_KEY, Some(own), Some(others)) => {
+                    let named: BTreeSet<&String> = own.keys().chain(others.keys()).collect();
+                    names.extend(named.into_iter().filter(|name| own.get(*name) != others.get(*name)).cloned());
+                }
+                _ => names.push(key),
+            }
+        }
+        names.iter().map(|name| name.replace('_', "-")).collect()
     }
 
     /// Writes it into `folder`, unless it is there.
@@ -124,27 +111,11 @@ pub(super) struct Record {
     pub content: Checksum,
     /// The kind of picture that was written.
     pub picture: super::ImageKind,
+    /// The picture; absent in records of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture_content: Option<Checksum>,
     /// How long it took to open the burst and find the features, seconds.
     pub seconds: Option<f64>,
-}
-
-/// What tells a file from another one or an altered one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Checksum {
-    bytes: u64,
-    crc32: u32,
-}
-
-impl Checksum {
-    /// Of these bytes.
-    pub(crate) fn of(bytes: &[u8]) -> Self {
-        Self { bytes: bytes.len() as u64, crc32: crc32fast::hash(bytes) }
-    }
-
-    /// Whether the file at `path` is as long, which is told without reading it.
-    pub(super) fn is_as_long_as(&self, path: &Path) -> bool {
-        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == self.bytes)
-    }
 }
 
 impl Record {
@@ -187,6 +158,7 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ExportError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::Monitor;
     use proptest::prelude::*;
     use serde_json::{Value, json};
 
@@ -216,9 +188,24 @@ mod tests {
     }
 
     #[test]
+    fn what_differs_is_named_as_it_is_asked_for() {
+        let ours = Manifest::new(json!({ DETECTOR_KEY: "levels = 4\nedge_threshold = 10\n", "bias": [] }));
+        let other = |change: fn(&mut Value)| {
+            let mut value = serde_json::to_value(&ours).expect("plain values");
+            change(&mut value["settings"]);
+            serde_json::from_value::<Manifest>(value).expect("a manifest").differences(&ours)
+        };
+        assert_eq!(other(|_| ()), Vec::<String>::new());
+        assert_eq!(other(|s| s[DETECTOR_KEY] = json!("levels = 4\nedge_threshold = 5\n")), ["edge-threshold"]);
+        assert_eq!(other(|s| s["black_level"] = json!(3)), ["black-level"]);
+        assert_eq!(other(|s| s[DETECTOR_KEY] = json!(3)), ["detector"]);
+        assert_eq!(other(|s| *s = json!(null)), ["bias", "detector"]);
+    }
+
+    #[test]
     fn what_an_interrupted_run_leaves_is_no_reason_to_refuse_a_folder() {
         let home = tempfile::tempdir().expect("a folder");
-        std::fs::write(home.path().join(super::super::lock::LOCK_FILE), "").expect("written");
+        std::fs::write(home.path().join(crate::files::lock::LOCK_FILE), "").expect("written");
         std::fs::write(home.path().join(".burstscope-abc.tmp"), "").expect("written");
         assert_eq!(Manifest::check_folder(home.path()), Ok(()));
         std::fs::write(home.path().join("holiday.png"), "").expect("written");
@@ -228,13 +215,15 @@ mod tests {
     }
 
     fn record() -> Record {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
         Record {
             made_with: Manifest::new(json!({ DETECTOR_KEY: "levels = 4" })),
-            files: vec![FileStamp { path: "/night/1.png".into(), bytes: 9, modified_ns: 7 }],
+            files: FileStamp::with_checksums(&[file], &Monitor::default()).expect("it is there"),
             size: (8, 6),
             features: 3,
             content: Checksum::of(b"3 128\n"),
             picture: super::super::ImageKind::Middle,
+            picture_content: Some(Checksum::of(b"PNG")),
             seconds: Some(0.25),
         }
     }

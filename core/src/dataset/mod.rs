@@ -13,22 +13,24 @@ pub mod features;
 pub mod gather;
 #[cfg(feature = "colmap")]
 mod geometry;
-mod lock;
+mod kept;
 mod manifest;
 pub mod pairs;
 mod picture;
 mod source;
+mod stamp;
 mod thumbnail;
 
 pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
 #[cfg(feature = "colmap")]
-pub use colmap::{ColmapJob, ColmapReport, Event, ImageReport, PairReport, export_colmap};
+pub use colmap::{ColmapJob, ColmapReport, Event, ImageReport, PairReport, export_colmap, export_colmap_from};
 pub use error::DatasetError;
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
-pub use gather::gather;
-pub(crate) use lock::{FolderLock, LOCK_FILE};
-pub(crate) use manifest::Checksum;
+pub use gather::{GatherReport, LeftOut, gather};
+pub use kept::NotKept;
 pub use pairs::match_pairs;
 pub use picture::{BurstPicture, ImageKind, burst_picture};
 pub use source::DatasetSource;
+pub(crate) use stamp::Checksum;
+pub use stamp::Comparison;
 pub use thumbnail::{Thumbnail, thumbnail};

@@ -5,9 +5,11 @@
 //! which the next one is made and keypoints are described. Beside it there are the frames, as the noise model leaves
 //! them and at each octave's resolution, and the threads' windows of slopes, which have a bound of their own.
 
+mod account;
 mod plan;
 
 pub use crate::plane::memory::machine_bytes;
+pub(crate) use account::plan_beside_others;
 pub(crate) use plan::Plan;
 
 use super::params::slope_grid::{Slope, SlopeGrid};
@@ -25,9 +27,9 @@ pub const OPTION: &str = "memory";
 /// Bytes; 0 for the default.
 static BUDGET: AtomicU64 = AtomicU64::new(0);
 
-/// From now on a search of this process may take `bytes`; `None` is [`DEFAULT_PART`] of the machine's memory. Results
-/// do not depend on it: a search that would take more is done in groups of slopes, one after the other, or refused
-/// where even that takes more.
+/// From now on the searches of this process may take `bytes` together; `None` is [`DEFAULT_PART`] of the machine's
+/// memory. Results do not depend on it: a search that would take more is done in groups of slopes, one after the other,
+/// or refused where even that takes more.
 pub fn set_budget(bytes: Option<u64>) {
     BUDGET.store(bytes.map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
 }

@@ -10,6 +10,7 @@ use super::frames::FramesReport;
 use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use super::methods::BurstMethod;
 use super::statistics::Mean;
+use crate::export::CURVE_COLUMNS;
 use crate::export::sheet::{BLUE, RED};
 use std::fmt::Write;
 
@@ -229,7 +230,7 @@ fn percent(share: f64) -> String {
 /// All points of named sets of plots as a table: `set,plot,curve,x,y,low,high`, one row a point; `low` and `high` are
 /// empty where nothing is said of the spread.
 pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
-    let mut out = "set,plot,curve,x,y,low,high\n".to_owned();
+    let mut out = format!("{CURVE_COLUMNS}\n");
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     for (set, plots) in sets {
         for plot in plots {

@@ -7,8 +7,8 @@
 
 use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::methods::BurstMethod;
-use crate::export::Series;
 use crate::export::sheet::{FAINT, GRID, INK};
+use crate::export::{SVG_COMMENT, Series};
 use std::fmt::Write;
 
 /// How a method's line looks: colour, dashes (empty for solid) and width in pixels.
@@ -54,6 +54,7 @@ fn write_figure(out: &mut String, report: &ChartReport) -> std::fmt::Result {
         out,
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0}" height="{height:.0}" viewBox="0 0 {width:.0} {height:.0}" font-family="Helvetica, Arial, 'DejaVu Sans', sans-serif" font-size="12" fill="{INK}">"#
     )?;
+    writeln!(out, "{SVG_COMMENT}")?;
     writeln!(out, "<title>Discs found against false features</title>")?;
     writeln!(out, r##"<rect width="100%" height="100%" fill="#ffffff"/>"##)?;
     write_header(out, report)?;

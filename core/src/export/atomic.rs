@@ -5,9 +5,10 @@
 //! is told by a lock of the system, which ends with its process.
 
 use super::error::ExportError;
+use crate::files::lock::TEMPORARY_SUFFIX;
 use std::collections::HashSet;
 use std::ffi::OsStr;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -18,8 +19,9 @@ pub type FileWriter<'a> = BufWriter<&'a mut File>;
 
 /// Writes the file `path` by `write`. The bytes go to a temporary file beside it, which takes the place of `path` only
 /// when all of them are on disk: should anything fail, a file that was there is untouched and no other one is left
-/// behind. Missing parent folders are made. A link is followed; the new file has the permissions of the one that it
-/// replaces.
+/// behind. Missing parent folders are made. A link is replaced, never followed; the new file has the permissions of the
+/// file that it replaces. Whether anything may be replaced is for the caller to know, see
+/// [`OutputRules`](super::OutputRules).
 ///
 /// # Errors
 /// [`ExportError::Write`] when the system or `write` fails, [`ExportError::NotAFile`] when `path` is a folder or a
@@ -48,23 +50,22 @@ fn replace(
     fill: impl FnOnce(&mut NamedTempFile) -> io::Result<()>,
 ) -> Result<(), ExportError> {
     let fail = |e: io::Error| ExportError::write(path, &e);
-    let existing = std::fs::metadata(path).ok();
-    if existing.as_ref().is_some_and(|m| !m.is_file()) || path.file_name().is_none() {
+    let existing = std::fs::symlink_metadata(path).ok();
+    if existing.as_ref().is_some_and(|m| !m.is_file() && !m.is_symlink()) || path.file_name().is_none() {
         return Err(ExportError::NotAFile { path: path.into() });
     }
-    let target = if existing.is_some() { std::fs::canonicalize(path).map_err(fail)? } else { path.to_path_buf() };
-    let folder = match target.parent() {
+    let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
         _ => PathBuf::from("."),
     };
     std::fs::create_dir_all(&folder).map_err(fail)?;
     let mut temporary = temporary_in(&folder).map_err(fail)?;
     fill(&mut temporary).map_err(fail)?;
-    if let Some(existing) = existing {
+    if let Some(existing) = existing.filter(std::fs::Metadata::is_file) {
         temporary.as_file().set_permissions(existing.permissions()).map_err(fail)?;
     }
     temporary.as_file().sync_all().map_err(fail)?;
-    temporary.persist(&target).map_err(|e| fail(e.error))?;
+    temporary.persist(path).map_err(|e| fail(e.error))?;
     Ok(())
 }
 
@@ -88,11 +89,13 @@ fn locked_temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     remove_abandoned_once(folder);
     for _ in 0..TRIES {
         let temporary = temporary_in(folder, TEMPORARY_PREFIX)?;
-        // A file system without locks: then nothing is removed either.
-        let _ = temporary.as_file().try_lock();
-        // Between making and locking another process may have taken it for abandoned.
-        if temporary.path().exists() {
-            return Ok(temporary);
+        match temporary.as_file().try_lock() {
+            // Before it was locked another process may have taken it for abandoned, and removed it.
+            Ok(()) if temporary.path().exists() => return Ok(temporary),
+            // Another process does so just now.
+            Ok(()) | Err(TryLockError::WouldBlock) => {}
+            // A file system without locks: there nobody gets the lock that it takes to remove it.
+            Err(TryLockError::Error(_)) => return Ok(temporary),
         }
     }
     Err(io::Error::other("temporary files in this folder vanish"))
@@ -100,7 +103,6 @@ fn locked_temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
 
 const TEMPORARY_PREFIX: &str = ".burstscope-";
 const UNLOCKED_PREFIX: &str = ".burstscope_";
-const TEMPORARY_SUFFIX: &str = ".tmp";
 
 fn is_named(name: &OsStr, prefixes: &[&str]) -> bool {
     name.to_str()
@@ -224,7 +226,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_are_followed_and_permissions_kept() {
+    fn links_are_replaced_and_permissions_kept() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().expect("folder");
         let (path, link) = (folder.path().join("a.txt"), folder.path().join("link"));
@@ -232,9 +234,14 @@ mod tests {
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
         std::os::unix::fs::symlink(&path, &link).expect("linked");
         write_whole(&link, |w| w.write_all(b"new")).expect("written");
-        assert_eq!(std::fs::read(&path).expect("read"), b"new");
-        assert!(std::fs::symlink_metadata(&link).expect("link").is_symlink());
-        assert_eq!(std::fs::metadata(&path).expect("file").permissions().mode() & 0o777, 0o640);
+        assert_eq!(
+            (std::fs::read(&path).expect("read"), std::fs::read(&link).expect("read")),
+            (b"old".into(), b"new".into())
+        );
+        assert!(!std::fs::symlink_metadata(&link).expect("a file").is_symlink());
+        let mode = |path: &Path| std::fs::metadata(path).expect("file").permissions().mode() & 0o777;
+        write_whole(&path, |w| w.write_all(b"new")).expect("written");
+        assert_eq!(mode(&path), 0o640);
         // A device is never replaced.
         assert!(matches!(write_whole(Path::new("/dev/null"), |_| Ok(())), Err(ExportError::NotAFile { .. })));
     }

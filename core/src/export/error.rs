@@ -1,5 +1,7 @@
 //! Why a file could not be written or read back.
 
+use crate::files::lock::LockError;
+use crate::files::write_problem;
 use std::path::{Path, PathBuf};
 
 /// Why there is no new file. A file that stood there before is untouched.
@@ -20,6 +22,27 @@ pub enum ExportError {
         /// The target.
         path: PathBuf,
     },
+    /// The target was opened: frames, calibration, parameters, a session.
+    #[error("files that were opened are never written to, and this is one, or holds one; choose another name: {}", path.display())]
+    Input {
+        /// The target, or the folder that holds the file.
+        path: PathBuf,
+    },
+    /// The target is a link.
+    #[error("this is a link, and links are not followed; choose another name, or remove it: {}", path.display())]
+    Link {
+        /// The target.
+        path: PathBuf,
+    },
+    /// The target is there already, and somebody else wrote it.
+    #[error("Burstscope did not write this file and leaves it as it is; choose another name, or replace it with --force: {}", path.display())]
+    Foreign {
+        /// The target.
+        path: PathBuf,
+    },
+    /// The folder is another process's, or is not there any more.
+    #[error(transparent)]
+    Lock(#[from] LockError),
     /// A picture without pixels, or one whose size the format cannot hold.
     #[error("a picture of {width}×{height} pixels cannot be written as {format}: {}", path.display())]
     Size {
@@ -55,6 +78,6 @@ pub enum ExportError {
 impl ExportError {
     /// A failed write to `path`.
     pub(crate) fn write(path: &Path, error: &std::io::Error) -> Self {
-        Self::Write { path: path.into(), reason: error.to_string() }
+        Self::Write { path: path.into(), reason: write_problem(error) }
     }
 }

@@ -93,13 +93,18 @@ pub fn write_detection(
     detection: &Detection,
     formats: &[ExportFormat],
 ) -> Result<Vec<PathBuf>, ExportError> {
-    let name = safe_file_name(burst_name);
-    let written = formats.iter().map(|format| {
-        let path = folder.join(format!("{name}.{}", format.extension()));
+    let files = detection_files(folder, burst_name, formats);
+    let written = files.into_iter().zip(formats).map(|(path, format)| {
         format.write(&path, detection)?;
         Ok(path)
     });
     written.collect()
+}
+
+/// The files that [`write_detection`] writes, one for each of `formats`.
+pub fn detection_files(folder: &Path, burst_name: &str, formats: &[ExportFormat]) -> Vec<PathBuf> {
+    let name = safe_file_name(burst_name);
+    formats.iter().map(|format| folder.join(format!("{name}.{}", format.extension()))).collect()
 }
 
 /// The longest name that [`safe_file_name`] answers, bytes: a file's name ends at 255, and ours append endings such as

@@ -3,7 +3,7 @@
 //! Features go out as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as `.npz`;
 //! pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay or on a
 //! [`sheet`] with axes; matches as CSV and as a picture of both images. Every file is written whole or not at all, see
-//! [`write_whole`].
+//! [`write_whole`]; which files may be replaced is decided by [`OutputRules`].
 
 mod atomic;
 mod base64;
@@ -13,9 +13,11 @@ mod csv;
 mod error;
 mod figure;
 mod format;
+mod mark;
 mod match_picture;
 mod matches;
 mod npz;
+mod outputs;
 mod plot;
 mod png;
 mod profile;
@@ -36,10 +38,14 @@ pub use figure::{
     Colour, ColourBar, Drawing, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape,
     FigureStroke, LegendEntry, draw_links, lay_out, write_drawing_svg,
 };
-pub use format::{ExportFormat, UnknownFormat, make_file_names_unique, safe_file_name, write_detection};
+pub use format::{
+    ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection,
+};
+pub use mark::{CURVE_COLUMNS, SVG_COMMENT, is_ours};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use matches::{MATCH_COLUMNS, MatchRow, write_matches_csv};
 pub use npz::write_npz;
+pub use outputs::{Inputs, OutputRules, Overwrite};
 pub use plot::{Plot, Series, range_from_zero};
 pub use png::{Picture, write_png};
 pub use profile::{PROFILE_COLUMNS, PictureProfile, write_profiles_csv};

@@ -2,8 +2,8 @@
 
 use super::atomic::write_whole;
 use super::error::ExportError;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use super::mark::SOFTWARE;
+use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use std::path::Path;
 pub struct Picture<'a> {
     width: usize,
     height: usize,
-    color: ExtendedColorType,
+    has_alpha: bool,
     pixels: &'a [u8],
 }
 
@@ -23,7 +23,7 @@ impl<'a> Picture<'a> {
     /// When `pixels` are not `width × height × 3`: a mistake of the caller.
     pub fn rgb(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 3, "three bytes for each pixel");
-        Self { width, height, color: ExtendedColorType::Rgb8, pixels }
+        Self { width, height, has_alpha: false, pixels }
     }
 
     /// Four bytes a pixel: red, green, blue and (straight, not premultiplied) alpha.
@@ -32,7 +32,7 @@ impl<'a> Picture<'a> {
     /// When `pixels` are not `width × height × 4`: a mistake of the caller.
     pub fn rgba(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 4, "four bytes for each pixel");
-        Self { width, height, color: ExtendedColorType::Rgba8, pixels }
+        Self { width, height, has_alpha: true, pixels }
     }
 
     /// (columns, rows).
@@ -42,7 +42,7 @@ impl<'a> Picture<'a> {
 
     /// Red, green and blue of each pixel, row by row.
     pub(super) fn rgb_pixels(&self) -> Vec<[u8; 3]> {
-        let bytes = if self.color == ExtendedColorType::Rgba8 { 4 } else { 3 };
+        let bytes = if self.has_alpha { 4 } else { 3 };
         self.pixels.chunks_exact(bytes).map(|p| [p[0], p[1], p[2]]).collect()
     }
 
@@ -56,13 +56,21 @@ impl<'a> Picture<'a> {
         Err(ExportError::Size { path: path.into(), width: self.width, height: self.height, format: "PNG" })
     }
 
-    /// Encodes the picture; its size has been checked.
+    /// Encodes the picture, and who wrote it; its size has been checked.
     pub(super) fn encode_png(&self, out: impl Write) -> io::Result<()> {
-        let written = PngEncoder::new(out).write_image(self.pixels, self.width as u32, self.height as u32, self.color);
-        written.map_err(|e| match e {
-            ImageError::IoError(e) => e,
+        let failed = |error: EncodingError| match error {
+            EncodingError::IoError(error) => error,
             other => io::Error::other(other),
-        })
+        };
+        let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);
+        encoder.set_color(if self.has_alpha { ColorType::Rgba } else { ColorType::Rgb });
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_compression(Compression::Fast);
+        encoder.set_filter(Filter::Adaptive);
+        encoder.add_text_chunk("Software".to_owned(), SOFTWARE.to_owned()).map_err(failed)?;
+        let mut writer = encoder.write_header().map_err(failed)?;
+        writer.write_image_data(self.pixels).map_err(failed)?;
+        writer.finish().map_err(failed)
     }
 }
 

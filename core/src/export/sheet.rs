@@ -1,6 +1,7 @@
 //! The sheet that a figure is drawn on: lines, text, pictures, and axes with round ticks.
 
 use super::base64::picture_as_data_url;
+use super::mark::SVG_COMMENT;
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use std::fmt::Write;
@@ -78,7 +79,7 @@ impl Sheet {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width:.0}\" height=\"{height:.0}\" \
              viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\" font-size=\"12\" fill=\"{INK}\">\n\
-             <title>{}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
+             {SVG_COMMENT}\n<title>{}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
             escaped(&title)
         )
     }

@@ -2,10 +2,13 @@
 
 use super::atomic::write_whole;
 use super::error::ExportError;
+use super::mark::SOFTWARE;
 use crate::plane::Plane;
-use std::io;
+use std::io::{self, Seek, Write};
 use std::path::Path;
-use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+use tiff::TiffResult;
+use tiff::encoder::{TiffEncoder, TiffKind, colortype::Gray32Float};
+use tiff::tags::Tag;
 
 /// Planes of more bytes become BigTIFF, because the offsets of a plain TIFF end at 4 GiB.
 const LARGEST_PLAIN_BYTES: usize = 0xf000_0000;
@@ -20,14 +23,26 @@ pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), ExportError> {
     let columns = u32::try_from(width).ok().filter(|w| *w > 0).ok_or_else(unfit)?;
     let rows = u32::try_from(height).ok().filter(|h| *h > 0).ok_or_else(unfit)?;
     write_whole(path, |out| {
+        let size = (columns, rows);
         let written = if size_of_val(plane.data()) > LARGEST_PLAIN_BYTES {
-            TiffEncoder::new_big(out).and_then(|mut t| t.write_image::<Gray32Float>(columns, rows, plane.data()))
+            TiffEncoder::new_big(out).and_then(|encoder| write_page(encoder, size, plane))
         } else {
-            TiffEncoder::new(out).and_then(|mut t| t.write_image::<Gray32Float>(columns, rows, plane.data()))
+            TiffEncoder::new(out).and_then(|encoder| write_page(encoder, size, plane))
         };
         written.map_err(|e| match e {
             tiff::TiffError::IoError(e) => e,
             other => io::Error::other(other),
         })
     })
+}
+
+/// The page, and who wrote it.
+fn write_page<K: TiffKind>(
+    mut encoder: TiffEncoder<impl Write + Seek, K>,
+    (columns, rows): (u32, u32),
+    plane: &Plane,
+) -> TiffResult<()> {
+    let mut page = encoder.new_image::<Gray32Float>(columns, rows)?;
+    page.encoder().write_tag(Tag::Software, SOFTWARE)?;
+    page.write_data(plane.data())
 }

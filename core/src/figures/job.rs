@@ -3,8 +3,9 @@
 use super::page::write_page;
 use super::record::{MadeFrom, Pieces, Record, begin, check_folder};
 use super::{FigureSize, FiguresError, Made, PaperFigure};
-use crate::dataset::{Checksum, FolderLock};
-use crate::export::write_whole;
+use crate::dataset::Checksum;
+use crate::export::{ExportError, OutputRules, write_whole};
+use crate::files::lock::FolderLock;
 use crate::monitor::Monitor;
 use serde::Serialize;
 use std::io::Write;
@@ -86,7 +87,7 @@ impl FiguresJob {
     /// See [`FiguresError`]. Files are written whole or not at all; finished figures stay finished.
     pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport, FiguresError> {
         check_folder(&self.out)?;
-        let _lock = FolderLock::take(&self.out)?;
+        let lock = FolderLock::take(&self.out).map_err(ExportError::from)?;
         begin(&self.out)?;
         let pieces = Pieces::of(&self.out);
         let wanted = self.wanted();
@@ -97,17 +98,24 @@ impl FiguresJob {
             monitor.check()?;
             on(FiguresEvent::Begin { figure, index, count: wanted.len() });
             let cost = figure.cost_secs(self.size);
-            let report = self.one(figure, &pieces, &monitor.part(done / total, cost / total))?;
+            let report = self.one(figure, &pieces, &lock, &monitor.part(done / total, cost / total))?;
             done += cost;
             on(FiguresEvent::Done(&report));
             figures.push(report);
         }
+        lock.check().map_err(ExportError::from)?;
         let page = write_page(&self.out, self.size)?;
         Ok(FiguresReport { page, size: self.size, figures })
     }
 
     /// One figure: as it is, or made and written.
-    fn one(&self, figure: PaperFigure, pieces: &Pieces, monitor: &Monitor) -> Result<FigureReport, FiguresError> {
+    fn one(
+        &self,
+        figure: PaperFigure,
+        pieces: &Pieces,
+        lock: &FolderLock,
+        monitor: &Monitor,
+    ) -> Result<FigureReport, FiguresError> {
         let maker = figure.maker(self.size, self.colmap.as_deref());
         let made_from = MadeFrom::new(format!("{maker:?}"));
         let kept = Record::read(&self.out, figure).filter(|record| record.made_from == made_from);
@@ -118,6 +126,7 @@ impl FiguresJob {
                 let started = Instant::now();
                 let made = maker.make(pieces, monitor)?;
                 monitor.check()?;
+                lock.check().map_err(ExportError::from)?;
                 self.write(figure, made, made_from, started.elapsed().as_secs_f64())?
             }
         };
@@ -146,5 +155,6 @@ impl FiguresJob {
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), FiguresError> {
+    OutputRules::default().check_own(path)?;
     Ok(write_whole(path, |out| out.write_all(text.as_bytes()))?)
 }

@@ -3,7 +3,7 @@
 use super::record::Record;
 use super::{FigureSize, FiguresError, PaperFigure};
 use crate::export::sheet::escaped;
-use crate::export::write_whole;
+use crate::export::{OutputRules, write_whole};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf, FiguresError> {
     let records: Vec<Record> = PaperFigure::ALL.into_iter().filter_map(|f| Record::read(folder, f)).collect();
     let path = folder.join("index.html");
+    OutputRules::default().check_own(&path)?;
     write_whole(&path, |out| out.write_all(page(&records, size).as_bytes()))?;
     Ok(path)
 }

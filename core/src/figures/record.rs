@@ -7,7 +7,8 @@
 use super::{FiguresError, PaperFigure};
 use crate::dataset::Checksum;
 use crate::detector::REVISION;
-use crate::export::{ExportError, is_temporary_name, remove_temporary_files, write_whole};
+use crate::export::{ExportError, remove_temporary_files, write_whole};
+use crate::files::lock::is_free;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -83,14 +84,8 @@ impl Record {
 /// # Errors
 /// [`FiguresError::Occupied`] when `folder` holds files but no records: it is somebody's own.
 pub(super) fn check_folder(folder: &Path) -> Result<(), FiguresError> {
-    if folder.join(RECORDS_FOLDER).is_dir() {
-        return Ok(());
-    }
-    let ours = |entry: std::io::Result<std::fs::DirEntry>| {
-        entry.is_ok_and(|entry| is_temporary_name(&entry.file_name()) || entry.file_name() == crate::dataset::LOCK_FILE)
-    };
-    let empty = !folder.exists() || std::fs::read_dir(folder).is_ok_and(|mut entries| entries.all(ours));
-    if empty { Ok(()) } else { Err(FiguresError::Occupied(folder.into())) }
+    let is_begun = folder.join(RECORDS_FOLDER).join(PIECES_FOLDER).is_dir();
+    if is_begun || is_free(folder).unwrap_or(false) { Ok(()) } else { Err(FiguresError::Occupied(folder.into())) }
 }
 
 /// Makes the folders of records, and clears what killed runs have left.

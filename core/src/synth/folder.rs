@@ -2,8 +2,11 @@
 //! takes the target's place.
 //!
 //! A run that is killed leaves its hidden folder; the next one that writes there removes it. A lock of the system on a
-//! file in it, which ends with its process, tells what is still in use.
+//! file in it, which ends with its process, tells what is still in use. Another lock, beside the target, keeps two
+//! processes from making the same folder.
 
+use crate::files::lock::{FolderLock, LockError, is_free};
+use crate::files::write_problem;
 use crate::monitor::Cancelled;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -16,13 +19,19 @@ pub enum WriteBurstError {
     #[error("the folder holds files that are not a synthetic burst; name a new or an empty folder: {}", .0.display())]
     Occupied(PathBuf),
     /// Writing failed.
-    #[error("cannot write: {source}: {}", .path.display())]
+    #[error("cannot write: {}: {}", write_problem(.source), .path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
         /// What the system says.
         source: std::io::Error,
     },
+    /// The folder's name is that of a link, in whose place the new folder would be put.
+    #[error("this is a link, and links are not followed; name the folder itself: {}", .0.display())]
+    Link(PathBuf),
+    /// Another process makes the folder.
+    #[error(transparent)]
+    Lock(#[from] LockError),
     /// It was cancelled; nothing was written.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -35,7 +44,8 @@ pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> WriteBurstError + us
 }
 
 /// Makes the folder `dir` by `fill`, which writes into the empty folder that it is given. What is in `dir` is replaced
-/// as a whole if `replaceable` says so (an empty folder always is), and otherwise left alone.
+/// as a whole if `replaceable` says so (an empty folder always is), and otherwise left alone. While it is made no other
+/// process may make it.
 ///
 /// # Errors
 /// See [`WriteBurstError`]; the folder is then as it was before.
@@ -44,18 +54,20 @@ pub(super) fn write_folder(
     replaceable: impl FnOnce(&Path) -> std::io::Result<bool>,
     fill: impl FnOnce(&Path) -> Result<(), WriteBurstError>,
 ) -> Result<(), WriteBurstError> {
-    let empty = || Ok(dir.is_dir() && std::fs::read_dir(dir)?.next().is_none());
-    if dir.exists() && !empty().map_err(io(dir))? && !replaceable(dir).map_err(io(dir))? {
+    if std::fs::symlink_metadata(dir).is_ok_and(|metadata| metadata.is_symlink()) {
+        return Err(WriteBurstError::Link(dir.to_owned()));
+    }
+    let _lock = FolderLock::beside(dir)?;
+    if !is_free(dir).map_err(io(dir))? && !replaceable(dir).map_err(io(dir))? {
         return Err(WriteBurstError::Occupied(dir.to_owned()));
     }
     let parent = match dir.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
         _ => PathBuf::from("."),
     };
-    std::fs::create_dir_all(&parent).map_err(io(&parent))?;
     remove_abandoned(&parent);
     let stage = tempfile::Builder::new().prefix(STAGE_PREFIX).tempdir_in(&parent).map_err(io(&parent))?;
-    let _lock = locked(&stage.path().join(LOCK_FILE), dir).map_err(io(stage.path()))?;
+    let _in_use = locked(&stage.path().join(LOCK_FILE), dir).map_err(io(stage.path()))?;
     let fresh = stage.path().join("new");
     std::fs::create_dir(&fresh).map_err(io(&fresh))?;
     fill(&fresh)?;

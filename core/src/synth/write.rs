@@ -9,6 +9,8 @@ use super::truth::Truth;
 use crate::burst::Burst;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
+use image::ImageFormat;
+use std::io::Cursor;
 use std::path::Path;
 
 /// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is made. An earlier
@@ -36,7 +38,11 @@ pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), WriteBurstEr
     let picture =
         image::ImageBuffer::<image::Luma<u16>, _>::from_raw(frame.width() as u32, frame.height() as u32, words)
             .expect("a plane has width × height values");
-    picture.save(path).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(path))
+    // By way of the memory: a buffered file that the encoder closes would lose its last bytes without a word where the
+    // disk is full.
+    let mut png = Cursor::new(Vec::new());
+    picture.write_to(&mut png, ImageFormat::Png).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(path))?;
+    std::fs::write(path, png.into_inner()).map_err(io(path))
 }
 
 /// The file name of frame `t`.

@@ -6,9 +6,11 @@
 
 mod path_field;
 mod purpose;
+mod replace_file;
 
 pub use path_field::{PathField, path_from_text};
 pub use purpose::{ExportKind, Purpose};
+pub use replace_file::ReplaceFile;
 
 use crate::engine::OnUpdate;
 use std::path::PathBuf;
@@ -102,11 +104,8 @@ impl Desk {
             .name("burstscope-dialog".to_owned())
             .spawn(move || {
                 let asked = Instant::now();
-                let answer = match dialogs.ask(&question) {
-                    Some(paths) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),
-                    _ if asked.elapsed() < TOO_QUICK_FOR_A_PERSON => FileAnswer::NoDialog(question),
-                    _ => FileAnswer::Nothing,
-                };
+                let paths = dialogs.ask(&question);
+                let answer = answer(question, paths, asked.elapsed());
                 // The window may be gone by now; then nobody wants the answer.
                 let _ = sender.send(answer);
                 on_update();
@@ -127,23 +126,36 @@ impl Desk {
     }
 }
 
+/// The meaning of `paths`, which the system's dialog gave back `after` so much time.
+fn answer(question: Question, paths: Option<Vec<PathBuf>>, after: Duration) -> FileAnswer {
+    match paths {
+        Some(paths) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),
+        _ if after < TOO_QUICK_FOR_A_PERSON => FileAnswer::NoDialog(question),
+        _ => FileAnswer::Nothing,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    struct Answers(Option<Vec<PathBuf>>);
+    struct Chooses(&'static str);
 
-    impl FileDialogs for Answers {
+    impl FileDialogs for Chooses {
         fn ask(&self, _: &Question) -> Option<Vec<PathBuf>> {
-            self.0.clone()
+            Some(vec![self.0.into()])
         }
     }
 
-    fn answer_of(dialogs: Answers) -> FileAnswer {
+    fn question() -> Question {
+        Question { purpose: Purpose::OpenFolder, suggested_name: String::new(), folder: None }
+    }
+
+    fn answer_of(dialogs: Chooses) -> FileAnswer {
         let mut desk = Desk::new(Arc::new(dialogs), Arc::new(|| {}));
-        desk.ask(Question { purpose: Purpose::OpenFolder, suggested_name: String::new(), folder: None });
+        desk.ask(question());
         assert!(desk.is_asking());
-        let end = Instant::now() + Duration::from_secs(10);
+        let end = Instant::now() + Duration::from_secs(120);
         loop {
             if let Some(answer) = desk.take_answers().pop() {
                 assert!(!desk.is_asking());
@@ -156,8 +168,16 @@ mod tests {
 
     #[test]
     fn an_instant_nothing_means_that_there_was_no_dialog() {
-        assert!(matches!(answer_of(Answers(None)), FileAnswer::NoDialog(_)));
-        let chosen = answer_of(Answers(Some(vec!["/x".into()])));
+        let nothing = |paths, millis| answer(question(), paths, Duration::from_millis(millis));
+        for paths in [None, Some(Vec::new())] {
+            assert!(matches!(nothing(paths.clone(), 5), FileAnswer::NoDialog(_)));
+            assert!(matches!(nothing(paths, 900), FileAnswer::Nothing));
+        }
+    }
+
+    #[test]
+    fn what_was_chosen_is_answered() {
+        let chosen = answer_of(Chooses("/x"));
         assert!(matches!(chosen, FileAnswer::Chosen(Purpose::OpenFolder, paths) if paths == [PathBuf::from("/x")]));
     }
 }

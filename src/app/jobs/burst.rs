@@ -224,3 +224,15 @@ pub(in crate::app) fn describe_burst(open: &OpenBurst) -> String {
     let frames = if count == 1 { "frame" } else { "frames" };
     format!("{}: {count} {frames} of {width} × {height}", open.burst.name)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::open;
+
+    #[test]
+    fn a_burst_is_described_by_its_frames_and_size() {
+        assert_eq!(describe_burst(&open((64, 48), 5)), "test: 5 frames of 64 × 48");
+        assert_eq!(describe_burst(&open((64, 48), 1)), "test: 1 frame of 64 × 48");
+    }
+}

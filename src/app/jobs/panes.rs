@@ -101,3 +101,37 @@ impl BurstscopeApp {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::pane::{Direction, Link};
+    use crate::app::project::tests::open;
+    use crate::detector::Slope;
+
+    #[test]
+    fn what_is_linked_moves_with_the_cursor_in_focus_and_nothing_else_does() {
+        let mut model = Model::default();
+        model.take_burst(open((64, 48), 5));
+        let first = model.focus();
+        let [second, third] =
+            [Direction::Right, Direction::Right].map(|to| model.panes.split(first, to).expect("room"));
+        model.panes.get_mut(third).expect("it is there").links.set(Link::Cursor, false);
+        model.panes.set_focus(first);
+        let slopes = |model: &Model| [first, second, third].map(|id| model.panes.get(id).expect("there").cursor.slope);
+        let [start, ..] = slopes(&model);
+        let (left, right) = (Slope::new(start.u - 1.0, start.v), Slope::new(start.u + 1.0, start.v));
+
+        let before = CursorBefore::of(&model);
+        model.focused_mut().cursor.slope = right;
+        before.lead(&mut model);
+        assert_eq!(slopes(&model), [right, right, start]);
+
+        // The cursor of another pane was there already when the focus went to it.
+        let before = CursorBefore::of(&model);
+        model.panes.set_focus(second);
+        model.focused_mut().cursor.slope = left;
+        before.lead(&mut model);
+        assert_eq!(slopes(&model), [right, left, start]);
+    }
+}

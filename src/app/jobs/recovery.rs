@@ -1,7 +1,7 @@
 //! Saving the session by itself, and restoring what a window left that did not end in the ordinary way.
 
 use crate::app::panel::recovery::RecoveryChoice;
-use crate::app::recovery::{KeptIn, Offer, Recovery};
+use crate::app::recovery::{KeptIn, Offer, Recovery, WritingEnded};
 use crate::app::session::Session;
 use crate::app::window::BurstscopeApp;
 use crate::engine::{BurstJobs, PairJobs, TaskDone};
@@ -39,9 +39,7 @@ impl BurstscopeApp {
         }
         let Some(mut recovery) = self.recovery.take() else { return };
         match recovery.due(|| self.session_text()) {
-            Ok((record, text)) => {
-                recovery.begun(self.engine.task(TITLE, move || record.write(&text).map(|()| String::new())));
-            }
+            Ok(due) => recovery.begun(self.engine.task(TITLE, move || due.write().map(|()| String::new()))),
             Err(Some(rest)) => ctx.request_repaint_after(rest),
             Err(None) => {}
         }
@@ -57,9 +55,17 @@ impl BurstscopeApp {
         }
     }
 
-    /// Whether the task that ended was the saving of the session, which needs no note unless it failed.
+    /// Whether the task that ended was the saving of the session. Of that a failure is told, and each only once.
     pub(in crate::app) fn has_kept_session(&mut self, done: &TaskDone) -> bool {
-        self.recovery.as_mut().is_some_and(|recovery| recovery.has_ended(done.id)) && done.result.is_ok()
+        let Some(recovery) = &mut self.recovery else { return false };
+        let why = done.result.as_ref().err().map(ToString::to_string);
+        let Some(ended) = recovery.has_ended(done.id, why.as_deref().map_or(Ok(()), Err)) else { return false };
+        match ended {
+            WritingEnded::Well | WritingEnded::FailedAgain => {}
+            WritingEnded::WellAgain => self.model.messages.resolved(TITLE),
+            WritingEnded::Failed => self.model.messages.error(TITLE, why.unwrap_or_default()),
+        }
+        true
     }
 
     /// The session that is offered.

@@ -160,3 +160,92 @@ fn on_image_pixels(picture: &Picture) -> Plane {
         picture.plane.at(nearest(u, last_u), nearest(v, last_v))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::{detected, feature, open};
+    use crate::detector::{DetectorParams, SearchParams};
+    use crate::monitor::Monitor;
+    use crate::requests::{PictureKind, PictureRequest};
+    use std::time::Duration;
+
+    const EXPORTS: [ExportKind; 12] = [
+        ExportKind::Csv,
+        ExportKind::Colmap,
+        ExportKind::Npz,
+        ExportKind::Png,
+        ExportKind::Tiff,
+        ExportKind::Svg,
+        ExportKind::FigurePng,
+        ExportKind::Matches,
+        ExportKind::MatchPicture,
+        ExportKind::Profile,
+        ExportKind::CurvesCsv,
+        ExportKind::CurvesSvg,
+    ];
+
+    fn prepared(purpose: Purpose, model: &Model) -> Result<Work, String> {
+        prepare(purpose, model, &PaneWidgets::default())
+    }
+
+    #[test]
+    fn what_is_missing_is_said_with_what_to_do() {
+        let model = Model::default();
+        for kind in EXPORTS {
+            match prepared(Purpose::Export(kind), &model) {
+                // Curves that are not there are a file without lines.
+                Ok(_) => assert!(matches!(kind, ExportKind::CurvesCsv | ExportKind::CurvesSvg), "{kind:?}"),
+                Err(why) => assert!(why.contains("first") && why.starts_with("there") || why.contains(';'), "{why}"),
+            }
+        }
+        assert_eq!(prepared(Purpose::SaveSession, &model).err().as_deref(), Some("no burst is open; open one first"));
+        assert!(prepared(Purpose::OpenFolder, &model).is_err(), "nothing is written when something is opened");
+    }
+
+    #[test]
+    fn what_is_written_is_what_was_there_when_it_was_asked_for() {
+        let mut model = Model::default();
+        let burst = open((64, 48), 5);
+        model.take_burst(burst.clone());
+        let params = DetectorParams { levels: 3, ..model.params.clone() };
+        model.params = params.clone();
+        let features = vec![feature(10.0, 10.0, 4, &params.slopes), feature(30.0, 20.0, 2, &params.slopes)];
+        let found = detected(&burst, &params, features);
+        model.take_detection(found.clone(), Duration::ZERO);
+        let home = tempfile::tempdir().expect("a folder");
+        let (csv, toml) = (home.path().join("f.csv"), home.path().join("p.toml"));
+        let work = [(Purpose::Export(ExportKind::Csv), &csv), (Purpose::SaveParams, &toml)]
+            .map(|(purpose, path)| (prepared(purpose, &model).expect("all is there"), path));
+        // Whatever comes later.
+        model.take_burst(open((32, 32), 2));
+        model.params = DetectorParams::default();
+        for (work, path) in work {
+            work(path).expect("written");
+        }
+        let expected = home.path().join("expected.csv");
+        export::write_csv(&expected, &found.detection).expect("written");
+        let read = |path: &Path| std::fs::read_to_string(path).expect("text");
+        assert_eq!(read(&csv), read(&expected));
+        assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").detector.levels, 3);
+        let nowhere = home.path().join("gone/f.csv");
+        let why = prepared(Purpose::SaveParams, &model).expect("always")(&nowhere).expect_err("there is no folder");
+        assert!(why.contains("gone"), "{why}");
+    }
+
+    #[test]
+    fn a_coarse_picture_is_laid_on_the_pixels_of_the_image() {
+        let of = |kind| {
+            let params = DetectorParams { octaves: 2, ..DetectorParams::default() };
+            PictureRequest::new(open((33, 20), 3), kind, params).compute(&Monitor::default()).expect("a picture")
+        };
+        let frame = of(PictureKind::Frame(0));
+        assert_eq!(on_image_pixels(&frame), *frame.plane);
+        let dog = of(PictureKind::Dog { octave: 1, level: 1, slope: Default::default() });
+        let laid = on_image_pixels(&dog);
+        assert!(laid.size() == (33, 20) && dog.plane.size() != (33, 20));
+        for (u, v) in [(0, 0), (8, 6), (30, 18)] {
+            assert_eq!(laid.at(u, v), dog.plane.at(u / 2, v / 2), "pixel ({u}, {v})");
+        }
+    }
+}

@@ -304,7 +304,6 @@ mod tests {
         )
         .unwrap();
         assert!(settled.settled);
-        let start = Instant::now();
         let busy = render_offscreen(
             vec2(80.0, 30.0),
             1.0,
@@ -315,7 +314,6 @@ mod tests {
             |_| false,
         );
         assert!(!busy.unwrap().settled);
-        assert!(start.elapsed() < Duration::from_secs(10));
     }
 
     #[test]

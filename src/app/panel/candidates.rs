@@ -163,3 +163,62 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
         "Yellow: nearly passed; dark: far from it. Point at a circle for its numbers, click to keep them",
     );
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::Test;
+
+    fn mark(snr: f32) -> CandidateMark {
+        CandidateMark {
+            pos_image: [10.5, 20.0],
+            sigma: 2.0,
+            octave: 0,
+            level: 1,
+            slope_index: 3,
+            sample: [10, 20],
+            value: -0.0123,
+            snr,
+            first_failed: Some(Test::NoiseGate),
+            margin: Some(-0.125),
+        }
+    }
+
+    #[test]
+    fn of_very_many_candidates_the_strongest_are_drawn() {
+        let survey = |count: usize| {
+            // Weak and strong ones in turn.
+            let marks = (0..count).map(|i| mark(if i % 2 == 0 { 3.0 } else { 9.0 + i as f32 })).collect();
+            Arc::new(Survey { marks, counts: Vec::new(), candidates: count as u64, kept: 0 })
+        };
+        assert_eq!(strongest(&survey(7)), (0..7).collect::<Vec<_>>());
+        let many = survey(2 * MOST);
+        let drawn = strongest(&many);
+        assert_eq!(drawn.len(), MOST);
+        assert!(drawn.is_sorted() && drawn.iter().all(|&index| many.marks[index].snr > 3.0));
+    }
+
+    #[test]
+    fn a_candidate_is_where_its_slope_takes_it_and_says_why_it_failed() {
+        let slope = Slope::new(-1.0, 0.5);
+        let (pos, radius) = circle_of(&mark(5.0), slope, 2.0);
+        assert_eq!(pos, pos2(8.5, 21.0));
+        assert!((radius - 2.0 * std::f32::consts::SQRT_2).abs() < 1e-6);
+        let text = mark_text(&mark(5.0), slope);
+        assert!(
+            text.starts_with("candidate at (10.5, 20)  σ 2.00 px\noctave 0 level 1  slope (-1.00, +0.50)"),
+            "{text}"
+        );
+        assert!(text.ends_with(&format!("{}: by 12.5 %", Test::NoiseGate.reason())), "{text}");
+        let kept = CandidateMark { first_failed: None, margin: None, ..mark(5.0) };
+        assert!(mark_text(&kept, slope).ends_with("\nkept"));
+    }
+
+    #[test]
+    fn what_nearly_passed_is_brighter_than_what_was_far_from_it() {
+        let light = |margin| margin_colour(margin).intensity();
+        assert!(light(Some(-0.01)) > light(Some(-0.3)) && light(Some(-0.3)) > light(Some(-0.9)));
+        assert_eq!(margin_colour(None), margin_colour(Some(-0.5)), "what has no margin lies in the middle");
+        assert_eq!(margin_colour(Some(-7.0)), margin_colour(Some(-1.0)));
+    }
+}

@@ -39,3 +39,16 @@ pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32
 fn angle_of(direction: usize) -> f32 {
     -std::f32::consts::TAU * direction as f32 / DIRECTIONS as f32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_roses_turn_against_the_order_of_the_elements() {
+        assert_eq!(angle_of(0), 0.0);
+        for (direction, tip) in [(2, vec2(0.0, -1.0)), (4, vec2(-1.0, 0.0)), (6, vec2(0.0, 1.0))] {
+            assert!((Vec2::angled(angle_of(direction)) - tip).length() < 1e-6, "element {direction}");
+        }
+    }
+}

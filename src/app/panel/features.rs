@@ -263,3 +263,15 @@ fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, notes: &[String], rect: 
         });
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn features_belong_to_a_picture_half_way_to_the_next_slope() {
+        assert!((near_slope(&SlopeGrid::line(-2.0..=2.0, 5)) - 0.55).abs() < 1e-6);
+        assert!((near_slope(&SlopeGrid::plane(-1.0..=1.0, 5, -2.0..=2.0, 3)) - 1.1).abs() < 1e-6);
+        assert_eq!(near_slope(&SlopeGrid::line(0.0..=0.0, 1)), 0.1, "of a single slope those that are nearly there");
+    }
+}

@@ -181,3 +181,17 @@ pub fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, label: Id) {
         ui.add_sized(size, DragValue::new(radius).speed(0.01).max_decimals(2).suffix(" σ")).labelled_by(label);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::params::doc;
+
+    #[test]
+    fn the_help_of_a_parameter_ends_with_its_option() {
+        for parameter in &doc::ALL {
+            let help = help_text(parameter);
+            assert!(help.ends_with(&format!("\n--{}", parameter.name)) && help.len() > 20, "{help}");
+        }
+    }
+}

@@ -189,3 +189,41 @@ pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
         );
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::open;
+    use crate::detector::{DetectorParams, FrameRange};
+    use crate::monitor::Monitor;
+    use crate::requests::MapKind;
+
+    fn line(kind: PictureKind, params: DetectorParams, minus: Option<PictureKind>) -> String {
+        let burst = open((40, 30), 5);
+        let request = PictureRequest::new(burst.clone(), kind, params.clone());
+        let request = match minus {
+            Some(minus) => request.less(&PictureRequest::new(burst, minus, params)),
+            None => request,
+        };
+        describe(&request.compute(&Monitor::default()).expect("a picture"))
+    }
+
+    #[test]
+    fn a_picture_is_described_by_all_that_it_depends_on() {
+        let (slope, octave, level) = (Slope::new(-1.0, 0.5), 0, 1);
+        let of = |kind| line(kind, DetectorParams { levels: 3, octaves: 1, ..DetectorParams::default() }, None);
+        assert_eq!(of(PictureKind::Frame(2)), "Frame 2 of 5 (0 … 4)");
+        assert_eq!(of(PictureKind::Stack { slope }), "Motion stack  ·  slope (-1.00, 0.50) px/frame");
+        let dog = PictureKind::Dog { octave, level, slope };
+        assert_eq!(of(dog), "DoG  ·  octave 0, level 1  ·  slope (-1.00, 0.50) px/frame");
+        let map = |map| of(PictureKind::Map { map, octave, level, slope });
+        assert_eq!(map(MapKind::Noise), "Local noise  ·  octave 0, level 1  ·  slope (-1.00, 0.50) px/frame");
+        assert_eq!(map(MapKind::Coverage), "Coverage  ·  slope (-1.00, 0.50) px/frame");
+        assert_eq!(map(MapKind::Motion), "Winning slope  ·  octave 0, level 1");
+        let frames = Some(FrameRange { start: 1, end: 4 });
+        let some = DetectorParams { frames, ..DetectorParams::default() };
+        assert_eq!(line(PictureKind::Merge, some, None), "Merged frames  ·  1 … 3");
+        let difference = line(PictureKind::Frame(0), DetectorParams::default(), Some(PictureKind::Frame(1)));
+        assert_eq!(difference, "Frame 0 of 5 (0 … 4)  −  Frame 1 of 5 (0 … 4)");
+    }
+}

@@ -71,3 +71,28 @@ fn burst_text(model: &Model) -> String {
     let frames = if burst.len() == 1 { "frame" } else { "frames" };
     format!("{which}{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::open;
+
+    #[test]
+    fn the_burst_is_said_with_its_frames_size_and_levels() {
+        let mut model = Model::default();
+        assert_eq!(burst_text(&model), "No burst open");
+        model.take_burst(open((64, 48), 5));
+        assert_eq!(burst_text(&model), "test · 5 frames · 64 × 48 · float");
+        let with_step = |quantisation_step: f32| {
+            let mut burst = (*open((64, 48), 1).burst).clone();
+            burst.quantisation_step = quantisation_step;
+            let mut model = Model::default();
+            model.take_burst(crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
+            model.workspace = Workspace::Pair;
+            burst_text(&model)
+        };
+        assert_eq!(with_step(1.0 / 255.0), "A: test · 1 frame · 64 × 48 · 256 levels");
+        // Twelve bits in the upper part of sixteen.
+        assert_eq!(with_step(16.0 / 65535.0), "A: test · 1 frame · 64 × 48 · 4096 levels");
+    }
+}

@@ -144,3 +144,25 @@ fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::open;
+    use crate::detector::DetectorParams;
+    use crate::inspect::ProbeCache;
+    use crate::inspect::candidates::{SurveyOptions, survey};
+    use crate::monitor::Monitor;
+
+    #[test]
+    fn tests_that_are_said_to_take_no_candidates_take_none() {
+        let params = DetectorParams { octaves: 1, peak_threshold: 0.001, ..DetectorParams::default() };
+        let cache = ProbeCache::new(&open((48, 40), 3).burst, &params.into(), &Monitor::default()).expect("valid");
+        let survey = survey(&cache.trail, &SurveyOptions::default(), &Monitor::default()).expect("not cancelled");
+        assert!(survey.candidates > 0);
+        for count in &survey.counts {
+            assert!(takes_candidates(count.test) || count.candidates == 0, "{:?}", count.test);
+        }
+        assert_eq!(survey.counts.iter().filter(|count| !takes_candidates(count.test)).count(), 2);
+    }
+}

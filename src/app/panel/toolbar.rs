@@ -159,3 +159,27 @@ fn panel_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, 
         queue.push(id);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::requests::JobId;
+
+    #[test]
+    fn of_two_bursts_it_is_said_for_which_one_there_is_work() {
+        let running = |id| Some(Running { id: JobId(id), started: std::time::Instant::now(), progress: None });
+        let mut model = Model::default();
+        let told = |model: &Model| activity(model).map(|(who, running)| (who, running.id.0));
+        assert_eq!(told(&model), None);
+        model.pair.busy.matching = running(3);
+        assert_eq!(told(&model), None, "matches belong to two bursts");
+        model.workspace = Workspace::Pair;
+        assert_eq!(told(&model), Some(("", 3)));
+        model.pair.busy.detecting = running(2);
+        assert_eq!(told(&model), Some(("B: ", 2)), "matches wait for the features");
+        model.busy.detecting = running(1);
+        assert_eq!(told(&model), Some(("A: ", 1)));
+        model.workspace = Workspace::Inspect;
+        assert_eq!(told(&model), Some(("", 1)));
+    }
+}

@@ -229,21 +229,17 @@ pub fn name_field(response: &egui::Response, name: &str, text: &str) {
 mod tests {
     use super::*;
     use crate::monitor::Stage;
-    use crate::requests::JobId;
 
     #[test]
     fn the_time_left_is_said_as_such() {
         assert_eq!(time_left_text(Duration::from_millis(3400)), "about 4 s left");
         assert_eq!(time_left_text(Duration::from_millis(10)), "about 1 s left");
         assert_eq!(time_left_text(Duration::from_secs(61)), "about 2 min left");
-        let started = std::time::Instant::now() - Duration::from_millis(10_400);
-        let at = |fraction| Running {
-            id: JobId::default(),
-            started,
-            progress: Some(Progress { stage: Stage::Describe, fraction }),
-        };
-        assert_eq!(progress_text(&at(0.5)), "Describing features  50 %  about 11 s left");
-        assert_eq!(progress_text(&at(0.01)), "Describing features  1 %", "too early to say");
+        let at = |fraction| Some(Progress { stage: Stage::Describe, fraction });
+        let left = Some(Duration::from_millis(10_400));
+        assert_eq!(stage_text(at(0.5), left), "Describing features  50 %  about 11 s left");
+        assert_eq!(stage_text(at(0.01), None), "Describing features  1 %", "too early to say");
+        assert_eq!(stage_text(None, None), "Starting");
     }
 
     #[test]

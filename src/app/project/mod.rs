@@ -20,6 +20,7 @@ pub mod look;
 pub mod measure;
 pub mod messages;
 pub mod method;
+mod opened;
 pub mod order;
 pub mod pair;
 mod pictures;

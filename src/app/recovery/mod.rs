@@ -7,7 +7,7 @@
 
 mod record;
 
-pub use record::Record;
+pub use record::{Record, Turn};
 
 use super::session::Session;
 use crate::engine::TaskId;
@@ -44,13 +44,48 @@ pub struct Offer {
     pub is_restoring: bool,
 }
 
+/// A session that is to be written.
+#[derive(Debug)]
+pub struct DueSession {
+    record: Arc<Record>,
+    turn: Turn,
+    text: String,
+}
+
+impl DueSession {
+    /// Writes it, unless a newer one was written meanwhile.
+    ///
+    /// # Errors
+    /// Why it cannot be written, as a sentence.
+    pub fn write(&self) -> Result<(), String> {
+        self.record.write_in_turn(&self.text, self.turn)
+    }
+}
+
+/// How the writing of a session ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WritingEnded {
+    /// It is written.
+    Well,
+    /// It is written, which it could not be before.
+    WellAgain,
+    /// It could not be written.
+    Failed,
+    /// It could not be written, for the reason for which the one before could not.
+    FailedAgain,
+}
+
 /// What one window keeps for the case that it does not end in the ordinary way, and what others have left so.
 #[derive(Debug)]
 pub struct Recovery {
     own: Arc<Record>,
     every: Duration,
-    /// What was given to be written last.
+    /// What was written last.
     written: Option<String>,
+    /// What is being written.
+    given: Option<String>,
+    /// Why the last writing failed, if it did.
+    failed: Option<String>,
     /// When it was last looked whether something has changed.
     looked: Option<Instant>,
     writing: Option<TaskId>,
@@ -72,13 +107,14 @@ impl Recovery {
             Some((record, session.burst.label()))
         };
         let left = Record::left_behind(&kept.folder).into_iter().filter_map(readable).collect();
-        let (written, looked, writing, restoring) = (None, None, None, None);
-        Ok(Self { own, every: kept.every, written, looked, writing, left, restoring })
+        let (written, given, failed) = (None, None, None);
+        let (looked, writing, restoring) = (None, None, None);
+        Ok(Self { own, every: kept.every, written, given, failed, looked, writing, left, restoring })
     }
 
-    /// What is to be written now, of what `session` says, with the record to write it to. Otherwise how long to wait
-    /// before asking again, if that is needed.
-    pub fn due(&mut self, session: impl FnOnce() -> Option<String>) -> Result<(Arc<Record>, String), Option<Duration>> {
+    /// What is to be written now, of what `session` says. Otherwise how long to wait before asking again, if that is
+    /// needed.
+    pub fn due(&mut self, session: impl FnOnce() -> Option<String>) -> Result<DueSession, Option<Duration>> {
         if self.writing.is_some() || self.restoring.is_some() {
             return Err(None);
         }
@@ -91,8 +127,8 @@ impl Recovery {
         if self.written.as_ref() == Some(&text) {
             return Err(None);
         }
-        self.written = Some(text.clone());
-        Ok((self.own.clone(), text))
+        self.given = Some(text.clone());
+        Ok(DueSession { record: self.own.clone(), turn: self.own.turn(), text })
     }
 
     /// Writes `text` at once.
@@ -108,9 +144,22 @@ impl Recovery {
         self.writing = Some(task);
     }
 
-    /// Whether the task that ended was the writing of the session.
-    pub fn has_ended(&mut self, task: TaskId) -> bool {
-        self.writing.take_if(|writing| *writing == task).is_some()
+    /// What became of the writing of the session, if the task that ended with `result` was that. What could not be
+    /// written is due again after a while.
+    pub fn has_ended(&mut self, task: TaskId, result: Result<(), &str>) -> Option<WritingEnded> {
+        self.writing.take_if(|writing| *writing == task)?;
+        let given = self.given.take();
+        match result {
+            Ok(()) => {
+                self.written = given;
+                Some(self.failed.take().map_or(WritingEnded::Well, |_| WritingEnded::WellAgain))
+            }
+            Err(why) if self.failed.as_deref() == Some(why) => Some(WritingEnded::FailedAgain),
+            Err(why) => {
+                self.failed = Some(why.to_owned());
+                Some(WritingEnded::Failed)
+            }
+        }
     }
 
     /// What is offered.

@@ -8,7 +8,7 @@ use crate::export::write_whole;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
@@ -19,9 +19,24 @@ const LOCK: &str = "lock";
 #[derive(Debug)]
 pub struct Record {
     session: PathBuf,
-    /// `None` once it was removed. Whoever writes or removes holds it.
-    lock: Mutex<Option<File>>,
+    /// The number of the newest text that is to be written.
+    newest: AtomicU64,
+    /// Whoever writes or removes holds it.
+    held: Mutex<Held>,
 }
+
+/// What belongs to the record while it is there.
+#[derive(Debug)]
+struct Held {
+    /// `None` once it was removed.
+    lock: Option<File>,
+    /// The number of the text that was written last.
+    written: u64,
+}
+
+/// The place of a text among those that are to be written into a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Turn(u64);
 
 impl Record {
     /// A new record in `folder`, which is made if it is not there.
@@ -39,9 +54,13 @@ impl Record {
             if !session.exists()
                 && let Some(lock) = locked(&session)?
             {
-                return Ok(Self { session, lock: Mutex::new(Some(lock)) });
+                return Ok(Self::of(session, lock));
             }
         }
+    }
+
+    fn of(session: PathBuf, lock: File) -> Self {
+        Self { session, newest: AtomicU64::new(0), held: Mutex::new(Held { lock: Some(lock), written: 0 }) }
     }
 
     /// The records in `folder` whose windows ended otherwise than in the ordinary way, the one that was written last
@@ -56,7 +75,7 @@ impl Record {
                 continue;
             }
             let Ok(Some(lock)) = locked(&session) else { continue };
-            let record = Self { session, lock: Mutex::new(Some(lock)) };
+            let record = Self::of(session, lock);
             match record.saved() {
                 Some(saved) => found.push((saved, record)),
                 // Its window had kept nothing yet.
@@ -77,22 +96,37 @@ impl Record {
         std::fs::metadata(&self.session).ok()?.modified().ok()
     }
 
+    /// The turn of a text that is to be written later: what gets its turn after it is newer.
+    pub fn turn(&self) -> Turn {
+        Turn(self.newest.fetch_add(1, Ordering::Relaxed) + 1)
+    }
+
     /// Writes the session, whole or not at all. Does nothing once the record was removed.
     ///
     /// # Errors
     /// Why it cannot be written, as a sentence.
     pub fn write(&self, text: &str) -> Result<(), String> {
-        let lock = self.lock.lock().unwrap_or_else(PoisonError::into_inner);
-        if lock.is_none() {
+        self.write_in_turn(text, self.turn())
+    }
+
+    /// The same for a text that has waited since its turn; where a newer one was written meanwhile, nothing is done.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_in_turn(&self, text: &str, Turn(turn): Turn) -> Result<(), String> {
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        if held.lock.is_none() || held.written > turn {
             return Ok(());
         }
-        write_whole(&self.session, |out| out.write_all(text.as_bytes())).map_err(|error| error.to_string())
+        write_whole(&self.session, |out| out.write_all(text.as_bytes())).map_err(|error| error.to_string())?;
+        held.written = turn;
+        Ok(())
     }
 
     /// Removes it: its window ends in the ordinary way, or nobody wants the session.
     pub fn remove(&self) {
-        let mut lock = self.lock.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(lock) = lock.take() {
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(lock) = held.lock.take() {
             // The session first: a lock without one is no offer. What cannot be removed is offered once more.
             let _ = std::fs::remove_file(&self.session);
             let _ = std::fs::remove_file(self.session.with_extension(LOCK));
@@ -158,6 +192,16 @@ mod tests {
         let found = Record::left_behind(home.path());
         assert_eq!(found.iter().map(Record::session).collect::<Vec<_>>(), [&names[1], &names[0]]);
         assert_eq!(files(home.path()), 4);
+    }
+
+    #[test]
+    fn a_text_that_had_to_wait_does_not_replace_a_newer_one() {
+        let home = tempfile::tempdir().expect("a folder");
+        let record = Record::new(home.path()).expect("made");
+        let turn = record.turn();
+        record.write("new").expect("written");
+        record.write_in_turn("old", turn).expect("nothing to do");
+        assert_eq!(std::fs::read_to_string(record.session()).expect("read"), "new");
     }
 
     #[test]

@@ -122,7 +122,7 @@ fn match_all(
     for (count, &index) in wanted.iter().enumerate() {
         monitor.check()?;
         monitor.report(Stage::Open, READING_SHARE * count as f32 / wanted.len() as f32);
-        if let Some(features) = bursts.get(index).and_then(|source| store.kept(source)) {
+        if let Some(features) = bursts.get(index).and_then(|source| store.kept(source, monitor).ok()) {
             place_of[index] = Some(read.len());
             read.push(features);
         }

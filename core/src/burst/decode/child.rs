@@ -116,8 +116,7 @@ pub(super) fn decode(
         let _over = Over { done: &watch.done, thread: watching.thread().clone() };
         // A child that is gone already cannot be written to; what it says last is read below.
         Ok::<_, OpenError>(
-            send(&mut stdin, &request)
-                .and_then(|()| receive_reply(&mut stdout, path, kind, first, &options.limits)),
+            send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, kind, first, &options.limits)),
         )
     })?;
     // The child ends when nobody holds the other end of its input any more.
@@ -156,7 +155,8 @@ impl Running {
             std::os::unix::process::CommandExt::process_group(&mut command, 0);
         }
         let child = command.spawn();
-        let child = child.map_err(|e| failed(path, format!("the process that decodes it could not be started: {e}")))?;
+        let child =
+            child.map_err(|e| failed(path, format!("the process that decodes it could not be started: {e}")))?;
         Ok(Self { child: Mutex::new(child) })
     }
 

@@ -26,11 +26,7 @@ use std::path::Path;
 const BYTES_PER_PIXEL: u64 = 8;
 
 /// The frame of a file that holds one.
-pub(super) fn frame(
-    path: &Path,
-    expected: Option<Expected<'_>>,
-    options: &OpenOptions,
-) -> Result<RawFrame, OpenError> {
+pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame, OpenError> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| OpenError::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);

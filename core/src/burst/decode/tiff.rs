@@ -2,9 +2,9 @@
 //! or 64-bit integers or floats. Pages that are marked as thumbnails are left out.
 
 use super::child::{self, Budget};
-use super::tiff_tiles::{FileDecoder, Samples, read_samples};
 use super::jpeg::{Soundness, soundness};
 use super::look::{Directories, MAX_TEXT_BYTES};
+use super::tiff_tiles::{FileDecoder, Samples, read_samples};
 use super::turned::{turned, turned_size};
 use super::wire::Part;
 use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_from_data};
@@ -185,12 +185,7 @@ struct PageReader<'a> {
 }
 
 impl<'a> PageReader<'a> {
-    fn open(
-        path: &'a Path,
-        length: u64,
-        options: &'a OpenOptions,
-        monitor: &'a Monitor,
-    ) -> Result<Self, OpenError> {
+    fn open(path: &'a Path, length: u64, options: &'a OpenOptions, monitor: &'a Monitor) -> Result<Self, OpenError> {
         let file = File::open(path).map_err(|e| OpenError::from_io(path, &e))?;
         let decoder = decoder(path, file, &options.limits)?;
         Ok(Self { path, decoder, length, options, monitor })

@@ -178,7 +178,9 @@ impl Failure {
                 OpenError::NotFinite { path, frame, u, v, value: f32::from_bits(bits) }
             }
             Self::ZeroSize { width, height } => OpenError::ZeroSize { path, width, height },
-            Self::BeyondLimit { found, limit, remedy } => OpenError::BeyondLimit { path, found, limit, remedy: remedy.into() },
+            Self::BeyondLimit { found, limit, remedy } => {
+                OpenError::BeyondLimit { path, found, limit, remedy: remedy.into() }
+            }
             Self::NoMemory { bytes } => OpenError::NoMemory { path, refused: NoMemory { bytes } },
         }
     }

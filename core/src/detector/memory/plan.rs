@@ -16,6 +16,8 @@ pub(crate) struct Plan {
     /// Number of threads. Each holds a window of slopes of its own, so a small budget may have room for fewer than
     /// there are.
     pub(crate) threads: usize,
+    /// Memory that is taken at most beside the burst, about, bytes.
+    pub(crate) bytes: u64,
 }
 
 impl Plan {
@@ -36,6 +38,22 @@ impl Plan {
         fitting.map_or_else(|| Self::on(1, params, frames, size, budget), Ok)
     }
 
+    /// The plan that takes the least memory, within `budget` bytes: one thread, and groups of as few slopes as there can
+    /// be.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub(crate) fn smallest(
+        params: &DetectorParams,
+        frames: usize,
+        size: (usize, usize),
+        budget: Option<u64>,
+    ) -> Result<Self, ParamError> {
+        let of_slopes = bytes_of_slope(params, size).saturating_mul(min_slopes(params) as u64);
+        let min = bytes_beside_slopes(1, frames, size).saturating_add(of_slopes);
+        Self::on(1, params, frames, size, Some(budget.map_or(min, |budget| budget.min(min))))
+    }
+
     /// As [`Plan::new`], on `threads` threads.
     fn on(
         threads: usize,
@@ -49,7 +67,7 @@ impl Plan {
         let needed = estimate_on(threads, params, frames, size);
         let Some(budget) = budget.filter(|budget| *budget < needed) else {
             let whole = vec![SlopeGroup::whole(count)];
-            return Ok(Self { search: whole.clone(), describe: whole, threads });
+            return Ok(Self { search: whole.clone(), describe: whole, threads, bytes: needed });
         };
         let beside = bytes_beside_slopes(threads, frames, size);
         let fitting = (budget.saturating_sub(beside) / of_slope.max(1)).min(count as u64) as usize;
@@ -57,9 +75,11 @@ impl Plan {
         // The whole did not fit: what lies beside the slopes may be all of it.
         let cut = |reach| SlopeGroup::cut(count, reach, fitting).filter(|_| beside <= budget);
         if let (Some(search), Some(describe)) = (cut(reach), cut(Some(slopes_around(params, &grid)))) {
-            return Ok(Self { search, describe, threads });
+            let visited = search.iter().chain(&describe).map(|group| group.visited.len()).max().unwrap_or(count);
+            let bytes = beside.saturating_add(of_slope.saturating_mul(visited as u64));
+            return Ok(Self { search, describe, threads, bytes });
         }
-        let min_slopes = reach.map_or(count, |reach| (2 * reach.max(slopes_around(params, &grid)) + 1).min(count));
+        let min_slopes = min_slopes(params);
         let min = beside.saturating_add(of_slope.saturating_mul(min_slopes as u64));
         Err(refusal(params, (frames, size), (min, budget), (min_slopes, fitting)))
     }
@@ -75,6 +95,13 @@ impl Plan {
             Err(_) => work(),
         }
     }
+}
+
+/// Number of slopes that must be held at once: those that one is compared with and located between.
+fn min_slopes(params: &DetectorParams) -> usize {
+    let grid = params.used_slopes();
+    let reach = OtherSlopes::of(params).reach(&grid);
+    reach.map_or(grid.len(), |reach| (2 * reach.max(slopes_around(params, &grid)) + 1).min(grid.len()))
 }
 
 /// Why a search is not done that needs at least `min` bytes for `min_slopes` slopes that must be held at once.
@@ -139,7 +166,7 @@ mod tests {
         let of_slope = bytes_of_slope(&plane(), (1600, 1200));
         let beside = bytes_beside_slopes(rayon::current_num_threads(), 10, (1600, 1200));
         let budget = 2_000_000_000;
-        let Plan { search, describe } = plan(&plane(), Some(budget)).expect("in groups");
+        let Plan { search, describe, .. } = plan(&plane(), Some(budget)).expect("in groups");
         assert!(search.len() > 2 && describe.len() >= search.len());
         for group in search.iter().chain(&describe) {
             assert!(beside + of_slope * group.visited.len() as u64 <= budget, "{group:?}");

@@ -116,24 +116,31 @@ impl DetectorParams {
         Ok(())
     }
 
+    /// Checks the range of frames against a burst of `frame_count` frames.
+    ///
+    /// # Errors
+    /// [`doc::FRAMES`] when the range reaches past the burst.
+    pub fn validate_frames(&self, frame_count: usize) -> Result<(), ParamError> {
+        match self.frames.filter(|range| range.end > frame_count) {
+            None => Ok(()),
+            Some(range) => Err(ParamError {
+                parameter: doc::FRAMES.name,
+                problem: format!("{range} reaches past the burst's {frame_count} frames"),
+                remedy: format!("give A..B with B at most {frame_count}"),
+            }),
+        }
+    }
+
     /// Checks the parameters against a burst of `frame_count` frames of `size` = (columns, rows).
     ///
     /// # Errors
     /// The first parameter that makes no sense for it.
     pub fn validate_for(&self, frame_count: usize, size: (usize, usize)) -> Result<(), ParamError> {
         self.validate()?;
+        self.validate_frames(frame_count)?;
         let fail = |parameter: ParamDoc, problem: String, remedy: String| {
             Err(ParamError { parameter: parameter.name, problem, remedy })
         };
-        if let Some(range) = self.frames
-            && range.end > frame_count
-        {
-            return fail(
-                doc::FRAMES,
-                format!("{range} reaches past the burst's {frame_count} frames"),
-                format!("give A..B with B at most {frame_count}"),
-            );
-        }
         let shift = self.first_octave;
         let side = |pixels: usize| if shift < 0 { pixels * 2 } else { pixels >> shift };
         if side(size.0.min(size.1)) < MIN_OCTAVE_SIDE {

@@ -2,7 +2,7 @@
 //!
 //! Each answer comes from the function that the search itself calls. What the search does for a whole tile, slope after
 //! slope, is done here for one sample: the order of the tests and the neighbouring slopes are those of `slope_window`.
-//! The law in tests/inspect.rs holds both equal, sample by sample.
+//! The law in tests/detection/inspect holds both equal, sample by sample.
 
 use super::Trail;
 use crate::detector::feature::Test;

@@ -58,7 +58,8 @@ fn search_all(
 ) -> Result<Trail, DetectError> {
     let started = Instant::now();
     params.validate_for(burst.len(), burst.size())?;
-    let plan = Plan::new(params, params.used_frames(burst.len()).len(), burst.size(), budget)?;
+    let frames = params.used_frames(burst.len()).len();
+    let (plan, _share) = memory::plan_beside_others(params, frames, burst.size(), budget)?;
     plan.run(|| search_as_planned(burst, params, &plan, (started, monitor)))
 }
 

@@ -4,6 +4,7 @@ use super::{Colour, Drawing, FigureRect, FigureShape, FigureStroke};
 use crate::export::atomic::write_whole;
 use crate::export::base64::write_base64;
 use crate::export::error::ExportError;
+use crate::export::mark::SVG_COMMENT;
 use crate::export::png::Picture;
 use std::io::{self, Write};
 use std::path::Path;
@@ -25,6 +26,7 @@ pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), ExportErr
             out,
             r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" version="1.1" width="{width}" height="{height}" viewBox="0 0 {width} {height}">"#
         )?;
+        writeln!(out, "{SVG_COMMENT}")?;
         writeln!(out, "<title>{}</title>", escaped(&drawing.title))?;
         let mut clips = 0;
         for shape in &drawing.shapes {

@@ -185,3 +185,43 @@ fn bring_into_view(model: &mut Model, widgets: &PaneWidgets, row: &Row) {
         model.panes.follow_view(focus, &before);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::against::{Kind, With};
+    use crate::app::project::tests::{detected, feature, open};
+    use crate::detector::Slope;
+    use std::time::Duration;
+
+    #[test]
+    fn a_row_says_dashes_for_what_it_has_not() {
+        let row = Row {
+            kind: Kind::Theirs,
+            pos_image: [10.04, 20.0],
+            from_image: None,
+            sigma: 2.345,
+            slope: None,
+            feature: None,
+            note: String::new(),
+        };
+        assert_eq!(cells(&row), ["10.0", "20.0", "2.35", "–", "–"]);
+        let ours = Row { slope: Some(Slope::new(-1.0, 0.25)), feature: Some(4), kind: Kind::Ours, ..row };
+        assert_eq!(cells(&ours)[3..], ["-1.00, +0.25", "#5"], "features are counted from one");
+    }
+
+    #[test]
+    fn an_empty_list_says_the_next_step() {
+        let mut model = Model::default();
+        assert!(what_to_do(&model).starts_with("Pin a result"));
+        model.against.with = Some(With::Truth);
+        assert!(what_to_do(&model).starts_with("Press Detect"));
+        let burst = open((64, 48), 3);
+        model.take_burst(burst.clone());
+        let params = model.params.clone();
+        let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
+        model.take_detection(detected(&burst, &params, features), Duration::ZERO);
+        model.against.with = Some(With::Truth);
+        assert_eq!(what_to_do(&model), "Comparing…");
+    }
+}

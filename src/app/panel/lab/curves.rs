@@ -222,3 +222,73 @@ fn point_text(plot: &StudyPlot, one: &Drawn, point: &StudyCurvePoint) -> String 
     let spread = point.spread.map_or_else(String::new, |[low, high]| format!(" ({} to {})", value(low), value(high)));
     format!("{}\n{}: {}\n{}: {}{spread}", one.name, plot.x_label, value(point.x), plot.y_label, value(point.y))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::{BurstMethod, ChartStudy, Study};
+    use crate::monitor::Monitor;
+    use crate::synth::ChartParams;
+    use std::sync::OnceLock;
+
+    /// A study of one small chart at two ratios.
+    fn result() -> LabResult {
+        static RESULT: OnceLock<LabResult> = OnceLock::new();
+        let study = || {
+            let chart = ChartParams { width: 96, height: 72, frames: 3, discs: 4, ..ChartParams::default() };
+            let methods = vec![BurstMethod::SiftMean, BurstMethod::Buff1d];
+            let study =
+                Study::Chart(ChartStudy { chart, snrs: vec![1.0, 5.0], seeds: 1, methods, ..Default::default() });
+            let report = study.run_telling(&Monitor::default(), &|_| {}).expect("valid");
+            LabResult { study, report, is_whole: true }
+        };
+        RESULT.get_or_init(study).clone()
+    }
+
+    #[test]
+    fn curves_of_one_subject_lie_over_one_another_and_say_whose_they_are() {
+        let (now, kept) = (result(), result());
+        let sets = [(LabSet::Current, None, &now), (LabSet::Kept(0), Some("before"), &kept)];
+        let plots = merged(&sets, Some(&now.report.roc_rows()[1]));
+        assert!(plots.iter().any(|(title, ..)| title == "ROC at SNR 5") && plots.len() == now.report.plots(1).len());
+        for (title, plot, curves) in &plots {
+            assert_eq!((title, curves.len()), (&plot.title, 2 * plot.curves.len()));
+            let (own, theirs) = curves.split_at(plot.curves.len());
+            assert!(own.iter().all(|one| one.set == LabSet::Current && one.name == one.curve.label));
+            assert!(theirs.iter().all(|one| one.name == format!("{}  before", one.curve.label)));
+        }
+        // Without a row there is no ROC.
+        assert_eq!(merged(&sets, None).len(), plots.len() - 1);
+    }
+
+    #[test]
+    fn the_point_under_the_pointer_is_the_nearest_one_within_reach() {
+        let now = result();
+        let plots = merged(&[(LabSet::Current, None, &now)], None);
+        let (_, plot, curves) = &plots[0];
+        let at = |point: &StudyCurvePoint| egui::pos2(100.0 * point.x as f32, 50.0 * point.y as f32);
+        let one = &curves[1];
+        let point = &one.curve.points[1];
+        let found = nearest(curves, at(point) + egui::vec2(1.0, 0.0), at).expect("it is near");
+        assert_eq!(at(found.1), at(point));
+        assert!(nearest(curves, egui::pos2(-1e4, 0.0), at).is_none());
+        let text = point_text(plot, one, point);
+        assert!(text.starts_with(&format!("{}\n{}: 5\n{}: ", one.name, plot.x_label, plot.y_label)), "{text}");
+    }
+
+    #[test]
+    fn what_is_exported_is_what_is_drawn() {
+        let mut lab = Lab { current: Some(result()), roc_row: 1, ..Lab::default() };
+        let plots = shown_plots(&lab);
+        assert_eq!(plots, [("This study".to_owned(), result().report.plots(1))]);
+        lab.kept.push(crate::app::project::lab::KeptCurves {
+            name: "before".to_owned(),
+            is_shown: false,
+            result: result(),
+        });
+        assert_eq!(shown_plots(&lab).len(), 1, "what is hidden is not written");
+        lab.kept[0].is_shown = true;
+        assert_eq!(shown_plots(&lab)[1].0, "before");
+        assert!(shown_plots(&Lab::default()).is_empty());
+    }
+}

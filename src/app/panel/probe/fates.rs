@@ -228,3 +228,50 @@ fn numbers_of(report: &TestReport) -> (String, String) {
     let value = report.value.map(value_text).unwrap_or_default();
     (value, report.limit.map_or_else(String::new, |limit| format!("{sign} {}", value_text(limit))))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inspect::fate::Side;
+
+    #[test]
+    fn margins_are_percents_with_a_real_minus_and_nothing_where_they_say_nothing() {
+        let texts = [(0.25, "+25 %"), (-0.081, "−8 %"), (0.0, "+0 %"), (12.0, ""), (f64::INFINITY, "")];
+        for (margin, text) in texts {
+            assert_eq!(margin_text(margin), text);
+        }
+    }
+
+    #[test]
+    fn a_test_says_its_value_and_on_which_side_of_the_limit_it_passes() {
+        let report = TestReport {
+            test: Test::NoiseGate,
+            outcome: Outcome::Fails,
+            value: Some(3.9),
+            limit: Some(4.64),
+            side: Side::AtLeast,
+            unit: "σ",
+            rival: None,
+        };
+        assert_eq!(numbers_of(&report), ("3.9".to_owned(), "≥ 4.64".to_owned()));
+        let edge = TestReport { test: Test::Edge, side: Side::AtMost, ..report };
+        assert_eq!(numbers_of(&edge).1, "≤ 4.64");
+        assert_eq!(numbers_of(&TestReport { value: None, limit: None, ..report }), (String::new(), String::new()));
+    }
+
+    #[test]
+    fn each_test_has_a_short_name_of_its_own() {
+        let mut names: Vec<&str> = Test::ALL.map(short_name).to_vec();
+        assert!(names.iter().all(|name| name.len() <= 14), "{names:?}");
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), Test::ALL.len());
+    }
+
+    #[test]
+    fn sentences_begin_with_a_capital_and_end_with_a_stop() {
+        assert_eq!(sentence("élan is kept"), "Élan is kept.");
+        assert_eq!(sentence("σ is 2"), "Σ is 2.");
+        assert_eq!(sentence(""), ".");
+    }
+}

@@ -212,3 +212,46 @@ fn row_of(map: &ResponseMap, sigma: f32) -> f32 {
     let (a, b) = (map.scales[before].sigma, map.scales[next].sigma);
     before as f32 + (sigma / a).ln() / (b / a).ln()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::open;
+    use crate::detector::{DetectorParams, SlopeGrid};
+    use crate::inspect::{ProbeCache, ProbeOptions, probe};
+    use crate::monitor::Monitor;
+
+    /// The response map of a small burst, searched on `slopes`.
+    fn map(slopes: SlopeGrid) -> ResponseMap {
+        let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
+        let cache = ProbeCache::new(&open((48, 40), 3).burst, &params.into(), &Monitor::default()).expect("valid");
+        let probe = probe(&cache, [24.0, 20.0], &ProbeOptions::default(), &Monitor::default()).expect("inside");
+        probe.response
+    }
+
+    #[test]
+    fn places_on_the_map_are_even_in_slope_and_in_the_logarithm_of_the_scale() {
+        let map = map(SlopeGrid::line(-1.0..=1.0, 3));
+        let (last, scales) = (map.scales.len() - 1, &map.scales);
+        assert!(last >= 3);
+        for (row, scale) in scales.iter().enumerate() {
+            assert!((row_of(&map, scale.sigma) - row as f32).abs() < 1e-3, "row {row}");
+        }
+        let between = (scales[1].sigma * scales[2].sigma).sqrt();
+        assert!((row_of(&map, between) - 1.5).abs() < 1e-3);
+        assert_eq!((row_of(&map, 0.01), row_of(&map, 1e4)), (0.0, last as f32), "beyond the map is its rim");
+        for (column, &slope) in map.columns.iter().enumerate() {
+            assert!((along(&map, slope) - map.slopes.values[column]).abs() < 1e-5, "column {column}");
+        }
+        let first = map.columns[0];
+        let outside = along(&map, Slope::new(first.u - 0.25, first.v));
+        assert!((outside - (map.slopes.values[0] - 0.25)).abs() < 1e-5, "{outside}");
+    }
+
+    #[test]
+    fn the_range_of_colours_holds_the_gate_and_all_values() {
+        let plane = Plane::from_fn(3, 1, |u, _| [-0.5, f32::NAN, 0.2][u]);
+        assert_eq!(display_of(&plane, 0.1), Display::symmetric(0.5));
+        assert_eq!(display_of(&plane, 0.9), Display::symmetric(0.9));
+    }
+}

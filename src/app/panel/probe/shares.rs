@@ -126,3 +126,25 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
         "D of each frame alone, fraction of full scale, ± its noise; dashes: their mean, D of the stack",
     );
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patches_lie_row_by_row_and_what_is_over_is_empty() {
+        let frame = |index: usize| FrameShare {
+            frame: index,
+            pos_frame: [0.0, 0.0],
+            covers: true,
+            value: 0.0,
+            sigma_d: 0.0,
+            patch: Plane::from_fn(2, 2, |u, v| (10 * index + 2 * v + u) as f32),
+        };
+        let frames: Vec<FrameShare> = (0..3).map(frame).collect();
+        let picture = montage(&frames, 2, 2);
+        assert_eq!(picture.size(), (4, 4));
+        assert_eq!((picture.at(0, 0), picture.at(3, 1), picture.at(1, 2)), (0.0, 13.0, 21.0));
+        assert!(picture.at(2, 2).is_nan() && picture.at(3, 3).is_nan());
+    }
+}

@@ -18,12 +18,8 @@ pub(super) struct Table {
 impl Table {
     /// The table with `counts[l − 1]` codes of length l for `values`; `None` where there are more than can be.
     pub(super) fn new(counts: &[u8; 16], values: &[u8]) -> Option<Self> {
-        let mut table = Self {
-            short: vec![0; 1 << LOOK_BITS],
-            ends: [0; 17],
-            offsets: [0; 17],
-            values: values.to_vec(),
-        };
+        let mut table =
+            Self { short: vec![0; 1 << LOOK_BITS], ends: [0; 17], offsets: [0; 17], values: values.to_vec() };
         let (mut code, mut place) = (0u32, 0usize);
         for length in 1..=16u32 {
             let count = usize::from(counts[length as usize - 1]);

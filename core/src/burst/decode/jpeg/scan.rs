@@ -135,7 +135,8 @@ impl Frame {
                 *missing = scan.low;
             }
         }
-        let mut state = ScanState { scan, tables, progressive: self.progressive, bits: Bits::new(bytes, start), run: 0 };
+        let mut state =
+            ScanState { scan, tables, progressive: self.progressive, bits: Bits::new(bytes, start), run: 0 };
         state.read(self, bytes)?;
         Ok(state.bits.place())
     }
@@ -150,7 +151,8 @@ impl Frame {
     fn check_header(&self, scan: &Scan) -> Result<(), String> {
         let ac = scan.first > 0;
         // What refines comes after what it refines, and all of it after the DC of a block.
-        let begun = |index: usize| self.components[index].missing_bits[if scan.high > 0 { scan.first } else { 0 }] != NEVER;
+        let begun =
+            |index: usize| self.components[index].missing_bits[if scan.high > 0 { scan.first } else { 0 }] != NEVER;
         let possible = (1..=4).contains(&scan.components.len())
             && ((!ac && scan.high == 0) || scan.components.iter().all(|(index, ..)| begun(*index)))
             && scan.first <= scan.last
@@ -170,7 +172,9 @@ impl Frame {
         let missing = |component: &Component| component.missing_bits.iter().any(|bits| *bits != 0);
         match self.components.iter().filter(|component| missing(component)).count() {
             0 => Ok(()),
-            _ if self.components.iter().all(|c| c.missing_bits[0] == NEVER) => Err("its picture data is missing".into()),
+            _ if self.components.iter().all(|c| c.missing_bits[0] == NEVER) => {
+                Err("its picture data is missing".into())
+            }
             _ if self.progressive => Err("the scans that refine the picture are missing".to_owned()),
             _ => Err("a scan is missing".to_owned()),
         }
@@ -197,9 +201,8 @@ impl ScanState<'_> {
             let (column, row) = (unit % columns, unit / columns);
             if self.scan.restart_interval > 0 {
                 if until_restart == 0 {
-                    self.pass_restart(bytes, unit / self.scan.restart_interval - 1).map_err(|reason| {
-                        format!("{reason} after {} of its {rows} rows of blocks", row)
-                    })?;
+                    self.pass_restart(bytes, unit / self.scan.restart_interval - 1)
+                        .map_err(|reason| format!("{reason} after {} of its {rows} rows of blocks", row))?;
                     until_restart = self.scan.restart_interval;
                 }
                 until_restart -= 1;
@@ -211,8 +214,7 @@ impl ScanState<'_> {
                     for u in 0..across {
                         let place = (row * down + v) * component.stride + column * across + u;
                         let mut none = 0;
-                        let nonzero =
-                            if self.progressive { &mut component.nonzero[place] } else { &mut none };
+                        let nonzero = if self.progressive { &mut component.nonzero[place] } else { &mut none };
                         let read = self.read_block(nonzero, dc, ac);
                         let problem = match read {
                             _ if self.bits.overran() => "its picture data ends",

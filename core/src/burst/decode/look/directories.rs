@@ -122,11 +122,7 @@ impl Directories {
     }
 
     /// The beginning of the first page's description; at most `most` bytes of it.
-    pub(in crate::burst::decode) fn description(
-        &self,
-        file: &mut (impl Read + Seek),
-        most: usize,
-    ) -> Option<String> {
+    pub(in crate::burst::decode) fn description(&self, file: &mut (impl Read + Seek), most: usize) -> Option<String> {
         let (at, length) = self.list.first()?.description?;
         let mut bytes = vec![0; most.min(usize::try_from(length).ok()?)];
         read_at(file, at, &mut bytes).ok()?;
@@ -300,9 +296,9 @@ impl<R: Read + Seek> Walk<'_, R> {
         if left >= count_bytes {
             read_at(self.file, pointer.at, &mut head[..count_bytes as usize])?;
             let count = if self.big { self.numbers.u64(&head) } else { u64::from(self.numbers.u16(&head)) };
-            bytes = count.checked_mul(entry_bytes).filter(|bytes| {
-                bytes.checked_add(count_bytes + offset_bytes).is_some_and(|all| all <= left)
-            });
+            bytes = count
+                .checked_mul(entry_bytes)
+                .filter(|bytes| bytes.checked_add(count_bytes + offset_bytes).is_some_and(|all| all <= left));
         }
         let bytes = match bytes {
             Some(bytes) => bytes,

@@ -46,7 +46,8 @@ fn check_png(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> 
             }
             let mut header = [0; 13];
             read_at(file, at + 8, &mut header)?;
-            let side = |at: usize| u64::from(u32::from_be_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]));
+            let side =
+                |at: usize| u64::from(u32::from_be_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]));
             let samples = match header[9] {
                 2 => 3,
                 4 => 2,
@@ -55,7 +56,12 @@ fn check_png(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> 
             };
             let row = (side(0).saturating_mul(samples * u64::from(header[8]))).div_ceil(8);
             if side(4).saturating_mul(row) > length.saturating_mul(DEFLATE_GAIN) {
-                return Err(Refusal::corrupt(format!("its {} bytes are too few for {}×{} pixels", length, side(0), side(4))));
+                return Err(Refusal::corrupt(format!(
+                    "its {} bytes are too few for {}×{} pixels",
+                    length,
+                    side(0),
+                    side(4)
+                )));
             }
         }
         // The decoder says best where within the picture's data the file ends.
@@ -112,7 +118,9 @@ fn check_bmp(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> 
     let bits = u64::from(u16::from_le_bytes([head[28], head[29]]));
     let bytes = width.saturating_mul(bits).div_ceil(32).saturating_mul(4).saturating_mul(height);
     if bytes.saturating_add(u64::from(number(10))) > length {
-        return Err(Refusal::corrupt(format!("its {length} bytes are too few for {width}×{height} pixels of {bits} bit")));
+        return Err(Refusal::corrupt(format!(
+            "its {length} bytes are too few for {width}×{height} pixels of {bits} bit"
+        )));
     }
     Ok(())
 }

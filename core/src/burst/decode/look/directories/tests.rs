@@ -13,7 +13,8 @@ fn tiff(entries: &[(u16, u16, u32, u32)], before: usize) -> Vec<u8> {
     bytes.resize(8 + before, 7);
     bytes.extend((entries.len() as u16).to_le_bytes());
     for (tag, kind, count, value) in entries {
-        bytes.extend([&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat());
+        bytes
+            .extend([&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat());
     }
     bytes.extend([0; 4]);
     bytes
@@ -26,7 +27,8 @@ fn big_tiff(entries: &[(u16, u16, u64, u64)], before: usize) -> Vec<u8> {
     bytes.resize(16 + before, 7);
     bytes.extend((entries.len() as u64).to_be_bytes());
     for (tag, kind, count, value) in entries {
-        bytes.extend([&tag.to_be_bytes()[..], &kind.to_be_bytes(), &count.to_be_bytes(), &value.to_be_bytes()].concat());
+        bytes
+            .extend([&tag.to_be_bytes()[..], &kind.to_be_bytes(), &count.to_be_bytes(), &value.to_be_bytes()].concat());
     }
     bytes.extend([0; 8]);
     bytes

@@ -1,0 +1,274 @@
+//! What tells a file from another one, or from what it was before.
+//!
+//! A file that was read is known again by its path, its length, and the times at which it was written and at which the
+//! system last changed anything about it. The latter cannot be set: whoever puts another file of the same length and
+//! date in its place changes it. It also changes where the content does not, such as when access rights are set; there
+//! the checksum decides, for which the file is read.
+
+use super::DatasetError;
+use crate::burst::OpenError;
+use crate::files::path_text;
+use crate::monitor::Monitor;
+use serde::{Deserialize, Serialize};
+use std::fs::{File, Metadata};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
+
+/// How thoroughly files are compared with their stamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Comparison {
+    /// By length and times; where the times differ, by content.
+    #[default]
+    Times,
+    /// By content in any case.
+    Content,
+    /// By length and times alone, without reading: what they do not tell counts as changed.
+    Glance,
+}
+
+/// A file as it was when it was read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct FileStamp {
+    /// See [`path_text`]: a name need not be text.
+    path: String,
+    bytes: u64,
+    /// When it was written, nanoseconds since 1970; 0 where the system does not say.
+    modified_ns: u64,
+    /// When the system last changed anything about it, nanoseconds since 1970; absent where the system does not say, and
+    /// in records of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    changed_ns: Option<u64>,
+    /// Checksum of its content; absent in records of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    crc32: Option<u32>,
+}
+
+impl FileStamp {
+    /// Stamps of `files` as they are now, without checksums.
+    pub fn of(files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
+        files.iter().map(|path| Ok(Self::of_one(path).map_err(|e| unread(path, &e))?)).collect()
+    }
+
+    /// The same with checksums. Each file's times are taken before it is read, so that one that is changed meanwhile
+    /// differs from its stamp.
+    pub fn with_checksums(files: &[PathBuf], monitor: &Monitor) -> Result<Vec<Self>, DatasetError> {
+        let mut stamps = Self::of(files)?;
+        for (stamp, path) in stamps.iter_mut().zip(files) {
+            stamp.crc32 = Some(checksum(path, monitor)?);
+        }
+        Ok(stamps)
+    }
+
+    fn of_one(path: &Path) -> io::Result<Self> {
+        let metadata = std::fs::metadata(path)?;
+        let modified = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        Ok(Self {
+            path: path_text(&std::path::absolute(path).unwrap_or_else(|_| path.into())),
+            bytes: metadata.len(),
+            modified_ns: modified.map_or(0, |since| since.as_nanos() as u64),
+            changed_ns: changed_ns(&metadata),
+            crc32: None,
+        })
+    }
+
+    /// Whether these stamps say the same of lengths and times, so that no checksum is needed.
+    fn has_times_of(&self, now: &Self) -> bool {
+        self.modified_ns == now.modified_ns && (self.changed_ns.is_none() || self.changed_ns == now.changed_ns)
+    }
+
+    /// Whether `files` are those of which `kept` tells, with the content that they had. Records of earlier programs,
+    /// which hold no checksum, are believed on what they hold; [`Comparison::Content`] does not believe them.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that it was cancelled.
+    pub fn all_agree(
+        kept: &[Self],
+        files: &[PathBuf],
+        comparison: Comparison,
+        monitor: &Monitor,
+    ) -> Result<bool, DatasetError> {
+        let now = Self::of(files)?;
+        let same_files = kept.len() == now.len()
+            && kept.iter().zip(&now).all(|(kept, now)| kept.path == now.path && kept.bytes == now.bytes);
+        if !same_files {
+            return Ok(false);
+        }
+        for ((kept, now), path) in kept.iter().zip(&now).zip(files) {
+            let agrees = match (kept.has_times_of(now), comparison) {
+                (true, Comparison::Times | Comparison::Glance) => true,
+                (false, Comparison::Glance) => false,
+                (_, Comparison::Times | Comparison::Content) => match kept.crc32 {
+                    Some(crc32) => checksum(path, monitor)? == crc32,
+                    None => false,
+                },
+            };
+            if !agrees {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// `kept` with the times of `files` as they are now; their contents are the same.
+    pub fn with_times_of(kept: &[Self], files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
+        let now = Self::of(files)?;
+        Ok(kept.iter().zip(now).map(|(kept, now)| Self { crc32: kept.crc32, ..now }).collect())
+    }
+
+    /// What stays the same wherever the file is read: where it is, its length and its checksum.
+    pub fn content(&self) -> serde_json::Value {
+        serde_json::json!({ "path": self.path, "bytes": self.bytes, "crc32": self.crc32 })
+    }
+}
+
+#[cfg(unix)]
+fn changed_ns(metadata: &Metadata) -> Option<u64> {
+    use std::os::unix::fs::MetadataExt;
+    let seconds = u64::try_from(metadata.ctime()).ok()?;
+    seconds.checked_mul(1_000_000_000)?.checked_add(u64::try_from(metadata.ctime_nsec()).ok()?)
+}
+
+#[cfg(not(unix))]
+fn changed_ns(_: &Metadata) -> Option<u64> {
+    None
+}
+
+fn unread(path: &Path, error: &io::Error) -> OpenError {
+    OpenError::Read { path: path.into(), reason: error.to_string() }
+}
+
+/// Bytes that are read at once.
+const PIECE: usize = 1 << 18;
+
+/// The checksum of a file's content.
+fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, DatasetError> {
+    let mut file = File::open(path).map_err(|e| unread(path, &e))?;
+    let (mut hasher, mut piece) = (crc32fast::Hasher::new(), vec![0; PIECE]);
+    loop {
+        monitor.check()?;
+        match file.read(&mut piece) {
+            Ok(0) => return Ok(hasher.finalize()),
+            Ok(count) => hasher.update(&piece[..count]),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(unread(path, &error).into()),
+        }
+    }
+}
+
+/// What tells a file that was written from an altered one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Checksum {
+    bytes: u64,
+    crc32: u32,
+}
+
+impl Checksum {
+    /// Of these bytes.
+    pub(crate) fn of(bytes: &[u8]) -> Self {
+        Self { bytes: bytes.len() as u64, crc32: crc32fast::hash(bytes) }
+    }
+
+    /// Of the file at `path`.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn of_file(path: &Path) -> io::Result<Self> {
+        Ok(Self::of(&std::fs::read(path)?))
+    }
+
+    /// Whether the file at `path` is as long, which is told without reading it.
+    pub(super) fn is_as_long_as(&self, path: &Path) -> bool {
+        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == self.bytes)
+    }
+
+    /// Whether the file at `path` has this content. One of another length is not even read.
+    pub(super) fn is_of(&self, path: &Path) -> bool {
+        self.is_as_long_as(path) && Self::of_file(path).is_ok_and(|now| now == *self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn agree(kept: &[FileStamp], files: &[PathBuf], comparison: Comparison) -> bool {
+        FileStamp::all_agree(kept, files, comparison, &Monitor::default()).expect("readable")
+    }
+
+    fn stamps(files: &[PathBuf]) -> Vec<FileStamp> {
+        FileStamp::with_checksums(files, &Monitor::default()).expect("readable")
+    }
+
+    const ALL: [Comparison; 3] = [Comparison::Times, Comparison::Content, Comparison::Glance];
+
+    /// Gives `path` the date that another file has.
+    fn set_modified(path: &Path, modified: std::time::SystemTime) {
+        File::options().write(true).open(path).and_then(|file| file.set_modified(modified)).expect("set");
+    }
+
+    #[test]
+    fn a_file_of_the_same_length_and_date_is_told_from_the_one_that_was_read() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("a.png");
+        let files = [path.clone()];
+        std::fs::write(&path, "one").expect("written");
+        let modified = std::fs::metadata(&path).and_then(|file| file.modified()).expect("a time");
+        let kept = stamps(&files);
+        assert!(ALL.iter().all(|comparison| agree(&kept, &files, *comparison)));
+        // The clock of the file system may stand still for some milliseconds.
+        std::thread::sleep(std::time::Duration::from_millis(30));
+        std::fs::write(&path, "two").expect("written");
+        set_modified(&path, modified);
+        assert!(!agree(&kept, &files, Comparison::Content));
+        if cfg!(unix) {
+            assert!(!agree(&kept, &files, Comparison::Times) && !agree(&kept, &files, Comparison::Glance));
+        }
+        // The same content once more: other times, and so a glance does not tell.
+        std::fs::write(&path, "one").expect("written");
+        assert!(agree(&kept, &files, Comparison::Times) && agree(&kept, &files, Comparison::Content));
+        if cfg!(unix) {
+            assert!(!agree(&kept, &files, Comparison::Glance));
+        }
+        let renewed = FileStamp::with_times_of(&kept, &files).expect("readable");
+        assert!(ALL.iter().all(|comparison| agree(&renewed, &files, *comparison)));
+        std::fs::write(&path, "longer").expect("written");
+        assert!(ALL.iter().all(|comparison| !agree(&kept, &files, *comparison)));
+        assert!(ALL.iter().all(|comparison| !agree(&kept, &[], *comparison)));
+    }
+
+    #[test]
+    fn stamps_of_earlier_programs_are_believed_on_what_they_hold() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("a.png");
+        let files = [path.clone()];
+        std::fs::write(&path, "one").expect("written");
+        let now = stamps(&files);
+        let text = format!(
+            r#"[{{"path":{:?},"bytes":3,"modified_ns":{}}}]"#,
+            path.to_str().expect("text"),
+            now[0].modified_ns
+        );
+        let old: Vec<FileStamp> = serde_json::from_str(&text).expect("as they were written");
+        assert!(agree(&old, &files, Comparison::Times) && agree(&old, &files, Comparison::Glance));
+        assert!(!agree(&old, &files, Comparison::Content), "it has no checksum to be held to");
+        let modified = std::fs::metadata(&path).and_then(|file| file.modified()).expect("a time");
+        set_modified(&path, modified - std::time::Duration::from_secs(1));
+        assert!(!agree(&old, &files, Comparison::Times));
+    }
+
+    #[test]
+    fn what_cannot_be_read_or_is_cancelled_is_no_agreement() {
+        let home = tempfile::tempdir().expect("a folder");
+        let files = [home.path().join("a.png")];
+        std::fs::write(&files[0], "one").expect("written");
+        let kept = stamps(&files);
+        let monitor = Monitor::default();
+        monitor.cancel();
+        let cancelled = FileStamp::all_agree(&kept, &files, Comparison::Content, &monitor);
+        assert!(matches!(cancelled, Err(DatasetError::Cancelled(_))));
+        std::fs::remove_file(&files[0]).expect("removed");
+        let gone = FileStamp::all_agree(&kept, &files, Comparison::Times, &Monitor::default());
+        assert!(matches!(gone, Err(DatasetError::Open(OpenError::Read { .. }))), "{gone:?}");
+    }
+}

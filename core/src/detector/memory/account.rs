@@ -1,0 +1,71 @@
+//! One budget for all searches of the process: a search plans with what those that run have left.
+//!
+//! A search that does not fit beside others is done in its smallest form (one thread, the smallest groups of slopes)
+//! rather than made to wait: it may have been started by a thread that another search waits for.
+
+use super::Plan;
+use crate::detector::params::{DetectorParams, ParamError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Bytes that the searches which run have planned with.
+static TAKEN: Mutex<u64> = Mutex::new(0);
+
+fn taken() -> MutexGuard<'static, u64> {
+    // A number is whole whoever panicked beside it.
+    TAKEN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The memory of a search, given back when dropped.
+#[derive(Debug)]
+pub(crate) struct Share {
+    bytes: u64,
+}
+
+impl Drop for Share {
+    fn drop(&mut self) {
+        let mut taken = taken();
+        *taken = taken.saturating_sub(self.bytes);
+    }
+}
+
+/// As [`Plan::new`], within what other searches of this process leave of `budget`.
+///
+/// # Errors
+/// As [`Plan::new`] within the whole budget.
+pub(crate) fn plan_beside_others(
+    params: &DetectorParams,
+    frames: usize,
+    size: (usize, usize),
+    budget: Option<u64>,
+) -> Result<(Plan, Share), ParamError> {
+    let mut taken = taken();
+    let left = budget.map(|budget| budget.saturating_sub(*taken));
+    let plan = Plan::new(params, frames, size, left).or_else(|_| Plan::smallest(params, frames, size, budget))?;
+    let share = Share { bytes: plan.bytes };
+    *taken = taken.saturating_add(share.bytes);
+    Ok((plan, share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::SlopeGrid;
+
+    #[test]
+    fn a_search_plans_with_what_others_leave() {
+        let params =
+            DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 20, -3.0..=3.0, 20), ..DetectorParams::default() };
+        let plan = |budget| plan_beside_others(&params, 10, (1600, 1200), Some(budget));
+        let (alone, share) = plan(1 << 50).expect("it fits");
+        assert_eq!((alone.search.len(), share.bytes), (1, alone.bytes));
+        // Other tests of this process may search meanwhile; they only leave less.
+        let budget = alone.bytes + alone.bytes / 2;
+        let (beside, second) = plan(budget).expect("in groups");
+        assert!(beside.search.len() > 1 && beside.bytes < alone.bytes, "{beside:?}");
+        let (third, _) = plan(budget).expect("in its smallest form");
+        assert_eq!(third, Plan::smallest(&params, 10, (1600, 1200), Some(budget)).expect("it fits"));
+        assert_eq!(third.threads, 1);
+        drop((share, second));
+        assert!(plan(1000).is_err(), "a search that never fits is refused");
+    }
+}

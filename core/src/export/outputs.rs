@@ -1,0 +1,232 @@
+//! What a run may write over: never a file that it was opened with, and what others wrote only when it is told to.
+//!
+//! A file that is there is looked at before the work begins, so that nobody waits for a refusal, and again before it is
+//! written. Whether it is one of the inputs is decided by what the system says of both: the names by which a file was
+//! opened may be relative, lead through links, or be one of several of the same file.
+
+use super::error::ExportError;
+use super::mark::is_ours;
+use std::collections::HashSet;
+use std::fs::Metadata;
+use std::path::{Path, PathBuf};
+
+/// Whether files may be replaced that Burstscope did not write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Overwrite {
+    /// Only what Burstscope wrote is replaced. Links stay.
+    #[default]
+    Refuse,
+    /// Any file is replaced, and a link by the file; what it leads to stays.
+    Force,
+}
+
+/// Files that were opened, or will be.
+#[derive(Debug, Clone, Default)]
+pub struct Inputs {
+    /// The names in their folders, without links in the folders.
+    places: HashSet<PathBuf>,
+    /// What the names lead to.
+    targets: HashSet<Identity>,
+}
+
+/// What makes two names those of the same file.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+enum Identity {
+    /// Device and number of the file.
+    #[cfg(unix)]
+    Number(u64, u64),
+    /// The name without links.
+    #[cfg(not(unix))]
+    Path(PathBuf),
+}
+
+impl Identity {
+    #[cfg(unix)]
+    fn of(_: &Path, metadata: &Metadata) -> Option<Self> {
+        use std::os::unix::fs::MetadataExt;
+        Some(Self::Number(metadata.dev(), metadata.ino()))
+    }
+
+    #[cfg(not(unix))]
+    fn of(path: &Path, _: &Metadata) -> Option<Self> {
+        std::fs::canonicalize(path).ok().map(Self::Path)
+    }
+}
+
+impl Inputs {
+    /// These files. A name that leads nowhere is left out.
+    pub fn of(files: impl IntoIterator<Item = PathBuf>) -> Self {
+        let mut inputs = Self::default();
+        // Frames lie together: each folder is looked up once.
+        let mut last: Option<(PathBuf, PathBuf)> = None;
+        for file in files {
+            let Some((folder, name)) = parted(&file) else { continue };
+            let known = last.take().filter(|(asked, _)| asked == folder).map(|(_, real)| real);
+            let Some(real) = known.or_else(|| std::fs::canonicalize(folder).ok()) else { continue };
+            inputs.places.insert(real.join(name));
+            inputs.targets.extend(std::fs::metadata(&file).ok().and_then(|metadata| Identity::of(&file, &metadata)));
+            last = Some((folder.to_path_buf(), real));
+        }
+        inputs
+    }
+
+    /// Whether `path`, about which the system says `metadata` without following a link, is one of them.
+    fn hold(&self, path: &Path, metadata: &Metadata) -> bool {
+        let by_name = parted(path)
+            .and_then(|(folder, name)| Some(std::fs::canonicalize(folder).ok()?.join(name)))
+            .is_some_and(|place| self.places.contains(&place));
+        // A link that leads to an input is no input: to replace it takes nothing away.
+        let by_target = || Identity::of(path, metadata).is_some_and(|identity| self.targets.contains(&identity));
+        by_name || (!metadata.is_symlink() && by_target())
+    }
+
+    /// Whether one of them lies in `folder`, or below it.
+    fn any_below(&self, folder: &Path) -> bool {
+        let Ok(folder) = std::fs::canonicalize(folder) else { return false };
+        self.places.iter().any(|place| place.starts_with(&folder))
+    }
+}
+
+/// The folder and the name of a file.
+fn parted(path: &Path) -> Option<(&Path, &std::ffi::OsStr)> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    Some((folder, path.file_name()?))
+}
+
+/// What a run may write over.
+#[derive(Debug, Clone, Default)]
+pub struct OutputRules {
+    inputs: Inputs,
+    overwrite: Overwrite,
+}
+
+impl OutputRules {
+    /// For a run that opens `inputs`.
+    pub fn new(inputs: Inputs, overwrite: Overwrite) -> Self {
+        Self { inputs, overwrite }
+    }
+
+    /// The same for a run that has opened these files too.
+    pub fn and_opened(mut self, files: impl IntoIterator<Item = PathBuf>) -> Self {
+        let Inputs { places, targets } = Inputs::of(files);
+        self.inputs.places.extend(places);
+        self.inputs.targets.extend(targets);
+        self
+    }
+
+    /// Whether the file `path` may be written. An empty file counts as none.
+    ///
+    /// # Errors
+    /// [`ExportError::Input`] for a file that was opened, whatever else holds; [`ExportError::NotAFile`] for a folder or
+    /// a device; without [`Overwrite::Force`] [`ExportError::Link`] for a link and [`ExportError::Foreign`] for what
+    /// somebody else wrote.
+    pub fn check(&self, path: &Path) -> Result<(), ExportError> {
+        self.check_if(path, |metadata| metadata.len() == 0 || is_ours(path))
+    }
+
+    /// The same in a folder that is known to be this program's own: every file there may be replaced.
+    ///
+    /// # Errors
+    /// As [`Self::check`], but for [`ExportError::Foreign`].
+    pub fn check_own(&self, path: &Path) -> Result<(), ExportError> {
+        self.check_if(path, |_| true)
+    }
+
+    fn check_if(&self, path: &Path, is_ours: impl FnOnce(&Metadata) -> bool) -> Result<(), ExportError> {
+        let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
+        let refused = match self.overwrite {
+            _ if self.inputs.hold(path, &metadata) => ExportError::Input { path: path.into() },
+            Overwrite::Refuse if metadata.is_symlink() => ExportError::Link { path: path.into() },
+            _ if !(metadata.is_file() || metadata.is_symlink()) => ExportError::NotAFile { path: path.into() },
+            Overwrite::Refuse if !is_ours(&metadata) => ExportError::Foreign { path: path.into() },
+            _ => return Ok(()),
+        };
+        Err(refused)
+    }
+
+    /// Whether `folder` may be replaced as a whole, as far as what was opened is concerned.
+    ///
+    /// # Errors
+    /// [`ExportError::Input`] when a file was opened that lies in it.
+    pub fn check_folder(&self, folder: &Path) -> Result<(), ExportError> {
+        if self.inputs.any_below(folder) { Err(ExportError::Input { path: folder.into() }) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder with a frame, a note, and a table of ours.
+    fn home() -> (tempfile::TempDir, impl Fn(&str) -> PathBuf) {
+        let home = tempfile::tempdir().expect("a folder");
+        let root = home.path().to_path_buf();
+        let at = move |name: &str| root.join(name);
+        std::fs::create_dir(at("night")).expect("made");
+        std::fs::write(at("night/f0.png"), "a frame").expect("written");
+        std::fs::write(at("notes.txt"), "about the night").expect("written");
+        std::fs::write(at("a.txt"), "0 128\n").expect("written");
+        (home, at)
+    }
+
+    fn rules(inputs: &[PathBuf], overwrite: Overwrite) -> OutputRules {
+        OutputRules::new(Inputs::of(inputs.iter().cloned()), overwrite)
+    }
+
+    #[test]
+    fn what_was_opened_is_never_replaced() {
+        let (_home, at) = home();
+        let opened = [at("night/f0.png"), at("gone.png"), at("a.txt")];
+        for overwrite in [Overwrite::Refuse, Overwrite::Force] {
+            let rules = rules(&opened, overwrite);
+            for name in ["night/f0.png", "night/../night/./f0.png", "a.txt"] {
+                let path = at(name);
+                assert_eq!(rules.check(&path), Err(ExportError::Input { path: path.clone() }), "{name}");
+                assert_eq!(rules.check_own(&path), Err(ExportError::Input { path }), "{name}");
+            }
+            assert_eq!(rules.check(&at("new/x.png")), Ok(()));
+            assert!(rules.check_folder(&at("night")).is_err() && rules.check_folder(&at("")).is_err());
+            assert_eq!(rules.check_folder(&at("new")), Ok(()));
+            assert!(matches!(rules.check(&at("night")), Err(ExportError::NotAFile { .. })));
+        }
+    }
+
+    #[test]
+    fn what_others_wrote_is_replaced_by_force_alone() {
+        let (_home, at) = home();
+        std::fs::write(at("empty.txt"), "").expect("written");
+        let careful = rules(&[], Overwrite::Refuse);
+        assert_eq!(careful.check(&at("notes.txt")), Err(ExportError::Foreign { path: at("notes.txt") }));
+        for name in ["a.txt", "empty.txt", "none.txt"] {
+            assert_eq!(careful.check(&at(name)), Ok(()), "{name}");
+        }
+        assert_eq!(careful.check_own(&at("notes.txt")), Ok(()));
+        assert_eq!(rules(&[], Overwrite::Force).check(&at("notes.txt")), Ok(()));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_second_names_are_told() {
+        let (_home, at) = home();
+        let link = |target: &str, name: &str| std::os::unix::fs::symlink(at(target), at(name)).expect("linked");
+        std::fs::hard_link(at("night/f0.png"), at("second.png")).expect("linked");
+        link("night/f0.png", "to_frame.png");
+        link("a.txt", "to_ours.txt");
+        link("nowhere", "to_nowhere.txt");
+        link("night", "to_folder");
+        let names = ["to_frame.png", "to_ours.txt", "to_nowhere.txt", "to_folder"];
+        for (overwrite, is_refused) in [(Overwrite::Refuse, true), (Overwrite::Force, false)] {
+            let rules = rules(&[at("night/f0.png")], overwrite);
+            assert!(matches!(rules.check(&at("second.png")), Err(ExportError::Input { .. })), "the frame's other name");
+            assert!(matches!(rules.check(&at("to_folder/f0.png")), Err(ExportError::Input { .. })));
+            for name in names {
+                let link = Err(ExportError::Link { path: at(name) });
+                assert_eq!(rules.check(&at(name)), if is_refused { link } else { Ok(()) }, "{name}");
+            }
+        }
+        // A link that is a frame itself is a frame.
+        let of_links = rules(&[at("to_frame.png")], Overwrite::Force);
+        assert!(matches!(of_links.check(&at("to_frame.png")), Err(ExportError::Input { .. })));
+        assert!(matches!(of_links.check(&at("night/f0.png")), Err(ExportError::Input { .. })));
+    }
+}

@@ -1,0 +1,40 @@
+//! What the tests of agreement share: opening the published input and reading numbers.
+
+use crate::shared::shared;
+use burstscope_core::detector::{DescribeSlope, Distinct, NoiseGate, NoiseModelKind, SlopeExtrema, SlopeNeighbours};
+use burstscope_core::{Burst, DetectorParams, Monitor};
+use std::path::PathBuf;
+
+/// The burst of `paths`.
+pub fn open(paths: &[PathBuf]) -> Burst {
+    Burst::open_with(paths, &Default::default(), &Monitor::default()).expect("the published input opens")
+}
+
+/// The 1D demo in the order in which its motion is uniform.
+pub fn demo_1d() -> Burst {
+    let folder = shared("data/buff-demo-1d");
+    open(&["5.png", "1.png", "2.png", "4.png", "3.png"].map(|name| folder.join(name)))
+}
+
+/// The numbers of a line.
+pub fn numbers(line: &str, separator: impl Fn(char) -> bool) -> Vec<f32> {
+    line.split(separator).filter(|s| !s.is_empty()).map(|s| s.parse().expect("a number")).collect()
+}
+
+/// What the published codes do wherever our defaults differ, each named: joint extrema, all keypoints kept, described
+/// at the grid's slope in one orientation.
+pub fn as_published() -> DetectorParams {
+    DetectorParams {
+        levels: 4,
+        peak_threshold: 0.0003,
+        noise_gate: NoiseGate::Strict,
+        noise_model: NoiseModelKind::White,
+        edge_threshold: 10.0,
+        slope_extrema: SlopeExtrema::Joint,
+        slope_neighbours: SlopeNeighbours::Adjacent,
+        distinct: Distinct::Off,
+        max_orientations: 1,
+        describe_slope: DescribeSlope::Grid,
+        ..DetectorParams::default()
+    }
+}

@@ -1,0 +1,174 @@
+//! Places whose answer is known.
+
+use super::law::scene;
+use burstscope_core::detector::{DetectorParams, NoiseGate, ParamChange, SearchParams, Slope, SlopeGrid, Test};
+use burstscope_core::inspect::remedy::duplicate_remedy;
+use burstscope_core::inspect::shares::Shape;
+use burstscope_core::inspect::{Fate, Outcome, Probe, ProbeCache, ProbeError, ProbeOptions, probe};
+use burstscope_core::synth::Example;
+use burstscope_core::synth::random::Stream;
+use burstscope_core::{Burst, Monitor, Plane};
+
+/// Gaussian blobs (column and row at mid-burst, σ px, height, slope) over an even ground with a little noise.
+pub fn blobs(frames: usize, noise: f32, blobs: &[(f32, f32, f32, f32, Slope)]) -> Burst {
+    let mut rng = Stream::new(5, 0);
+    let frame = |t: usize| {
+        let dt = t as f32 - (frames as f32 - 1.0) / 2.0;
+        Plane::from_fn(128, 96, |u, v| {
+            let mut value = 0.3 + noise * (rng.normal() as f32);
+            for &(bu, bv, sigma, height, slope) in blobs {
+                let (du, dv) = (u as f32 - bu - dt * slope.u, v as f32 - bv - dt * slope.v);
+                value += height * (-(du * du + dv * dv) / (2.0 * sigma * sigma)).exp();
+            }
+            value
+        })
+    };
+    Burst::from_planes("blobs", (0..frames).map(frame).collect())
+}
+
+/// The slopes with which an example shows what it is for.
+pub fn slopes_of(example: Example) -> SlopeGrid {
+    let (range, count) = example.slopes_u();
+    SlopeGrid::line(range, count)
+}
+
+pub fn cache(burst: &Burst, params: &DetectorParams) -> ProbeCache {
+    ProbeCache::new(burst, &SearchParams::from(params.clone()), &Monitor::default()).expect("valid parameters")
+}
+
+fn probed(cache: &ProbeCache, place: [f32; 2]) -> Probe {
+    probe(cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside")
+}
+
+fn line() -> DetectorParams {
+    DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 9), octaves: 3, ..DetectorParams::default() }
+}
+
+#[test]
+fn a_kept_blob_is_level_and_its_peak_is_in_the_map() {
+    let slope = Slope::new(1.0, 0.0);
+    let burst = blobs(8, 0.01, &[(60.0, 48.0, 3.0, 0.2, slope)]);
+    let cache = cache(&burst, &line());
+    let probe = probed(&cache, [60.0, 48.0]);
+    let fate = probe.subject_fate().expect("it was kept");
+    assert!(fate.is_kept() && !fate.features.is_empty(), "{fate:#?}");
+    assert!((fate.slope.u - 1.0).abs() < 0.05, "{fate:?}");
+    assert_eq!(probe.shares.shape, Shape::Level, "{}", probe.shares.meaning);
+    assert!(probe.shares.coherence.expect("clear") > 0.95);
+    assert!(probe.summary.contains("kept"), "{}", probe.summary);
+    // The map peaks where the feature is, in the unit of its snr.
+    let map = &probe.response;
+    let row = map.row_of(fate.octave, fate.level).expect("a row of the map");
+    let column = (0..map.columns.len()).max_by(|&a, &b| map.snr.at(a, row).abs().total_cmp(&map.snr.at(b, row).abs()));
+    let column = column.expect("columns");
+    assert!((map.columns[column].u - 1.0).abs() < 0.2, "{:?}", map.columns[column]);
+    assert!((map.snr.at(column, row).abs() / fate.snr - 1.0).abs() < 0.1, "{} {}", map.snr.at(column, row), fate.snr);
+    // A coarser scale has less noise, so in its unit the peak lies no finer than the feature.
+    assert!(map.scales[map.strongest().1].sigma > 0.9 * fate.sigma);
+    // In the slice along its motion it runs along the line that its slope says.
+    let slice = &probe.slices[0];
+    for row in 0..slice.plane.height() {
+        let wanted = slice.column_at(fate.slope, row);
+        let brightest =
+            (0..slice.plane.width()).max_by(|&a, &b| slice.plane.at(a, row).total_cmp(&slice.plane.at(b, row)));
+        assert!((brightest.expect("columns") as f32 - wanted).abs() < 2.0, "row {row}: {brightest:?} {wanted}");
+    }
+    // Keypoints at the other slopes name it.
+    let covered: Vec<&Fate> = probe.fates.iter().filter(|f| f.first_failed == Some(Test::Duplicate)).collect();
+    assert!(!covered.is_empty());
+    assert!(
+        covered.iter().any(|f| f.report(Test::Duplicate).rival.is_some_and(|r| r.feature == Some(fate.features[0])))
+    );
+}
+
+#[test]
+fn a_faint_blob_is_below_the_gate_and_the_remedy_keeps_it() {
+    let burst = blobs(8, 0.05, &[(60.0, 48.0, 3.0, 0.09, Slope::new(1.0, 0.0))]);
+    let open = DetectorParams { noise_gate: NoiseGate::Factor(4.0), ..line() };
+    let strongest = probed(&cache(&burst, &open), [60.0, 48.0]).fates.iter().map(|f| f.snr).fold(0.0, f32::max);
+    let gate = (1.2 * strongest).round();
+    let params = DetectorParams { noise_gate: NoiseGate::Factor(gate), ..line() };
+    let first = cache(&burst, &params);
+    let probe_before = probed(&first, [60.0, 48.0]);
+    let fate = probe_before.subject_fate().expect("a candidate");
+    assert_eq!(fate.first_failed, Some(Test::NoiseGate), "{fate:#?}");
+    let report = fate.report(Test::NoiseGate);
+    assert_eq!(report.limit, Some(f64::from(gate)));
+    assert!(report.margin().is_some_and(|margin| (-1.0..0.0).contains(&margin)), "{report:?}");
+    // The later tests are asked all the same.
+    assert_eq!(fate.report(Test::Refinement).outcome, Outcome::Passes);
+    let remedy = fate.remedy.as_ref().expect("a lower gate");
+    assert_eq!((remedy.change.parameter.name, remedy.then_fails), ("noise-gate", None), "{remedy:?}");
+    assert!(remedy.sentence.contains(&format!("instead of {gate}")), "{}", remedy.sentence);
+    let changed = remedy.change.applied(first.params()).expect("valid");
+    let after = probed(&cache(&burst, &changed), [60.0, 48.0]);
+    assert!(after.fates.iter().any(|f| f.of_sample() == fate.of_sample() && f.is_kept()), "{:#?}", after.summary);
+}
+
+/// Applies the remedy of every fate near some places, and finds that the test it was for is passed then.
+#[test]
+fn every_remedy_does_what_it_says() {
+    let burst = scene(11, (128, 96), 6, 2.0);
+    let joint = DetectorParams { slope_extrema: burstscope_core::detector::SlopeExtrema::Joint, ..line() };
+    let mut tried = std::collections::BTreeMap::new();
+    for params in [
+        line(),
+        joint,
+        DetectorParams { peak_threshold: 0.02, noise_gate: NoiseGate::Factor(2.0), ..line() },
+        DetectorParams { edge_threshold: 1.5, noise_gate: NoiseGate::Factor(2.0), ..line() },
+        DetectorParams { max_features: 2, ..line() },
+        DetectorParams { noise_gate: NoiseGate::Factor(30.0), ..line() },
+    ] {
+        let before = cache(&burst, &params);
+        let mut done = std::collections::BTreeMap::new();
+        for place in [[40.0, 30.0], [64.0, 48.0], [90.0, 60.0], [30.0, 70.0], [100.0, 20.0]] {
+            for fate in probed(&before, place).fates {
+                let remedy = fate.remedy.clone().or_else(|| duplicate_remedy(&before.trail, &fate));
+                let (Some(test), Some(remedy)) = (fate.first_failed, &remedy) else { continue };
+                // Widened slopes are others: the sample is another one.
+                if remedy.change.parameter.name.starts_with("slopes-") || done.get(&test).is_some_and(|n| *n >= 2) {
+                    continue;
+                }
+                *done.entry(test).or_insert(0) += 1;
+                *tried.entry(test).or_insert(0) += 1;
+                let after = cache(&burst, &remedy.change.applied(&params).expect("valid"));
+                let again =
+                    burstscope_core::inspect::probe::fate_of(&after.trail, &fate.of_sample(), &Monitor::default());
+                let again = again.expect("not cancelled").expect("examined");
+                assert_ne!(again.report(test).outcome, Outcome::Fails, "{test:?}: {:?}\n{again:#?}", remedy);
+            }
+        }
+    }
+    for test in
+        [Test::PeakThreshold, Test::NoiseGate, Test::SlopeExtremum, Test::Edge, Test::Duplicate, Test::MaxFeatures]
+    {
+        assert!(tried.contains_key(&test), "{test:?} was not tried: {tried:?}");
+    }
+}
+
+#[test]
+fn a_place_outside_and_a_feature_that_is_not_there_are_refused() {
+    let cache = cache(&blobs(4, 0.01, &[]), &line());
+    let asked = |place, wanted| {
+        let options = ProbeOptions { wanted, ..ProbeOptions::default() };
+        probe(&cache, place, &options, &Monitor::default()).expect_err("refused")
+    };
+    use burstscope_core::inspect::probe::Wanted;
+    for place in [[-3.0, 5.0], [128.0, 5.0], [5.0, 96.0], [f32::NAN, 5.0]] {
+        assert!(matches!(asked(place, Wanted::Best), ProbeError::Outside { .. }));
+    }
+    assert!(asked([200.0, 5.0], Wanted::Best).to_string().contains("128×96"));
+    assert!(matches!(asked([5.0, 5.0], Wanted::Feature(9999)), ProbeError::NoFeature { .. }));
+    let scale = Wanted::Scale { octave: 9, level: 0, slope_index: 0 };
+    assert!(matches!(asked([5.0, 5.0], scale), ProbeError::NoScale { .. }));
+    // Every corner can be asked.
+    for place in [[0.0, 0.0], [127.0, 95.0], [0.0, 95.0], [127.4, -0.4]] {
+        assert!(probe(&cache, place, &ProbeOptions::default(), &Monitor::default()).is_ok());
+    }
+}
+
+#[test]
+fn a_change_that_makes_no_sense_is_refused() {
+    let change = ParamChange::new(burstscope_core::detector::params::doc::OCTAVES, 99);
+    assert!(change.applied(&DetectorParams::default()).is_err());
+}

@@ -1,0 +1,191 @@
+//! Each piece of advice on a burst that needs it, and none on one that needs none.
+
+use super::probing::{cache, slopes_of};
+use burstscope_core::detector::{DetectorParams, ParamChange, Slope, SlopeGrid};
+use burstscope_core::inspect::figure::spectrum_svg;
+use burstscope_core::inspect::report::spectrum_text;
+use burstscope_core::inspect::spectrum::{SlopeAdvice, Spectrum, Subject, spectrum};
+use burstscope_core::synth::examples::{ALIASING_SLOPE, Example, GARLAND_PERIOD};
+use burstscope_core::synth::random::Stream;
+use burstscope_core::{Burst, Monitor, Plane};
+
+/// Smooth texture without a period that moves by `place(dt)`, with a little noise.
+fn moving(size: (usize, usize), frames: usize, place: impl Fn(f32) -> (f32, f32)) -> Burst {
+    let mut stream = Stream::new(21, 0);
+    let waves: Vec<[f32; 4]> = (0..160)
+        .map(|_| {
+            let (angle, frequency) = (stream.within(0.0, std::f64::consts::TAU), stream.within(0.15, 0.9));
+            [
+                (frequency * angle.cos()) as f32,
+                (frequency * angle.sin()) as f32,
+                stream.within(0.0, std::f64::consts::TAU) as f32,
+                stream.normal() as f32,
+            ]
+        })
+        .collect();
+    let t0 = 0.5 * (frames as f32 - 1.0);
+    let frame = |t: usize| {
+        let (du, dv) = place(t as f32 - t0);
+        Plane::from_fn(size.0, size.1, |u, v| {
+            let (x, y) = (u as f32 - du, v as f32 - dv);
+            let texture: f32 = waves.iter().map(|[a, b, c, height]| height * (a * x + b * y + c).cos()).sum();
+            0.4 + 0.008 * texture + 0.01 * stream_noise(u, v, t)
+        })
+    };
+    Burst::from_planes("moving", (0..frames).map(frame).collect())
+}
+
+/// Noise that depends on nothing but its place, so that frames can be made in any order.
+fn stream_noise(u: usize, v: usize, t: usize) -> f32 {
+    let mut x = (u as u64) << 40 ^ (v as u64) << 20 ^ t as u64 ^ 0x9e37_79b9_7f4a_7c15;
+    let mut sum = 0.0;
+    for _ in 0..4 {
+        x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x ^= x >> 27;
+        sum += (x >> 40) as f32 / (1u64 << 24) as f32 - 0.5;
+    }
+    1.73 * sum
+}
+
+fn uniform(slope: Slope, frames: usize) -> Burst {
+    moving((200, 160), frames, |dt| (dt * slope.u, dt * slope.v))
+}
+
+fn asked(burst: &Burst, slopes: SlopeGrid) -> Spectrum {
+    let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
+    spectrum(&cache(burst, &params), &Monitor::default()).expect("not cancelled")
+}
+
+fn about(spectrum: &Spectrum, subject: Subject) -> Option<&SlopeAdvice> {
+    spectrum.advice.iter().find(|advice| advice.subject == subject)
+}
+
+/// The slopes after the changes.
+fn applied(slopes: SlopeGrid, changes: &[ParamChange]) -> DetectorParams {
+    let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
+    changes.iter().fold(params, |params, change| change.applied(&params).expect("valid"))
+}
+
+#[test]
+fn a_search_that_fits_needs_no_advice() {
+    let burst = uniform(Slope::new(1.2, 0.0), 8);
+    let spectrum = asked(&burst, SlopeGrid::line(0.2..=2.2, 5));
+    assert_eq!(spectrum.advice, [], "{:#?}", spectrum.advice);
+    assert!(spectrum.features > 20);
+    assert!((spectrum.most_features().expect("features").u - 1.2).abs() <= 0.5);
+    let text = spectrum_text(&spectrum, "moving");
+    assert!(text.contains("nothing to change"), "{text}");
+}
+
+#[test]
+fn a_range_that_is_too_narrow_is_widened_to_the_motion() {
+    let burst = uniform(Slope::new(4.2, 0.0), 8);
+    let grid = SlopeGrid::line(-3.0..=3.0, 13);
+    let spectrum = asked(&burst, grid);
+    let advice = about(&spectrum, Subject::Range).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
+    assert!(advice.number > 0.5, "{advice:?}");
+    let wider = applied(grid, &advice.changes).slopes;
+    assert!(wider.u.max > 4.2 && wider.u.min == -3.0 && (wider.u.step() - grid.u.step()).abs() < 1e-3, "{wider:?}");
+    // What lies beyond is shown.
+    assert!(spectrum.bars.iter().any(|bar| !bar.is_searched && bar.evidence > 0.1 && (bar.slope.u - 4.2).abs() < 0.6));
+    // Applied, the matter is settled.
+    let again = asked(&burst, wider);
+    assert!(about(&again, Subject::Range).is_none(), "{:#?}", again.advice);
+}
+
+#[test]
+fn a_step_that_is_too_coarse_is_refined() {
+    let burst = uniform(Slope::new(1.0, 0.0), 10);
+    let grid = SlopeGrid::line(-1.5..=3.0, 4);
+    let advice = about(&asked(&burst, grid), Subject::Step).cloned().expect("a step of 1.5 px/frame smears");
+    assert!(advice.number > 0.3 && advice.sentence.contains('%'), "{advice:?}");
+    let finer = applied(grid, &advice.changes).slopes;
+    assert!(finer.u.step() < 0.5 && (finer.u.min, finer.u.max) == (-1.5, 3.0), "{finer:?}");
+    assert!(about(&asked(&burst, finer), Subject::Step).is_none());
+}
+
+#[test]
+fn motion_across_the_line_asks_for_another_direction() {
+    let burst = uniform(Slope::new(0.0, 1.8), 8);
+    let grid = SlopeGrid::line(-2.0..=2.0, 9);
+    let spectrum = asked(&burst, grid);
+    let advice = about(&spectrum, Subject::Direction).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
+    assert!(advice.sentence.contains("90°"), "{}", advice.sentence);
+    let turned = applied(grid, &advice.changes).slopes;
+    let holds = |slope: Slope| turned.slopes().any(|s| (s.u - slope.u).hypot(s.v - slope.v) < 0.5);
+    assert!(holds(Slope::new(0.0, 1.8)), "{turned:?}");
+    assert!(about(&asked(&burst, turned), Subject::Direction).is_none());
+}
+
+#[test]
+fn a_garland_answers_again_a_period_away() {
+    let example = Example::Aliasing;
+    let burst = example.burst();
+    let spectrum = asked(&burst, slopes_of(example));
+    let alias = spectrum.aliases.first().expect("a garland");
+    assert!((alias.period_px - GARLAND_PERIOD).abs() < 0.4, "{alias:?}");
+    assert!(alias.inside_range >= 1, "{alias:?}");
+    assert!(
+        alias.places.iter().all(|[_, v]| (100.0..165.0).contains(v)),
+        "only the garlands repeat themselves: {alias:?}"
+    );
+    let advice = about(&spectrum, Subject::Aliases).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
+    assert!((advice.number - f64::from(GARLAND_PERIOD)).abs() < 0.4);
+    // There are features at the alias, as the paper says; and none once the range holds no alias.
+    let near = |spectrum: &Spectrum, slope: f32| {
+        spectrum.bars.iter().filter(|bar| (bar.slope.u - slope).abs() < 0.6).map(|bar| bar.features).sum::<usize>()
+    };
+    assert!(near(&spectrum, ALIASING_SLOPE - GARLAND_PERIOD) >= 5);
+    let narrow = applied(slopes_of(example), &advice.changes).slopes;
+    assert!(
+        narrow.u.min <= ALIASING_SLOPE
+            && narrow.u.max >= ALIASING_SLOPE
+            && narrow.u.max - narrow.u.min < GARLAND_PERIOD,
+        "{narrow:?}"
+    );
+    assert!(about(&asked(&burst, narrow), Subject::Aliases).is_none());
+    let svg = spectrum_svg(&spectrum, "garlands");
+    assert!(roxmltree::Document::parse(&svg).is_ok());
+}
+
+#[test]
+fn fast_motion_that_leaves_the_picture_asks_for_fewer_frames() {
+    let burst = moving((160, 160), 14, |dt| (4.0 * dt, 0.0));
+    let grid = SlopeGrid::line(3.0..=5.0, 9);
+    let spectrum = asked(&burst, grid);
+    let advice = about(&spectrum, Subject::Coverage)
+        .or_else(|| about(&spectrum, Subject::Frames))
+        .unwrap_or_else(|| panic!("{:?} {:#?}", spectrum.finding.verdict, spectrum.advice));
+    let fewer = applied(grid, &advice.changes).frames.expect("a range of frames");
+    assert!(fewer.end - fewer.start < 14 && fewer.start > 0, "{fewer}");
+}
+
+#[test]
+fn motion_that_is_not_straight_asks_for_fewer_frames() {
+    // It turns back: after ten frames it is 8 px from a uniform motion.
+    let burst = moving((200, 160), 11, |dt| (1.0 * dt + 0.32 * dt * dt, 0.0));
+    let grid = SlopeGrid::line(-2.0..=4.0, 19);
+    let spectrum = asked(&burst, grid);
+    let advice = about(&spectrum, Subject::Frames)
+        .unwrap_or_else(|| panic!("{:?} {:#?}", spectrum.finding.verdict, spectrum.advice));
+    assert!(advice.number >= 2.0, "{advice:?}");
+    let fewer = applied(grid, &advice.changes).frames.expect("a range of frames");
+    assert_eq!(fewer.end - fewer.start, 11 - advice.number as usize);
+}
+
+#[test]
+fn slopes_searched_for_nothing_are_said_to_be() {
+    let burst = uniform(Slope::new(1.0, 0.0), 8);
+    let spectrum = asked(&burst, SlopeGrid::plane(-2.0..=2.0, 9, -2.0..=2.0, 9));
+    let advice = about(&spectrum, Subject::Cost).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
+    assert!(advice.number < 0.4 && advice.sentence.contains("81"), "{advice:?}");
+    assert!(roxmltree::Document::parse(&spectrum_svg(&spectrum, "a & b")).is_ok());
+}
+
+#[test]
+fn coverage_is_the_part_of_the_picture_that_all_frames_show() {
+    use burstscope_core::inspect::spectrum::coverage_share;
+    assert_eq!(coverage_share(Slope::default(), 10, (100, 50)), 1.0);
+    assert!((coverage_share(Slope::new(-1.0, 2.0), 11, (100, 50)) - 0.9 * 0.6).abs() < 1e-6);
+    assert_eq!(coverage_share(Slope::new(50.0, 0.0), 11, (100, 50)), 0.0);
+}

@@ -1,0 +1,96 @@
+//! The noise model in whole detections: bursts whose noise is not white, and a chart under a lamp.
+
+use burstscope_core::detector::NoiseModelKind;
+use burstscope_core::detector::noise_model::WarningKind;
+use burstscope_core::synth::random::Stream;
+use burstscope_core::synth::{Camera, ChartParams, FeatureTruth, NoiseCase, synth_chart};
+use burstscope_core::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
+
+fn params(noise_model: NoiseModelKind) -> DetectorParams {
+    let noise_gate = "strict".parse().expect("a gate");
+    DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 13), noise_model, noise_gate, ..DetectorParams::default() }
+}
+
+fn found(burst: &Burst, noise_model: NoiseModelKind) -> Detection {
+    detect(burst, &params(noise_model), &Monitor::default()).expect("detected")
+}
+
+#[test]
+fn noise_as_cameras_make_it_gives_next_to_nothing() {
+    // The white model finds tens to hundreds in each of these.
+    for (case, white_finds) in [
+        (NoiseCase::Doubled, 100),
+        (NoiseCase::Jpeg(60), 20),
+        (NoiseCase::Correlated, 100),
+        (NoiseCase::BlackFrame, 5),
+        (NoiseCase::NoisyFrame, 5),
+        (NoiseCase::NoisyHalf, 5),
+        (NoiseCase::ColumnStripes, 20),
+        (NoiseCase::GainFlicker, 1),
+    ] {
+        let burst = case.burst((480, 360), 10, 0.02, 11, &Monitor::default()).expect("a burst");
+        let [white, local] =
+            [NoiseModelKind::White, NoiseModelKind::Local].map(|kind| found(&burst, kind).features.len());
+        println!("{}: white {white}, local {local}", case.name());
+        assert!(white >= white_finds, "{}: {white}", case.name());
+        assert!(local <= 2, "{}: {local}", case.name());
+    }
+}
+
+#[test]
+fn the_noise_is_measured_unless_it_is_said_otherwise() {
+    assert_eq!(DetectorParams::default().noise_model, NoiseModelKind::Local);
+    let burst = NoiseCase::White.burst((160, 120), 5, 0.02, 5, &Monitor::default()).expect("a burst");
+    let detection = detect(&burst, &DetectorParams::default(), &Monitor::default()).expect("detected");
+    assert!(detection.noise.is_local && detection.noise.warnings.is_empty(), "{:?}", detection.noise.warnings);
+}
+
+#[test]
+fn what_is_cleaned_is_said() {
+    let burst = NoiseCase::HotPixels.burst((320, 240), 8, 0.02, 5, &Monitor::default()).expect("a burst");
+    let detection = found(&burst, NoiseModelKind::Local);
+    let kinds: Vec<WarningKind> = detection.noise.warnings.iter().map(|w| w.kind).collect();
+    assert_eq!(kinds, [WarningKind::HotPixels]);
+    assert!(found(&burst, NoiseModelKind::White).noise.warnings.is_empty());
+}
+
+/// A chart whose right half is lit by a lamp, so that its shot noise is several times that of the dark left.
+fn lit_chart(seed: u64) -> (Burst, Vec<FeatureTruth>) {
+    let chart = ChartParams { snr: f64::INFINITY, seed, ..ChartParams::default() };
+    let (clean, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+    let (width, height) = clean.size();
+    let camera = Camera { full_scale_electrons: 150.0, read_noise_electrons: 3.0, black_level: 0.02, bits: Some(12) };
+    let lift = truth.black_level as f32;
+    let frames = clean.frames.iter().zip(0..).map(|(frame, t)| {
+        let lit = Plane::from_fn(width, height, |u, v| {
+            let light = 1.0 + 30.0 / (1.0 + (6.0 - 12.0 * u as f32 / width as f32).exp());
+            (0.25 * light * (frame.at(u, v) - lift)).min(0.9)
+        });
+        camera.capture(&lit, &mut Stream::new(seed + 1000, t), &Monitor::default()).expect("not cancelled")
+    });
+    let mut burst = Burst::from_planes("lit", frames.collect());
+    burst.quantisation_step = camera.quantisation_step() as f32;
+    (burst, truth.features)
+}
+
+fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
+    let distance = (f64::from(feature.u) - disc.u).hypot(f64::from(feature.v) - disc.v);
+    distance < 0.5 * disc.radius + 1.5 && (0.5..2.0).contains(&(f64::from(feature.sigma) / disc.sigma))
+}
+
+#[test]
+fn under_a_lamp_more_is_found_in_the_dark() {
+    let (mut white_found, mut local_found) = (0, 0);
+    for seed in [1, 2] {
+        let (burst, discs) = lit_chart(seed);
+        let in_dark: Vec<&FeatureTruth> = discs.iter().filter(|d| d.u < 320.0).collect();
+        let count = |kind| {
+            let features = found(&burst, kind).features;
+            in_dark.iter().filter(|disc| features.iter().any(|f| finds(f, disc))).count()
+        };
+        white_found += count(NoiseModelKind::White);
+        local_found += count(NoiseModelKind::Local);
+    }
+    println!("in the dark: white {white_found}, local {local_found}");
+    assert!(local_found > white_found, "{local_found} {white_found}");
+}

@@ -1,0 +1,100 @@
+//! What the features are for, scaled down to what runs in seconds and without COLMAP: bursts along a camera's way past
+//! a dark scene, matched and verified pair by pair.
+//!
+//! The scene and the way are our own (`synth trajectory`), so it is known where each feature of one burst is seen in
+//! another, and matches can be counted that are right, not only those that agree with one another.
+
+use burstscope_core::Monitor;
+use burstscope_core::baseline::detect;
+use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
+use burstscope_core::matching::{Camera, CameraModel, Geometry, MatchParams, match_detections};
+use burstscope_core::synth::trajectory::plane::nearest_point;
+use burstscope_core::synth::{Light, Motion, Trajectory, TrajectoryParams};
+
+/// A match is right when it is this near to where its point of the world is seen, pixels.
+const RIGHT_PX: f64 = 4.0;
+
+/// What all pairs of bursts have together.
+#[derive(Debug, Clone, Copy, Default)]
+struct Matched {
+    inliers: usize,
+    right: usize,
+}
+
+/// A dark scene past which the camera goes in `motion`: one frame shows next to nothing.
+fn dark_way(motion: Motion) -> Trajectory {
+    let params = TrajectoryParams {
+        width: 400,
+        height: 300,
+        bursts: 3,
+        frames: 10,
+        planes: 4,
+        motion,
+        max_slope: 3.0,
+        light: Light::Electrons(2.0),
+        read_noise: 2.0,
+        bits: 12,
+        seed: 5,
+    };
+    Trajectory::new(&params, &Monitor::default()).expect("a trajectory")
+}
+
+/// Finds the features of every burst and matches each with the next.
+fn matched(way: &Trajectory, detector: &DetectorParams) -> Matched {
+    let monitor = Monitor::default();
+    let found: Vec<Detection> = (0..way.cameras.len())
+        .map(|index| detect(&way.burst(index, &monitor).expect("a burst"), detector, &monitor).expect("a detection"))
+        .collect();
+    let camera = Camera {
+        model: CameraModel::Pinhole,
+        width: way.lens.width,
+        height: way.lens.height,
+        params: way.lens.colmap_params().to_vec(),
+    };
+    let matching = MatchParams { geometry: Geometry::Essential, camera: Some(camera), ..MatchParams::default() };
+    let mut sum = Matched::default();
+    for (index, pair) in found.windows(2).enumerate() {
+        let result = match_detections(&pair[0], &pair[1], &matching, &monitor).expect("matched");
+        sum.inliers += result.counts.inliers.unwrap_or(0);
+        sum.right += result
+            .matches
+            .iter()
+            .filter(|m| {
+                let (a, b) = (&pair[0].features[m.a], &pair[1].features[m.b]);
+                let from = &way.cameras[index].world_from_camera;
+                let point = nearest_point(&way.planes, &way.lens, from, f64::from(a.u), f64::from(a.v));
+                let seen = point.and_then(|point| way.cameras[index + 1].pixel_of(&way.lens, &point, 0.0));
+                seen.is_some_and(|[u, v]| (u - f64::from(b.u)).hypot(v - f64::from(b.v)) < RIGHT_PX)
+            })
+            .count();
+    }
+    sum
+}
+
+/// The merge with the settings that serve it best: no peak threshold, two orientations.
+fn merge() -> DetectorParams {
+    DetectorParams { method: Method::Merge, peak_threshold: 0.0, max_orientations: 2, ..DetectorParams::default() }
+}
+
+/// In the dark burst features must have half as many inliers again as the merged burst, and as many more that are
+/// right.
+fn assert_burst_features_win(way: &Trajectory, slopes: SlopeGrid) {
+    let buff = matched(way, &DetectorParams { slopes, ..DetectorParams::default() });
+    let merge = matched(way, &merge());
+    println!("BuFF {buff:?}, merge {merge:?}");
+    assert!(
+        2 * buff.inliers >= 3 * merge.inliers && 2 * buff.right >= 3 * merge.right,
+        "BuFF {buff:?}, merge {merge:?}"
+    );
+    assert!(buff.inliers >= 60 && 10 * buff.right >= 7 * buff.inliers, "BuFF {buff:?}");
+}
+
+#[test]
+fn past_a_dark_scene_sideways_burst_features_match_where_a_merge_does_not() {
+    assert_burst_features_win(&dark_way(Motion::OneD), SlopeGrid::line(-3.0..=0.0, 7));
+}
+
+#[test]
+fn into_a_dark_scene_burst_features_match_where_a_merge_does_not() {
+    assert_burst_features_win(&dark_way(Motion::TwoD), SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7));
+}

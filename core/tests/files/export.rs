@@ -1,0 +1,404 @@
+//! What is exported can be read back: by our own reader, by others' libraries, and as the formats' descriptions say.
+
+use burstscope_core::detector::{Descriptor, Detection, DetectorParams, Feature, Slope, SlopeGrid, StageTimes, Tally};
+use burstscope_core::export::{
+    COLUMNS, ColourBar, ExportError, ExportFormat, FeatureRow, FigureMark, FigureOptions, FigurePanel, LegendEntry,
+    Picture, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz,
+    write_png, write_tiff,
+};
+use burstscope_core::{Burst, Plane};
+use ndarray::Array2;
+use ndarray_npy::NpzReader;
+use proptest::prelude::*;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use tempfile::TempDir;
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn feature(seed: u32) -> Feature {
+    let x = seed as f32;
+    Feature {
+        u: 10.1 + x,
+        v: 20.7 + 2.0 * x,
+        sigma: 1.6 * 1.1f32.powi(seed as i32),
+        orientation: 0.3 * x - 3.0,
+        slope: Slope::new(1.0 / 3.0 + x, -0.25 * x),
+        response: -1e-7 / (1.0 + x),
+        snr: if seed == 0 { f32::INFINITY } else { 12.3 + x },
+        octave: seed as i32 - 1,
+        level: (seed % 3) as i32,
+        slope_index: seed as usize,
+        at_slope_limit: seed % 2 == 1,
+    }
+}
+
+fn detection(count: u32) -> Detection {
+    let params = DetectorParams::default();
+    Detection {
+        features: (0..count).map(feature).collect(),
+        descriptors: (0..count).map(descriptor).collect(),
+        tally: Tally::default(),
+        frame_noise: 0.01,
+        noise: std::sync::Arc::default(),
+        noise_gate_factor: 4.5,
+        slopes: SlopeGrid::single(Slope::default()),
+        frames_used: params.used_frames(5),
+        octaves: 0..3,
+        times: StageTimes::default(),
+    }
+}
+
+fn descriptor(seed: u32) -> Descriptor {
+    std::array::from_fn(|i| (i as u32 * 7 + seed * 13) as u8)
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<String> =
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn csv_has_the_exact_header_and_one_row_for_each_feature() {
+    let folder = folder();
+    let path = folder.path().join("a.csv");
+    let features: Vec<Feature> = (0..4).map(feature).collect();
+    write_csv(&path, &features).expect("written");
+    let text = fs::read_to_string(&path).expect("read");
+    let mut lines = text.lines();
+    let header = "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit";
+    assert_eq!(lines.next(), Some(header));
+    assert_eq!(lines.next(), Some("10.1,20.7,1.6,-3,0.33333334,-0,-0.0000001,inf,-1,0,0"));
+    assert_eq!(text.lines().count(), 5);
+    assert!(text.ends_with('\n'));
+    let rows: Vec<FeatureRow> = features.iter().map(FeatureRow::from).collect();
+    assert_eq!(read_features_csv(&path), Ok(rows));
+}
+
+#[test]
+fn an_empty_csv_is_a_header() {
+    let folder = folder();
+    let path = folder.path().join("a.csv");
+    write_csv(&path, &[]).expect("written");
+    assert_eq!(fs::read_to_string(&path).expect("read"), format!("{}\n", COLUMNS.join(",")));
+    assert_eq!(read_features_csv(&path), Ok(Vec::new()));
+}
+
+#[test]
+fn csv_errors_name_the_file_and_the_line() {
+    let folder = folder();
+    let path = folder.path().join("a.csv");
+    let error = read_features_csv(&path).expect_err("missing");
+    assert!(error.to_string().contains("a.csv"), "{error}");
+    write_csv(&path, &[feature(1), feature(2)]).expect("written");
+    let mut bytes = fs::read(&path).expect("read");
+    let last_line = bytes.len() - 3;
+    bytes[last_line] = 0xff;
+    fs::write(&path, bytes).expect("written");
+    let error = read_features_csv(&path).expect_err("not text");
+    assert!(matches!(error, ExportError::Text { line: 3, .. }), "{error}");
+    assert!(error.to_string().contains("a.csv"), "{error}");
+}
+
+proptest! {
+    #[test]
+    fn any_number_survives_csv(values in prop::array::uniform8(any::<f32>()), octave: i32, level: i32, limit: bool) {
+        let [u, v, sigma, orientation, slope_u, slope_v, response, snr] = values;
+        let slope = Slope::new(slope_u, slope_v);
+        let octave_level = Feature { octave, level, at_slope_limit: limit, ..feature(0) };
+        let feature = Feature { u, v, sigma, orientation, slope, response, snr, ..octave_level };
+        let folder = folder();
+        let path = folder.path().join("a.csv");
+        write_csv(&path, &[feature]).expect("written");
+        let row = read_features_csv(&path).expect("read")[0];
+        let bits = |row: FeatureRow| row.values().map(|v| if v.is_nan() { u32::MAX } else { v.to_bits() });
+        prop_assert_eq!(bits(row), bits(FeatureRow::from(&feature)));
+        prop_assert_eq!((row.octave, row.level), (octave, level));
+    }
+}
+
+#[test]
+fn npz_holds_both_arrays() {
+    let folder = folder();
+    let path = folder.path().join("a.npz");
+    for count in [0, 1, 5] {
+        let Detection { features, descriptors, .. } = detection(count);
+        write_npz(&path, &features, &descriptors).expect("written");
+        let mut npz = NpzReader::new(fs::File::open(&path).expect("opened")).expect("a zip file");
+        assert_eq!(npz.names().expect("names"), ["features", "descriptors"]);
+        let rows: Array2<f32> = npz.by_name("features").expect("features");
+        let bytes: Array2<u8> = npz.by_name("descriptors").expect("descriptors");
+        assert_eq!((rows.dim(), bytes.dim()), ((count as usize, 11), (count as usize, 128)));
+        for (i, (feature, descriptor)) in features.iter().zip(&descriptors).enumerate() {
+            assert_eq!(rows.row(i).to_vec(), FeatureRow::from(feature).values());
+            assert_eq!(bytes.row(i).to_vec(), descriptor);
+        }
+    }
+}
+
+#[test]
+fn the_same_features_give_the_same_bytes() {
+    let folder = folder();
+    let detection = detection(9);
+    let paths =
+        ["a", "b"].map(|name| write_detection(folder.path(), name, &detection, &ExportFormat::ALL).expect("written"));
+    for (a, b) in paths[0].iter().zip(&paths[1]) {
+        assert_eq!(fs::read(a).expect("read"), fs::read(b).expect("read"), "{}", a.display());
+    }
+}
+
+#[test]
+fn colmap_text_has_its_header_its_offset_and_its_numbers() {
+    let folder = folder();
+    let path = folder.path().join("a.txt");
+    let Detection { features, descriptors, .. } = detection(3);
+    write_colmap(&path, &features, &descriptors).expect("written");
+    let text = fs::read_to_string(&path).expect("read");
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("3 128"));
+    for (feature, descriptor) in features.iter().zip(&descriptors) {
+        let line = lines.next().expect("a line for each feature");
+        let numbers: Vec<f32> = line.split(' ').map(|n| n.parse().expect("a number")).collect();
+        assert_eq!(numbers.len(), 4 + 128);
+        // The first pixel's centre, (0, 0) here, is (0.5, 0.5) there.
+        let expected = [feature.u + 0.5, feature.v + 0.5, feature.sigma, feature.orientation];
+        assert_eq!(numbers[..4], expected);
+        assert!(numbers[4..].iter().zip(descriptor).all(|(n, d)| *n == f32::from(*d)));
+        assert!(line.split(' ').skip(4).all(|n| n.parse::<u8>().is_ok()), "descriptors are whole numbers");
+    }
+    assert_eq!(lines.next(), None);
+}
+
+#[test]
+fn a_detection_is_written_in_every_format_under_the_bursts_name() {
+    let folder = folder();
+    let out = folder.path().join("out/here");
+    let paths = write_detection(&out, "slider-far", &detection(2), &ExportFormat::ALL).expect("written");
+    assert_eq!(paths, ["slider-far.csv", "slider-far.txt", "slider-far.npz"].map(|n| out.join(n)));
+    assert_eq!(names(&out), ["slider-far.csv", "slider-far.npz", "slider-far.txt"]);
+    let paths = write_detection(&out, "../a/b", &detection(2), &[ExportFormat::Csv]).expect("written");
+    assert_eq!(paths[0].parent(), Some(&*out));
+}
+
+#[test]
+fn a_plane_survives_as_tiff_and_opens_as_a_burst() {
+    let folder = folder();
+    let path = folder.path().join("dog.tiff");
+    let plane = Plane::from_fn(31, 17, |u, v| (u as f32 - 15.0) * 1e-4 / (1.0 + v as f32));
+    write_tiff(&path, &plane).expect("written");
+    let burst = Burst::open(&path).expect("opens");
+    assert_eq!(*burst.frames[0], plane);
+    let error = write_tiff(&path, &Plane::zeros(0, 5)).expect_err("no pixels");
+    assert!(matches!(error, ExportError::Size { width: 0, height: 5, .. }), "{error}");
+    assert!(Burst::open(&path).is_ok(), "the file that was there is untouched");
+}
+
+#[test]
+fn png_keeps_every_byte() {
+    let folder = folder();
+    let path = folder.path().join("view.png");
+    let pixels: Vec<u8> = (0..5 * 3 * 4).map(|i| (i * 11) as u8).collect();
+    write_png(&path, Picture::rgba(5, 3, &pixels)).expect("written");
+    assert_eq!(image::open(&path).expect("opens").into_rgba8().into_raw(), pixels);
+    write_png(&path, Picture::rgb(5, 4, &pixels)).expect("written");
+    assert_eq!(image::open(&path).expect("opens").into_rgb8().into_raw(), pixels);
+    assert!(matches!(write_png(&path, Picture::rgb(0, 0, &[])), Err(ExportError::Size { .. })));
+}
+
+/// The attribute as a number.
+fn number(node: roxmltree::Node<'_, '_>, name: &str) -> f32 {
+    node.attribute(name).and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("{name} of {node:?}"))
+}
+
+/// A panel of 40 × 30 pixels with two features and a third that is nowhere.
+fn panel(pixels: &[u8]) -> FigurePanel {
+    let mark = |u: f32, v: f32, color: [u8; 3]| FigureMark {
+        centre: [u, v],
+        radius: 3.0,
+        orientation: Some(0.0),
+        motion: None,
+        color,
+        opacity: 1.0,
+        weight: 1.0,
+        dashed: false,
+    };
+    FigurePanel {
+        size: (40, 30),
+        rgba: Arc::new(pixels.to_vec()),
+        origin_image: [-0.5, -0.5],
+        image_px_per_px: 1.0,
+        marks: vec![
+            FigureMark { motion: Some([[0.5, 9.0], [18.5, 0.0]]), ..mark(9.5, 4.5, [255, 0, 0]) },
+            mark(f32::NAN, 3.0, [0; 3]),
+            FigureMark { opacity: 0.35, dashed: true, ..mark(20.0, 10.0, [0, 0, 255]) },
+        ],
+        title: None,
+        legend: Vec::new(),
+        bar: None,
+    }
+}
+
+#[test]
+fn a_figure_is_valid_xml_with_everything_in_its_place() {
+    let folder = folder();
+    let path = folder.path().join("figure.svg");
+    let pixels: Vec<u8> = (0..40 * 30 * 4).map(|i| if i % 4 == 3 { 255 } else { i as u8 }).collect();
+    let legend = vec![
+        LegendEntry { color: [255, 0, 0], label: "λ = (2, −1) px/frame".into() },
+        LegendEntry { color: [0, 0, 255], label: "a & b".into() },
+    ];
+    let title = Some("Slope < 3 & \"noise\" \u{7} é".into());
+    let options = FigureOptions { scale: 2.0, stroke_width_px: 1.0, ..FigureOptions::default() };
+    let drawing = lay_out(&[vec![FigurePanel { title, legend, ..panel(&pixels) }]], &options);
+    write_drawing_svg(&path, &drawing).expect("written");
+    let text = fs::read_to_string(&path).expect("read");
+    let document = roxmltree::Document::parse(&text).expect("valid XML");
+    let all = |tag: &'static str| document.descendants().filter(move |n| n.has_tag_name(tag)).collect::<Vec<_>>();
+    let root = document.root_element();
+    assert!(root.has_tag_name(("http://www.w3.org/2000/svg", "svg")));
+    assert!(number(root, "width") > 200.0, "a small picture's figure is wide enough for its title");
+
+    // The picture, twice as large, with its exact bytes, and room for the title above and the legend below.
+    let image = all("image")[0];
+    assert_eq!((number(image, "width"), number(image, "height")), (80.0, 60.0));
+    let (left, top) = (number(image, "x"), number(image, "y"));
+    assert!(top > 14.0 && top + 60.0 + 14.0 < number(root, "height"));
+    let href = image.attribute(("http://www.w3.org/1999/xlink", "href")).expect("a link");
+    let coded = href.strip_prefix("data:image/png;base64,").expect("an embedded PNG");
+    let decoded = image::load_from_memory(&base64(coded)).expect("a PNG").into_rgba8();
+    assert_eq!(decoded.into_raw(), pixels);
+
+    // The circles: the first pixel's centre is half a pixel from the corner. The one that is not a number is left out.
+    let circles = all("circle");
+    assert_eq!(circles.len(), 2);
+    let near = |a: f32, b: f32| (a - b).abs() < 2e-3;
+    assert!(near(number(circles[0], "cx") - left, 20.0) && near(number(circles[0], "cy") - top, 10.0));
+    assert_eq!((number(circles[0], "r"), number(circles[0], "stroke-width")), (6.0, 1.0));
+    assert_eq!((circles[0].attribute("stroke"), circles[0].attribute("stroke-dasharray")), (Some("#ff0000"), None));
+    assert_eq!((circles[1].attribute("stroke"), number(circles[1], "stroke-opacity")), (Some("#0000ff"), 0.35));
+    assert!(circles[1].attribute("stroke-dasharray").is_some());
+    // What lies over the picture ends where it does.
+    let clip = all("clipPath")[0].first_element_child().expect("a rectangle");
+    assert_eq!((number(clip, "width"), number(clip, "height")), (80.0, 60.0));
+
+    // One orientation tick each; an arrow with its barbs only where something moves.
+    let paths =
+        |class: &str| all("path").into_iter().filter(|p| p.attribute("class") == Some(class)).collect::<Vec<_>>();
+    let goes = |path: &roxmltree::Node<'_, '_>, expected: [f32; 4]| {
+        let d = path.attribute("d").expect("a way");
+        let numbers: Vec<f32> = d.split(['M', 'L', ' ']).filter_map(|n| n.parse().ok()).collect();
+        let expected = [expected[0] + left, expected[1] + top, expected[2] + left, expected[3] + top];
+        assert!(numbers.len() == 4 && numbers.iter().zip(expected).all(|(a, b)| near(*a, b)), "{d}");
+    };
+    assert_eq!(paths("orientation").len(), 2);
+    goes(&paths("orientation")[0], [20.0, 10.0, 26.0, 10.0]);
+    assert_eq!(paths("motion").len(), 2);
+    goes(&paths("motion")[0], [2.0, 19.0, 38.0, 1.0]);
+
+    let texts: Vec<_> = all("text").iter().filter_map(|t| t.text().map(str::to_owned)).collect();
+    assert_eq!(texts, ["Slope < 3 & \"noise\" \u{fffd} é", "λ = (2, −1) px/frame", "a & b"]);
+
+    // Without them, they are not there.
+    let plain = lay_out(&[vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }]], &FigureOptions::default());
+    write_drawing_svg(&path, &plain).expect("written");
+    let text = fs::read_to_string(&path).expect("read");
+    let document = roxmltree::Document::parse(&text).expect("valid XML");
+    assert!(!document.descendants().any(|n| n.has_tag_name("path") || n.has_tag_name("text")));
+    assert_eq!(document.root_element().attribute("viewBox"), Some("0 0 40 30"));
+}
+
+#[test]
+fn several_panels_have_letters_bars_and_lengths() {
+    let folder = folder();
+    let path = folder.path().join("figure.svg");
+    let pixels = vec![128u8; 40 * 30 * 4];
+    let bar = Some(ColourBar { colors: vec![[0; 3], [255; 3]], low: "0.05".into(), high: "0.1 of full scale".into() });
+    let options = FigureOptions { letters: true, scale_bar: true, scale: 4.0, ..FigureOptions::default() };
+    let first = FigurePanel { bar, title: Some("Frame 3".into()), ..panel(&pixels) };
+    let drawing = lay_out(&[vec![first, panel(&pixels)], vec![panel(&pixels)]], &options);
+    write_drawing_svg(&path, &drawing).expect("written");
+    let text = fs::read_to_string(&path).expect("read");
+    let document = roxmltree::Document::parse(&text).expect("valid XML");
+    let texts: Vec<&str> = document.descendants().filter(|n| n.has_tag_name("text")).filter_map(|t| t.text()).collect();
+    for wanted in ["(a)  Frame 3", "(b)", "(c)", "0.05", "0.1 of full scale", "5 px"] {
+        assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
+    }
+    // Five image pixels at four figure pixels each.
+    let scale = document.descendants().find(|n| n.attribute("class") == Some("scale")).expect("a scale bar");
+    let numbers: Vec<f32> =
+        scale.attribute("d").expect("a path").split(['M', 'L', ' ']).filter_map(|n| n.parse().ok()).collect();
+    assert!((numbers[2] - numbers[0] - 20.0).abs() < 1e-2, "{numbers:?}");
+}
+
+/// Decodes Base64.
+fn base64(text: &str) -> Vec<u8> {
+    let digit = |c: u8| match c {
+        b'A'..=b'Z' => u32::from(c - b'A'),
+        b'a'..=b'z' => u32::from(c - b'a') + 26,
+        b'0'..=b'9' => u32::from(c - b'0') + 52,
+        b'+' => 62,
+        b'/' => 63,
+        _ => 0,
+    };
+    let padding = text.bytes().rev().take_while(|c| *c == b'=').count();
+    let mut bytes = Vec::new();
+    for chunk in text.as_bytes().chunks(4) {
+        let bits = chunk.iter().fold(0, |bits, c| bits << 6 | digit(*c));
+        bytes.extend(&bits.to_be_bytes()[1..]);
+    }
+    bytes.truncate(bytes.len() - padding);
+    bytes
+}
+
+proptest! {
+    #[test]
+    fn any_figure_is_valid_xml(
+        title in any::<String>(),
+        labels in prop::collection::vec(any::<String>(), 0..4),
+        values in prop::array::uniform4(any::<f32>()),
+        scale in any::<f32>(),
+    ) {
+        let folder = folder();
+        let path = folder.path().join("figure.svg");
+        let legend = labels.into_iter().map(|label| LegendEntry { color: [1, 2, 3], label }).collect();
+        let options = FigureOptions { scale, letters: true, scale_bar: true, ..FigureOptions::default() };
+        let [u, v, sigma, orientation] = values;
+        let motion = Some([[u, v], [sigma, orientation]]);
+        let mark = FigureMark { centre: [u, v], radius: sigma, orientation: Some(orientation), motion, ..panel(&[]).marks[0] };
+        let one = FigurePanel {
+            size: (1, 1),
+            rgba: Arc::new(vec![0; 4]),
+            marks: vec![mark],
+            title: Some(title.clone()),
+            legend,
+            ..panel(&[])
+        };
+        write_drawing_svg(&path, &lay_out(&[vec![one]], &options)).expect("written");
+        let text = fs::read_to_string(&path).expect("read");
+        prop_assert!(roxmltree::Document::parse(&text).is_ok());
+        prop_assert!(!text.contains("NaN") || title.contains("NaN"));
+    }
+}
+
+#[test]
+fn what_cannot_be_written_leaves_everything_as_it_was() {
+    let folder = folder();
+    let detection = detection(2);
+    // A folder stands where the file should be.
+    fs::create_dir(folder.path().join("a.csv")).expect("made");
+    let error = write_detection(folder.path(), "a", &detection, &[ExportFormat::Csv]).expect_err("a folder is there");
+    assert!(error.to_string().contains("a.csv"), "{error}");
+    assert_eq!(names(folder.path()), ["a.csv"]);
+    // A file stands where the folder should be.
+    fs::write(folder.path().join("file"), "precious").expect("written");
+    let error = write_detection(&folder.path().join("file"), "a", &detection, &[ExportFormat::Npz]);
+    assert!(matches!(error, Err(ExportError::Write { .. })), "{error:?}");
+    assert_eq!(fs::read(folder.path().join("file")).expect("read"), b"precious");
+    assert_eq!(names(folder.path()), ["a.csv", "file"]);
+}

@@ -1,0 +1,13 @@
+//! Everything that is read and written: bursts, parameters, features, COLMAP's files and its database; sound, and
+//! damaged at random.
+
+#[path = "../common/damage.rs"]
+mod damage;
+#[path = "../common/shared.rs"]
+mod shared;
+
+#[cfg(feature = "colmap")]
+mod colmap;
+mod export;
+mod opening;
+mod parsers;

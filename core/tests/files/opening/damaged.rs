@@ -1,0 +1,295 @@
+//! Nothing that is cut off or damaged passes, and nothing that announces much takes much.
+
+use super::crafted;
+use super::support::{folder, grey8, open, raw_tiff, save, tiff_pages};
+use burstscope::Monitor;
+use burstscope::burst::{Burst, OpenError, OpenOptions, RemarkKind};
+use image::{ImageBuffer, Luma, Rgb};
+use std::fs;
+use std::path::Path;
+use tiff::encoder::colortype;
+
+/// A progressive JPEG of 45×37 with colours of half the size.
+const PROGRESSIVE: &[u8] = include_bytes!("samples/progressive.jpg");
+
+fn accepting() -> OpenOptions {
+    OpenOptions { accept_damaged: true, ..OpenOptions::default() }
+}
+
+fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, OpenError> {
+    Burst::open_with(&[path.into()], options, &Monitor::default())
+}
+
+/// A picture with something in every pixel.
+fn noise() -> ImageBuffer<Rgb<u8>, Vec<u8>> {
+    ImageBuffer::from_fn(40, 30, |u, v| Rgb([(u * 37 + v * 91) as u8, (u * v) as u8, v as u8]))
+}
+
+/// One sound file of each format, in `folder`: their names.
+fn one_of_each(folder: &Path) -> Vec<&'static str> {
+    let at = |name: &str| folder.join(name);
+    let deep: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_fn(40, 30, |u, v| Luma([(u * 1500 + v * 977) as u16]));
+    let pictures = ["8.png", "8.jpg", "8.tif", "8.ppm", "8.webp", "8.bmp"];
+    pictures.iter().for_each(|name| save(&at(name), &noise()));
+    ["16.png", "16.pgm", "16.tif"].iter().for_each(|name| save(&at(name), &deep));
+    fs::write(at("progressive.jpg"), PROGRESSIVE).expect("written");
+    tiff_pages::<colortype::Gray16>(&at("pages.tif"), (40, 30), &[vec![7; 1200], vec![9; 1200], vec![2; 1200]]);
+    let mut big = tiff::encoder::TiffEncoder::new_big(fs::File::create(at("big.tif")).expect("made")).expect("begins");
+    big.write_image::<colortype::Gray16>(40, 30, &[500; 1200]).expect("a page");
+    ndarray_npy::write_npy(at("stack.npy"), &ndarray::Array3::<u16>::ones((3, 20, 30))).expect("written");
+    let mut names = pictures.to_vec();
+    names.extend(["16.png", "16.pgm", "16.tif", "progressive.jpg", "pages.tif", "big.tif", "stack.npy"]);
+    #[cfg(feature = "raw")]
+    {
+        let dng = super::dng::Dng::new((40, 30), |u, v| (64 + 31 * u + 7 * v) as u16);
+        fs::write(at("raw.dng"), dng.bytes()).expect("written");
+        names.push("raw.dng");
+    }
+    names
+}
+
+#[test]
+fn what_is_cut_off_is_refused_in_every_format_wherever_it_is_cut() {
+    let folder = folder();
+    for name in one_of_each(folder.path()) {
+        let path = folder.path().join(name);
+        open(&[path.clone()]).unwrap_or_else(|e| panic!("sound: {e}"));
+        let bytes = fs::read(&path).expect("read");
+        let parts = [2, 10, 25, 50, 75, 90, 99].map(|percent| bytes.len() * percent / 100);
+        for cut in parts.into_iter().chain([bytes.len() - 2, bytes.len() - 1]) {
+            fs::write(&path, &bytes[..cut]).expect("written");
+            // Also whoever takes what is damaged takes no other format so.
+            let is_jpeg = name.ends_with("jpg");
+            let all = [OpenOptions::default(), accepting()];
+            for options in &all[..if is_jpeg { 1 } else { 2 }] {
+                let Err(error) = open_with(&path, options) else {
+                    panic!("{name} cut to {cut} of {} opens", bytes.len());
+                };
+                let words = error.to_string();
+                assert!(words.contains(name) && words.contains("copy it again"), "{words}");
+                let is_said = matches!(error, OpenError::Corrupt { .. } | OpenError::NotAsNamed { .. });
+                assert!(is_said, "{name} cut to {cut}: {error:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_jpeg_that_is_cut_and_ended_is_refused_too() {
+    let folder = folder();
+    let path = folder.path().join("a.jpg");
+    save(&path, &noise());
+    for sound in [fs::read(&path).expect("read"), PROGRESSIVE.to_vec()] {
+        let start = sound.windows(2).position(|two| two == [0xff, 0xda]).expect("picture data") + 14;
+        for part in 0..20 {
+            let cut = start + (sound.len() - 3 - start) * part / 20;
+            fs::write(&path, [&sound[..cut], &[0xff, 0xd9]].concat()).expect("written");
+            let error = open(&[path.clone()]).expect_err("a part of the picture would be made up");
+            assert!(matches!(error, OpenError::Corrupt { kind: "JPEG", .. }), "{error}");
+        }
+        // What follows the end of the picture is no part of it.
+        fs::write(&path, [&sound[..], b"a film"].concat()).expect("written");
+        open(&[path.clone()]).expect("whole");
+    }
+}
+
+#[test]
+fn damaged_jpegs_are_taken_where_that_is_asked_for_and_named() {
+    let folder = folder();
+    for t in 0..3 {
+        save(&folder.path().join(format!("{t}.jpg")), &noise());
+    }
+    let path = folder.path().join("1.jpg");
+    let sound = fs::read(&path).expect("read");
+    fs::write(&path, &sound[..sound.len() / 2]).expect("written");
+    let error = Burst::open(folder.path()).expect_err("cut");
+    assert!(matches!(&error, OpenError::Corrupt { path: named, .. } if *named == path), "{error}");
+    let burst = open_with(folder.path(), &accepting()).expect("taken");
+    let [remark] = &burst.remarks[..] else { panic!("{:?}", burst.remarks) };
+    assert!(remark.frame == 1 && matches!(remark.kind, RemarkKind::Damaged(_)), "{remark:?}");
+    // What was there is the same; the rest is grey.
+    assert_eq!(burst.frames[1].row(0), burst.frames[0].row(0));
+    assert_ne!(burst.frames[1].row(29), burst.frames[0].row(29));
+    let notes: Vec<String> = burst.notes().iter().map(burstscope::burst::Note::for_command).collect();
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("1 of 3 frames are damaged") && note.contains("1.jpg (its picture data ends")),
+        "{notes:?}"
+    );
+    let whole = open_with(folder.path().join("0.jpg").as_path(), &accepting()).expect("sound");
+    assert!(whole.remarks.is_empty());
+}
+
+#[test]
+fn jpegs_within_a_tiff_must_be_whole_too() {
+    let folder = folder();
+    let mut jpeg = Vec::new();
+    grey8(40, 30, 3).write_to(&mut std::io::Cursor::new(&mut jpeg), image::ImageFormat::Jpeg).expect("a JPEG");
+    let path = folder.path().join("a.tif");
+    let write = |strip: &[u8]| {
+        let mut bytes = raw_tiff(false, (40, 30), &[8], &[(262, 1)], &[strip]);
+        let compression = [3, 1, 3, 0, 1, 0, 0, 0]; // tag 259, one short
+        let at = bytes.windows(8).position(|entry| entry == compression).expect("the entry") + 8;
+        bytes[at] = 7;
+        fs::write(&path, bytes).expect("written");
+    };
+    write(&jpeg);
+    open(&[path.clone()]).expect("whole");
+    let start = jpeg.windows(2).position(|two| two == [0xff, 0xda]).expect("picture data");
+    write(&jpeg[..(start + jpeg.len()) / 2]);
+    let error = open(&[path.clone()]).expect_err("cut");
+    assert!(matches!(error, OpenError::Corrupt { kind: "TIFF", .. }), "{error}");
+    assert_eq!(open_with(&path, &accepting()).expect("taken").remarks.len(), 1);
+}
+
+#[test]
+fn a_name_that_says_another_kind_is_noted_and_nothing_more() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    save(&at("a.jpg"), &noise());
+    fs::rename(at("a.jpg"), at("1.png")).expect("renamed");
+    save(&at("2.jpg"), &noise());
+    let burst = Burst::open(folder.path()).expect("opens");
+    assert_eq!(burst.remarks.len(), 1);
+    assert_eq!((burst.remarks[0].frame, &burst.remarks[0].kind), (0, &RemarkKind::Misnamed("JPEG")));
+    let words = burst.notes().iter().map(|note| note.for_window()).collect::<String>();
+    assert!(words.contains("1 of 2 frames are of another kind than their names say: 1.png is JPEG"), "{words}");
+    // One file alone is read in another way.
+    assert_eq!(Burst::open(at("1.png")).expect("opens").remarks.len(), 1);
+    assert!(Burst::open(at("2.jpg")).expect("opens").remarks.is_empty());
+}
+
+#[test]
+fn a_damaged_png_is_called_a_damaged_png() {
+    let folder = folder();
+    let path = folder.path().join("a.png");
+    save(&path, &noise());
+    let sound = fs::read(&path).expect("read");
+    // Line ends changed and a bit lost, as by transfers as text; nothing but the name; a chunk that is changed.
+    let changed = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = sound.clone();
+        change(&mut bytes);
+        fs::write(&path, bytes).expect("written");
+        let error = open(&[path.clone()]).expect_err("damaged");
+        let words = error.to_string();
+        assert!(words.contains("PNG") && words.contains("damaged") && !words.contains("convert it to PNG"), "{words}");
+    };
+    changed(&|bytes| {
+        bytes.remove(4);
+    });
+    changed(&|bytes| bytes[0] = 0x09);
+    changed(&|bytes| bytes[..8].fill(0));
+    changed(&|bytes| bytes[16] ^= 1);
+    changed(&|bytes| bytes[12..16].fill(b'x'));
+    changed(&|bytes| {
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 0x10;
+    });
+}
+
+#[test]
+fn files_that_announce_much_are_refused_at_once() {
+    let folder = folder();
+    let refused = |name: &str, bytes: Vec<u8>, word: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("written");
+        let error = open(&[path]).expect_err(name);
+        assert!(matches!(error, OpenError::Corrupt { .. }), "{error:?}");
+        assert!(error.to_string().contains(word) && error.to_string().contains(name), "{error}");
+    };
+    for kind in [5, 10, 12] {
+        let bytes = crafted::huge_count_dng(kind);
+        assert_eq!(bytes.len(), 226);
+        refused("bad.dng", bytes.clone(), "4294967295 values");
+        refused("bad.tif", bytes.clone(), "4294967295 values");
+        refused("bad.nef", bytes, "4294967295 values");
+    }
+    refused("text.tif", crafted::huge_description_tiff(), "tag 270");
+    refused("few.bmp", giant_bmp(), "too few for 16000×16000 pixels");
+    refused("few.pgm", b"P5 16000 16000 255\n".to_vec(), "too few for 16000×16000 pixels");
+    let mut png = Vec::new();
+    grey8(8, 8, 0).write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png).expect("a PNG");
+    png[16..24].copy_from_slice(&[0, 0, 0x3e, 0x80, 0, 0, 0x3e, 0x80]);
+    refused("few.png", png, "too few for 16000×16000 pixels");
+    let mut jpeg = Vec::new();
+    grey8(8, 8, 0).write_to(&mut std::io::Cursor::new(&mut jpeg), image::ImageFormat::Jpeg).expect("a JPEG");
+    let frame = jpeg.windows(2).position(|two| two == [0xff, 0xc0]).expect("its size");
+    jpeg[frame + 5..frame + 9].copy_from_slice(&[0x3e, 0x80, 0x3e, 0x80]);
+    refused("few.jpg", jpeg, "too short for 4000000 blocks");
+}
+
+/// The header of a BMP of 16000×16000 and nothing else.
+fn giant_bmp() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    grey8(4, 4, 0).write_to(&mut std::io::Cursor::new(&mut bytes), image::ImageFormat::Bmp).expect("a BMP");
+    bytes[18..22].copy_from_slice(&16000i32.to_le_bytes());
+    bytes[22..26].copy_from_slice(&16000i32.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn what_stands_beside_the_pixels_of_a_png_is_not_unpacked() {
+    let folder = folder();
+    let path = folder.path().join("a.png");
+    // 64 MiB of each; more would only make the test slow where it fails.
+    let bytes = crafted::packed_chunks_png(64 << 20);
+    assert!(bytes.len() < 1 << 20, "{}", bytes.len());
+    fs::write(&path, bytes).expect("written");
+    let before = peak();
+    let burst = Burst::open(&path).expect("sound");
+    assert_eq!((burst.size(), burst.frames[0].at(3, 2)), ((8, 8), 62.0 / 255.0));
+    assert!(peak() < before + (32 << 20), "{} MiB", peak() >> 20);
+}
+
+/// The largest memory that this process ever held, bytes; 0 where the system does not say.
+fn peak() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.trim().trim_end_matches(" kB").trim().parse::<u64>().ok()).map_or(0, |kb| kb << 10)
+}
+
+#[test]
+fn frames_of_different_bits_are_refused_unless_a_full_scale_says_their_unit() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let eight: ImageBuffer<Luma<u8>, _> = ImageBuffer::from_pixel(2, 1, Luma([200]));
+    save(&at("1.png"), &eight);
+    save(&at("2.png"), &ImageBuffer::from_pixel(2, 1, Luma([4000u16])));
+    let error = Burst::open(folder.path()).expect_err("no common unit");
+    assert!(matches!(error, OpenError::MixedBits { first_samples: "8 bit", samples: "16 bit", .. }), "{error}");
+    for word in ["1.png", "2.png", "8 bit", "16 bit", "full scale"] {
+        assert!(error.to_string().contains(word), "{error}");
+    }
+    let options = OpenOptions { full_scale: Some(4000.0), ..OpenOptions::default() };
+    let burst = open_with(folder.path(), &options).expect("values of one unit");
+    assert_eq!((burst.frames[0].at(0, 0), burst.frames[1].at(0, 0)), (0.05, 1.0));
+    // Pages of one file.
+    let stack = at("pages.tif");
+    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&stack).expect("created")).expect("begins");
+    encoder.write_image::<colortype::Gray8>(2, 1, &[0; 2]).expect("page");
+    encoder.write_image::<colortype::Gray16>(2, 1, &[0; 2]).expect("page");
+    drop(encoder);
+    let error = Burst::open(&stack).expect_err("no common unit");
+    assert!(matches!(error, OpenError::MixedBits { .. }) && error.to_string().contains("pages.tif"), "{error}");
+    // Integers of many bits and floats.
+    ndarray_npy::write_npy(at("a.npy"), &ndarray::Array2::from_elem((1, 2), 7u32)).expect("written");
+    ndarray_npy::write_npy(at("b.npy"), &ndarray::Array2::from_elem((1, 2), 0.5f32)).expect("written");
+    assert!(matches!(open(&[at("a.npy"), at("b.npy")]), Err(OpenError::MixedBits { .. })));
+}
+
+/// Its library would write a line of its own to the standard error where a text is beyond the limit of pixels.
+#[test]
+fn a_long_text_in_a_tiff_harms_nobody() {
+    let folder = folder();
+    let path = folder.path().join("a.tif");
+    let text = vec![b'x'; 3 << 20];
+    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
+    let mut page = encoder.new_image::<colortype::Gray8>(2, 1).expect("page");
+    let text = std::str::from_utf8(&text).expect("text");
+    page.encoder().write_tag(tiff::tags::Tag::ImageDescription, text).expect("tag");
+    page.write_data(&[1, 2]).expect("page");
+    drop(encoder);
+    let limits = burstscope::burst::Limits { max_pixels: 1 << 10, ..Default::default() };
+    open_with(&path, &OpenOptions { limits, ..OpenOptions::default() }).expect("a long text harms nobody");
+}

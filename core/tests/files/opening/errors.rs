@@ -1,0 +1,197 @@
+//! Every failure is an error that names the file, what is wrong and what to do.
+
+use super::support::{folder, grey8, open, save, tiff_pages};
+use burstscope_core::Monitor;
+use burstscope_core::burst::{Burst, Limits, OpenError, OpenOptions};
+use ndarray::{Array1, Array2, Array3, Array4};
+use ndarray_npy::write_npy;
+use std::fs;
+use std::path::Path;
+use tiff::encoder::colortype;
+
+/// Opens what must fail, and checks that the message names everything in `words`.
+#[track_caller]
+fn failure(path: &Path, words: &[&str]) -> OpenError {
+    let error = Burst::open(path).expect_err("this must not open");
+    let message = error.to_string();
+    assert!(message.contains(&*path.file_name().expect("named").to_string_lossy()), "{message}");
+    for word in words {
+        assert!(message.contains(word), "{message:?} does not say {word:?}");
+    }
+    error
+}
+
+#[test]
+fn missing_empty_and_foreign_files() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    failure(&at("missing.png"), &["no such file"]);
+    assert!(matches!(open(&[]), Err(OpenError::NothingGiven)));
+    fs::create_dir(at("empty")).expect("made");
+    failure(&at("empty"), &["no pictures", "png", "tiff", "npy"]);
+    fs::create_dir(at("texts")).expect("made");
+    fs::write(at("texts/a.txt"), "text").expect("written");
+    failure(&at("texts"), &["no pictures"]);
+    fs::write(at("zero.png"), "").expect("written");
+    failure(&at("zero.png"), &["empty", "0 bytes"]);
+    fs::write(at("text.png"), "this is no picture at all").expect("written");
+    failure(&at("text.png"), &["named as a PNG", "damaged or of another kind"]);
+    fs::write(at("text"), "this is no picture at all").expect("written");
+    failure(&at("text"), &["not a picture", "convert"]);
+    fs::write(at("a.gif"), b"GIF89a\x01\x00\x01\x00\x00\x00\x00;").expect("written");
+    failure(&at("a.gif"), &["video", "ffmpeg"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_instead_of_waited_for() {
+    let socket = folder();
+    let path = socket.path().join("pipe.png");
+    let _listener = std::os::unix::net::UnixListener::bind(&path).expect("a socket");
+    assert!(matches!(Burst::open(&path), Err(OpenError::NotAFile { .. })));
+    assert!(matches!(Burst::open("/dev/null"), Err(OpenError::NotAFile { .. })));
+}
+
+#[test]
+fn a_bad_picture_in_a_folder_is_named_and_never_skipped() {
+    let folder = folder();
+    for t in 1..=4 {
+        save(&folder.path().join(format!("{t}.png")), &grey8(30, 20, t));
+    }
+    let good = fs::read(folder.path().join("3.png")).expect("read");
+    fs::write(folder.path().join("3.png"), &good[..good.len() / 2]).expect("written");
+    let error = Burst::open(folder.path()).expect_err("truncated");
+    assert!(matches!(error, OpenError::Corrupt { ref path, kind: "PNG", .. } if path.ends_with("3.png")), "{error}");
+    // Of two bad ones the first is named, whichever thread meets its own first.
+    fs::write(folder.path().join("2.png"), "").expect("written");
+    for _ in 0..20 {
+        let error = Burst::open(folder.path()).expect_err("two bad ones");
+        assert!(matches!(error, OpenError::EmptyFile { ref path } if path.ends_with("2.png")), "{error}");
+    }
+    #[cfg(unix)]
+    {
+        fs::remove_file(folder.path().join("2.png")).expect("removed");
+        std::os::unix::fs::symlink("nowhere", folder.path().join("2.png")).expect("linked");
+        let error = Burst::open(folder.path()).expect_err("a link to nowhere");
+        assert!(matches!(error, OpenError::NotFound { ref path } if path.ends_with("2.png")), "{error}");
+    }
+}
+
+#[test]
+fn different_sizes_name_both_files_and_sizes() {
+    let folder = folder();
+    save(&folder.path().join("1.png"), &grey8(30, 20, 0));
+    save(&folder.path().join("2.png"), &grey8(30, 21, 0));
+    let message = Burst::open(folder.path()).expect_err("sizes differ").to_string();
+    for word in ["1.png", "30×20", "2.png", "30×21"] {
+        assert!(message.contains(word), "{message}");
+    }
+    let stack = folder.path().join("pages.tif");
+    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&stack).expect("created")).expect("begins");
+    encoder.write_image::<colortype::Gray8>(2, 2, &[0; 4]).expect("page");
+    encoder.write_image::<colortype::Gray8>(2, 3, &[0; 6]).expect("page");
+    drop(encoder);
+    failure(&stack, &["(page 1)", "2×2", "(page 2)", "2×3"]);
+}
+
+#[test]
+fn values_that_are_not_finite_are_located() {
+    let folder = folder();
+    let path = folder.path().join("a.npy");
+    for (value, word) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
+        let mut stack = Array3::<f32>::zeros((3, 4, 5));
+        stack[[1, 3, 2]] = value;
+        stack[[2, 0, 0]] = value;
+        write_npy(&path, &stack).expect("written");
+        let error = failure(&path, &["frame 1", "(2, 3)", word]);
+        assert!(matches!(error, OpenError::NotFinite { frame: 1, u: 2, v: 3, .. }), "{error}");
+    }
+    write_npy(&path, &Array2::from_elem((2, 2), 1e300f64)).expect("written");
+    failure(&path, &["frame 0", "(0, 0)", "inf"]);
+    let path = folder.path().join("a.tif");
+    tiff_pages::<colortype::Gray32Float>(&path, (2, 1), &[vec![0.0, 0.5], vec![0.0, f32::NAN]]);
+    failure(&path, &["frame 1", "(1, 0)", "NaN"]);
+}
+
+#[test]
+fn arrays_of_other_shapes_and_types() {
+    let folder = folder();
+    let path = folder.path().join("a.npy");
+    write_npy(&path, &Array1::<f32>::zeros(5)).expect("written");
+    failure(&path, &["[5]", "[frames, rows, columns]"]);
+    write_npy(&path, &Array4::<u8>::zeros((2, 3, 4, 3))).expect("written");
+    failure(&path, &["[2, 3, 4, 3]"]);
+    write_npy(&path, &Array3::<u8>::zeros((0, 3, 4))).expect("written");
+    failure(&path, &["[0, 3, 4]"]);
+    write_npy(&path, &Array3::<u8>::zeros((2, 0, 4))).expect("written");
+    assert!(matches!(failure(&path, &["4×0"]), OpenError::ZeroSize { .. }));
+    fs::write(&path, b"\x93NUMPY\x01\x00\x3f\x00{'descr': '<c8', 'fortran_order': False, 'shape': (2, 2)}         ")
+        .expect("written");
+    failure(&path, &["<c8", "uint16 or float32"]);
+}
+
+#[test]
+fn folders_and_files_are_not_mixed() {
+    let folder = folder();
+    let file = folder.path().join("a.png");
+    save(&file, &grey8(2, 2, 0));
+    let error = open(&[file, folder.path().into()]).expect_err("mixed");
+    assert!(matches!(error, OpenError::MixedInput { .. }), "{error}");
+}
+
+#[test]
+fn frames_without_a_common_unit_are_refused() {
+    let folder = folder();
+    save(&folder.path().join("1.png"), &grey8(2, 1, 0));
+    write_npy(folder.path().join("2.npy"), &Array2::from_elem((1, 2), 300.0f32)).expect("written");
+    let error = Burst::open(folder.path()).expect_err("no common unit");
+    assert!(matches!(error, OpenError::MixedSamples { ref path, .. } if path.ends_with("2.npy")), "{error}");
+}
+
+#[test]
+fn limits_are_checked_before_memory_is_taken() {
+    let folder = folder();
+    let limits = Limits { max_side_px: 50, max_pixels: 1000, max_frames: 3, max_bytes: 8000 };
+    let options = OpenOptions { limits, ..OpenOptions::default() };
+    let fails = |path: &Path, word: &str| {
+        let error = Burst::open_with(&[path.into()], &options, &Monitor::default()).expect_err(word);
+        assert!(matches!(error, OpenError::BeyondLimit { .. }), "{error}");
+        assert!(error.to_string().contains(word), "{error}");
+    };
+    let at = |name: &str| folder.path().join(name);
+    save(&at("wide.png"), &grey8(51, 2, 0));
+    fails(&at("wide.png"), "51×2");
+    save(&at("large.tif"), &grey8(40, 30, 0));
+    fails(&at("large.tif"), "40×30");
+    write_npy(at("long.npy"), &Array3::<u8>::zeros((4, 2, 2))).expect("written");
+    fails(&at("long.npy"), "4 frames");
+    tiff_pages::<colortype::Gray8>(&at("long.tif"), (2, 2), &vec![vec![0; 4]; 4]);
+    fails(&at("long.tif"), "4 frames");
+    fs::create_dir(at("many")).expect("made");
+    for t in 0..3 {
+        save(&at(&format!("many/{t}.png")), &grey8(30, 30, 0));
+    }
+    fails(&at("many"), "3 × 30×30");
+    // A few bytes that announce a giant, against the default limits.
+    fs::write(at("giant.pam"), "P7\nWIDTH 200000\nHEIGHT 200000\nDEPTH 1\nMAXVAL 255\nENDHDR\n").expect("written");
+    assert!(matches!(failure(&at("giant.pam"), &["200000×200000"]), OpenError::BeyondLimit { .. }));
+    let giant = "{'descr': '<f8', 'fortran_order': True, 'shape': (4000, 16000, 16000), }";
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((giant.len() as u16).to_le_bytes());
+    bytes.extend(giant.as_bytes());
+    fs::write(at("giant.npy"), bytes).expect("written");
+    assert!(matches!(failure(&at("giant.npy"), &["MiB"]), OpenError::BeyondLimit { .. }));
+}
+
+#[test]
+fn an_image_list_that_imagej_left_out_is_not_lost_silently() {
+    let folder = folder();
+    let path = folder.path().join("imagej.tif");
+    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
+    let mut image = encoder.new_image::<colortype::Gray8>(2, 1).expect("page");
+    let description = "ImageJ=1.54f\nimages=7\nslices=7\n";
+    image.encoder().write_tag(tiff::tags::Tag::ImageDescription, description).expect("tag");
+    image.write_data(&[1, 2]).expect("page");
+    drop(encoder);
+    failure(&path, &["7 images", "BigTIFF"]);
+}

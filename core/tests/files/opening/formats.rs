@@ -1,0 +1,256 @@
+//! Round trips: what is written in each format comes back with the right values, order and full scale.
+
+use super::support::{assert_close, folder, grey8, open, raw_tiff, save, tiff_pages};
+use burstscope_core::burst::{Burst, LUMA_WEIGHTS, OpenError};
+use image::{ImageBuffer, Luma, LumaA, Rgb, Rgba};
+use ndarray::{Array2, Array3, ShapeBuilder};
+use ndarray_npy::write_npy;
+use tiff::encoder::colortype;
+
+#[test]
+fn lossless_pictures_of_8_bit_are_exact() {
+    let folder = folder();
+    for name in ["a.png", "a.bmp", "a.pgm", "a.tiff", "A.PNG"] {
+        let path = folder.path().join(name);
+        save(&path, &grey8(5, 4, 30));
+        let burst = Burst::open(&path).expect(name);
+        assert_eq!((burst.len(), burst.size(), burst.full_scale), (1, (5, 4), 255.0), "{name}");
+        assert_eq!(burst.quantisation_step, 1.0 / 255.0);
+        assert_eq!(burst.frame_names, [name]);
+        for v in 0..4 {
+            for u in 0..5 {
+                assert_eq!(burst.frames[0].at(u, v), (30 + 10 * v + u) as f32 / 255.0, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn pictures_of_16_bit_are_exact() {
+    let folder = folder();
+    let values: Vec<u16> = vec![0, 1, 255, 256, 4095, 65535];
+    let image: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(3, 2, values.clone()).expect("six values");
+    for name in ["a.png", "a.pgm", "a.tif"] {
+        let path = folder.path().join(name);
+        save(&path, &image);
+        let burst = Burst::open(&path).expect(name);
+        assert_eq!((burst.full_scale, burst.quantisation_step), (65535.0, 1.0 / 65535.0), "{name}");
+        let expected: Vec<f32> = values.iter().map(|v| f32::from(*v) / 65535.0).collect();
+        assert_eq!(burst.frames[0].data(), expected, "{name}");
+    }
+}
+
+#[test]
+fn colour_becomes_luma_and_alpha_is_ignored() {
+    let folder = folder();
+    let colours = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [9, 9, 9]];
+    let expected = [LUMA_WEIGHTS[0], LUMA_WEIGHTS[1], LUMA_WEIGHTS[2], 9.0 / 255.0];
+    let rgb = ImageBuffer::from_fn(4, 1, |u, _| Rgb(colours[u as usize]));
+    let rgba = ImageBuffer::from_fn(4, 1, |u, _| {
+        let [r, g, b] = colours[u as usize];
+        Rgba([r, g, b, 60 * u as u8])
+    });
+    for name in ["a.png", "a.bmp", "a.ppm", "a.webp", "a.tif"] {
+        save(&folder.path().join(name), &rgb);
+        assert_close(Burst::open(folder.path().join(name)).expect(name).frames[0].data(), &expected);
+    }
+    for name in ["b.png", "b.webp", "b.tif"] {
+        save(&folder.path().join(name), &rgba);
+        assert_close(Burst::open(folder.path().join(name)).expect(name).frames[0].data(), &expected);
+    }
+    let deep = ImageBuffer::from_fn(4, 1, |u, _| Rgb(colours[u as usize].map(|c| u16::from(c) * 257)));
+    for name in ["c.png", "c.tif"] {
+        save(&folder.path().join(name), &deep);
+        assert_close(Burst::open(folder.path().join(name)).expect(name).frames[0].data(), &expected);
+    }
+    let grey_alpha = ImageBuffer::from_fn(3, 1, |u, _| LumaA([100 * u as u8, 7]));
+    save(&folder.path().join("d.png"), &grey_alpha);
+    let burst = Burst::open(folder.path().join("d.png")).expect("grey with alpha");
+    assert_eq!(burst.frames[0].data(), [0.0, 100.0 / 255.0, 200.0 / 255.0]);
+}
+
+#[test]
+fn jpeg_is_near() {
+    let folder = folder();
+    let path = folder.path().join("a.jpg");
+    save(&path, &ImageBuffer::from_fn(64, 48, |u, v| Luma([(u + v) as u8])));
+    let burst = Burst::open(&path).expect("jpeg");
+    assert_eq!((burst.size(), burst.full_scale), ((64, 48), 255.0));
+    let worst = (0..48).flat_map(|v| (0..64).map(move |u| (u, v)));
+    let worst = worst.map(|(u, v)| (burst.frames[0].at(u, v) - (u + v) as f32 / 255.0).abs()).fold(0.0, f32::max);
+    assert!(worst < 4.0 / 255.0, "{worst}");
+}
+
+#[test]
+fn multi_page_tiffs_of_every_type_come_back() {
+    let folder = folder();
+    let path = folder.path().join("stack.tif");
+    let expect = |full_scale: f32, step: f32, pages: [[f32; 2]; 3]| {
+        let burst = Burst::open(&path).expect("opens");
+        assert_eq!((burst.len(), burst.size(), burst.name.as_str()), (3, (2, 1), "stack"));
+        assert_eq!((burst.full_scale, burst.quantisation_step), (full_scale, step));
+        for (frame, page) in burst.frames.iter().zip(pages) {
+            assert_close(frame.data(), &page);
+        }
+        assert_eq!(burst.frame_names[2], "stack.tif [2]");
+    };
+    let size = (2, 1);
+    tiff_pages::<colortype::Gray8>(&path, size, &[vec![0, 51], vec![102, 153], vec![204, 255]]);
+    expect(255.0, 1.0 / 255.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
+    tiff_pages::<colortype::Gray16>(&path, size, &[vec![0, 13107], vec![26214, 39321], vec![52428, 65535]]);
+    expect(65535.0, 1.0 / 65535.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
+    tiff_pages::<colortype::GrayI16>(&path, size, &[vec![-32767, 0], vec![0, 0], vec![0, 32767]]);
+    expect(32767.0, 1.0 / 32767.0, [[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]);
+    // Integers of 32 bit are in the unit of their own largest value.
+    tiff_pages::<colortype::Gray32>(&path, size, &[vec![0, 200], vec![400, 600], vec![800, 1000]]);
+    expect(1000.0, 1.0 / 1000.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
+    // Floats in [0, 1] stay, with some noise around; others are divided by the largest magnitude.
+    tiff_pages::<colortype::Gray32Float>(&path, size, &[vec![-0.1, 0.2], vec![0.4, 0.6], vec![0.8, 1.1]]);
+    expect(1.0, 0.0, [[-0.1, 0.2], [0.4, 0.6], [0.8, 1.1]]);
+    tiff_pages::<colortype::Gray32Float>(&path, size, &[vec![0.0, 50.0], vec![100.0, 150.0], vec![200.0, 250.0]]);
+    expect(250.0, 0.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
+    tiff_pages::<colortype::Gray64Float>(&path, size, &[vec![0.0, 0.2], vec![0.4, 0.6], vec![0.8, 1.0]]);
+    expect(1.0, 0.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
+    let rgb = |a: u8, b: u8| vec![a, a, a, b, b, b];
+    tiff_pages::<colortype::RGB8>(&path, size, &[rgb(0, 51), rgb(102, 153), rgb(204, 255)]);
+    expect(255.0, 1.0 / 255.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
+}
+
+#[test]
+fn a_long_tiff_keeps_its_order() {
+    let folder = folder();
+    let path = folder.path().join("long.tiff");
+    let pages: Vec<Vec<u16>> = (0..200).map(|t| vec![t * 300; 12]).collect();
+    tiff_pages::<colortype::Gray16>(&path, (4, 3), &pages);
+    let burst = Burst::open(&path).expect("opens");
+    assert_eq!(burst.len(), 200);
+    for (t, frame) in burst.frames.iter().enumerate() {
+        assert!(frame.data().iter().all(|v| *v == (t * 300) as f32 / 65535.0), "frame {t}");
+    }
+}
+
+#[test]
+fn thumbnails_in_a_tiff_are_left_out() {
+    let folder = folder();
+    let path = folder.path().join("with_thumbnail.tif");
+    let mut encoder = tiff::encoder::TiffEncoder::new(std::fs::File::create(&path).expect("created")).expect("begins");
+    encoder.write_image::<colortype::Gray8>(4, 2, &[7; 8]).expect("page");
+    let mut thumbnail = encoder.new_image::<colortype::Gray8>(2, 1).expect("thumbnail");
+    thumbnail.encoder().write_tag(tiff::tags::Tag::NewSubfileType, 1u32).expect("tag");
+    thumbnail.write_data(&[1, 2]).expect("thumbnail");
+    let burst = Burst::open(&path).expect("opens");
+    assert_eq!((burst.len(), burst.size()), (1, (4, 2)));
+}
+
+#[test]
+fn npy_stacks_of_every_type_come_back() {
+    let folder = folder();
+    let path = folder.path().join("stack.npy");
+    let index = |(t, v, u): (usize, usize, usize)| 100 * t + 10 * v + u;
+    let check = |full_scale: f32, scale: f32, step: f32, what: &str| {
+        let burst = Burst::open(&path).expect(what);
+        assert_eq!((burst.len(), burst.size()), (2, (4, 3)), "{what}");
+        assert_eq!((burst.full_scale, burst.quantisation_step), (full_scale, step), "{what}");
+        for (t, frame) in burst.frames.iter().enumerate() {
+            let expected: Vec<f32> = (0..12).map(|i| index((t, i / 4, i % 4)) as f32 * scale / full_scale).collect();
+            assert_close(frame.data(), &expected);
+        }
+    };
+    macro_rules! roundtrip {
+        ($($type:ty: $full_scale:expr, $step:expr;)*) => { $(
+            let array = Array3::from_shape_fn((2, 3, 4), |i| index(i) as $type);
+            write_npy(&path, &array).expect("written");
+            check($full_scale, 1.0, $step, stringify!($type));
+            let fortran = Array3::from_shape_fn((2, 3, 4).f(), |i| index(i) as $type);
+            write_npy(&path, &fortran).expect("written");
+            check($full_scale, 1.0, $step, concat!(stringify!($type), " in Fortran order"));
+        )* };
+    }
+    roundtrip! {
+        u8: 255.0, 1.0 / 255.0;
+        u16: 65535.0, 1.0 / 65535.0;
+        i16: 32767.0, 1.0 / 32767.0;
+        u32: 123.0, 1.0 / 123.0;
+        i32: 123.0, 1.0 / 123.0;
+        u64: 123.0, 1.0 / 123.0;
+        i64: 123.0, 1.0 / 123.0;
+        f32: 123.0, 0.0;
+        f64: 123.0, 0.0;
+    }
+    let array = Array3::from_shape_fn((2, 3, 4), |i| index(i) as f64 / 200.0);
+    write_npy(&path, &array).expect("written");
+    check(1.0, 1.0 / 200.0, 0.0, "floats in [0, 1]");
+    write_npy(&path, &Array3::from_elem((2, 3, 4), true)).expect("written");
+    let burst = Burst::open(&path).expect("booleans");
+    assert!(burst.frames.iter().all(|f| f.data().iter().all(|v| *v == 1.0)));
+}
+
+#[test]
+fn npy_of_other_byte_order_and_of_half_floats() {
+    let folder = folder();
+    let path = folder.path().join("a.npy");
+    let write = |descr: &str, shape: &str, data: &[u8]| {
+        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(data);
+        std::fs::write(&path, bytes).expect("written");
+        Burst::open(&path).expect(descr).frames[0].data().to_vec()
+    };
+    assert_eq!(write(">u2", "(1, 2)", &[0x00, 0x01, 0xff, 0xff]), [1.0 / 65535.0, 1.0]);
+    let float = [0.25f32.to_be_bytes(), 0.75f32.to_be_bytes()].concat();
+    assert_eq!(write(">f4", "(2, 1)", &float), [0.25, 0.75]);
+    assert_eq!(write("<f2", "(1, 1, 2)", &[0x00, 0x38, 0x00, 0x3c]), [0.5, 1.0]);
+}
+
+#[test]
+fn a_two_dimensional_array_is_one_frame() {
+    let folder = folder();
+    let path = folder.path().join("one.npy");
+    for array in [
+        Array2::from_shape_fn((3, 4), |(v, u)| (10 * v + u) as u8),
+        Array2::from_shape_fn((3, 4).f(), |(v, u)| (10 * v + u) as u8),
+    ] {
+        write_npy(&path, &array).expect("written");
+        let burst = Burst::open(&path).expect("opens");
+        assert_eq!((burst.len(), burst.size()), (1, (4, 3)));
+        assert_eq!(burst.frames[0].at(3, 2), 23.0 / 255.0);
+    }
+    // Arrays of one frame are frames like pictures.
+    let burst = open(&[path.clone(), path]).expect("two frames");
+    assert_eq!(burst.len(), 2);
+}
+
+#[test]
+fn tiffs_of_rarer_layouts() {
+    let folder = folder();
+    let path = folder.path().join("a.tif");
+    let values = |bytes: Vec<u8>| {
+        std::fs::write(&path, bytes).expect("written");
+        Burst::open(&path).map(|b| b.frames[0].data().to_vec())
+    };
+    // Grey of 16 bit in both byte orders; the other sense of grey.
+    let found = values(raw_tiff(true, (2, 1), &[16], &[(262, 1)], &[&[0, 1, 0xff, 0xff]])).expect("big endian");
+    assert_eq!(found, [1.0 / 65535.0, 1.0]);
+    let found = values(raw_tiff(false, (2, 1), &[16], &[(262, 1)], &[&[1, 0, 0xff, 0xff]])).expect("little endian");
+    assert_eq!(found, [1.0 / 65535.0, 1.0]);
+    let found = values(raw_tiff(false, (2, 1), &[8], &[(262, 0)], &[&[0, 255]])).expect("white is zero");
+    assert_eq!(found, [1.0, 0.0]);
+    // RGB in planes: red, then green, then blue.
+    let found = values(raw_tiff(false, (2, 1), &[8, 8, 8], &[(262, 2), (284, 2)], &[&[255, 0], &[0, 255], &[0, 255]]));
+    assert_close(&found.expect("planar"), &[LUMA_WEIGHTS[0], 1.0 - LUMA_WEIGHTS[0]]);
+    // Floats of 16 bit.
+    let found = values(raw_tiff(false, (2, 1), &[16], &[(262, 1), (339, 3)], &[&[0x00, 0x38, 0x00, 0x3c]]));
+    assert_eq!(found.expect("half floats"), [0.5, 1.0]);
+    // What cannot be opened says so.
+    for (what, bytes) in [
+        ("12 bit", raw_tiff(false, (2, 1), &[12], &[(262, 1)], &[&[0; 3]])),
+        ("1 bit", raw_tiff(false, (8, 1), &[1], &[(262, 1)], &[&[0x55]])),
+        ("CMYK", raw_tiff(false, (1, 1), &[8; 4], &[(262, 5)], &[&[0; 4]])),
+        ("palette", raw_tiff(false, (2, 1), &[8], &[(262, 3)], &[&[0; 2]])),
+    ] {
+        let error = values(bytes).expect_err(what);
+        assert!(matches!(error, OpenError::Unsupported { .. }), "{what}: {error}");
+    }
+}

@@ -1,0 +1,129 @@
+//! Files that are damaged at random: opening them gives a burst or an error, never a panic, and never takes much time
+//! or memory.
+
+use super::support::{folder, grey8, raw_tiff, save, tiff_pages};
+use burstscope_core::Monitor;
+use burstscope_core::burst::{Burst, Limits, OpenError, OpenOptions};
+use image::{ImageBuffer, Luma, Rgb};
+use proptest::prelude::*;
+use std::sync::OnceLock;
+use tiff::encoder::colortype;
+use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
+
+/// One valid file of each kind and type: (name, bytes).
+fn samples() -> &'static [(&'static str, Vec<u8>)] {
+    static SAMPLES: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
+    SAMPLES.get_or_init(|| {
+        let folder = folder();
+        let at = |name: &str| folder.path().join(name);
+        let deep: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_fn(9, 7, |u, v| Luma([(u * 5000 + v * 977) as u16]));
+        let colour = ImageBuffer::from_fn(9, 7, |u, v| Rgb([(u * 20) as u8, (v * 30) as u8, (u * v) as u8]));
+        let names = ["8.png", "8.jpg", "8.bmp", "8.pgm", "8.tif"];
+        names.iter().for_each(|name| save(&at(name), &grey8(9, 7, 3)));
+        ["16.png", "16.pgm"].iter().for_each(|name| save(&at(name), &deep));
+        ["c.png", "c.jpg", "c.bmp", "c.ppm", "c.webp"].iter().for_each(|name| save(&at(name), &colour));
+        std::fs::write(at("ascii.pnm"), "P2\n# words\n3 2\n15\n0 1 2\n13 14 15\n").expect("written");
+        tiff_pages::<colortype::Gray16>(&at("16.tif"), (4, 3), &[vec![1; 12], vec![2; 12], vec![3; 12]]);
+        tiff_pages::<colortype::Gray32Float>(&at("f.tif"), (4, 3), &[vec![0.5; 12], vec![0.25; 12]]);
+        tiff_pages::<colortype::RGB8>(&at("c.tif"), (4, 3), &[vec![9; 36]]);
+        for (name, compression) in [
+            ("lzw.tif", Compression::Lzw),
+            ("deflate.tif", Compression::Deflate(DeflateLevel::Fast)),
+            ("packbits.tif", Compression::Packbits),
+        ] {
+            let file = std::fs::File::create(at(name)).expect("created");
+            let mut encoder = TiffEncoder::new(file).expect("begins").with_compression(compression);
+            encoder.write_image::<colortype::Gray16>(4, 3, &[500; 12]).expect("page");
+        }
+        ndarray_npy::write_npy(at("u2.npy"), &ndarray::Array3::<u16>::ones((2, 3, 4))).expect("written");
+        ndarray_npy::write_npy(at("f8.npy"), &ndarray::Array2::<f64>::ones((3, 4))).expect("written");
+        let all = names.iter().chain(&["16.png", "16.pgm", "c.png", "c.jpg", "c.bmp", "c.ppm", "c.webp", "ascii.pnm"]);
+        let all =
+            all.chain(&["16.tif", "f.tif", "c.tif", "lzw.tif", "deflate.tif", "packbits.tif", "u2.npy", "f8.npy"]);
+        let mut samples: Vec<_> = all.map(|name| (*name, std::fs::read(at(name)).expect("read"))).collect();
+        let planes: [&[u8]; 3] = [&[1; 12], &[2; 12], &[3; 12]];
+        #[cfg(feature = "raw")]
+        samples.push(("raw.dng", super::dng::Dng::new((12, 10), |u, v| (64 + 31 * u + 7 * v) as u16).bytes()));
+        samples.push(("planar.tif", raw_tiff(false, (4, 3), &[8, 8, 8], &[(262, 2), (284, 2)], &planes)));
+        samples.push(("big_endian.tif", raw_tiff(true, (4, 3), &[32], &[(262, 1), (339, 3)], &[&[0; 48]])));
+        samples
+    })
+}
+
+/// Opens the bytes as a file; limits are small, so that a wrong size cannot slow the test down.
+fn open(name: &str, bytes: &[u8]) -> Result<Burst, OpenError> {
+    let folder = folder();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).expect("written");
+    let limits = Limits { max_side_px: 512, max_pixels: 1 << 16, max_frames: 16, max_bytes: 1 << 22 };
+    Burst::open_with(&[path], &OpenOptions { limits, ..OpenOptions::default() }, &Monitor::default())
+}
+
+fn check(name: &str, answer: Result<Burst, OpenError>) {
+    match answer {
+        Ok(burst) => {
+            assert!(burst.frames.iter().all(|f| f.size() == burst.size() && f.data().iter().all(|v| v.is_finite())));
+            assert!(burst.size().0 * burst.size().1 <= 1 << 16 && burst.len() <= 16);
+        }
+        Err(error) => {
+            let message = error.to_string();
+            assert!(message.contains(name) || matches!(error, OpenError::SeveralBursts { .. }), "{message}");
+            // The decoder of raw files panics over some, which is caught and said; all others are sound.
+            let panicked = message.contains("failed unexpectedly") && name != "raw.dng";
+            assert!(!panicked, "a decoder panicked over {name}");
+        }
+    }
+}
+
+/// At least 400 cases a test; more when PROPTEST_CASES asks for more.
+fn config() -> ProptestConfig {
+    let default = ProptestConfig::default();
+    ProptestConfig { cases: default.cases.max(400), ..default }
+}
+
+#[test]
+fn the_samples_are_valid() {
+    for (name, bytes) in samples() {
+        open(name, bytes).expect(name);
+    }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn flipped_bits(sample in any::<prop::sample::Index>(), flips in prop::collection::vec((any::<prop::sample::Index>(), 0..8u8), 1..6)) {
+        let (name, bytes) = sample.get(samples());
+        let mut bytes = bytes.clone();
+        for (place, bit) in flips {
+            let place = place.index(bytes.len());
+            bytes[place] ^= 1 << bit;
+        }
+        check(name, open(name, &bytes));
+    }
+
+    #[test]
+    fn damaged_starts(sample in any::<prop::sample::Index>(), place in 0..200usize, noise in prop::collection::vec(any::<u8>(), 1..9)) {
+        let (name, bytes) = sample.get(samples());
+        let mut bytes = bytes.clone();
+        for (i, value) in noise.iter().enumerate() {
+            let place = (place + i) % bytes.len();
+            bytes[place] = *value;
+        }
+        check(name, open(name, &bytes));
+    }
+
+    #[test]
+    fn truncations(sample in any::<prop::sample::Index>(), cut in any::<prop::sample::Index>()) {
+        let (name, bytes) = sample.get(samples());
+        check(name, open(name, &bytes[..cut.index(bytes.len())]));
+    }
+
+    #[test]
+    fn random_bytes_after_a_valid_start(sample in any::<prop::sample::Index>(), keep in 0..64usize, noise in prop::collection::vec(any::<u8>(), 0..300)) {
+        let (name, bytes) = sample.get(samples());
+        let mut bytes = bytes[..keep.min(bytes.len())].to_vec();
+        bytes.extend(noise);
+        check(name, open(name, &bytes));
+    }
+}

@@ -1,0 +1,18 @@
+//! Opening bursts: every format and its values, every way to name a burst, every failure and its message, and files
+//! that are damaged at random.
+
+mod calibrating;
+mod crafted;
+mod damaged;
+#[cfg(feature = "raw")]
+mod dng;
+mod errors;
+mod formats;
+mod fuzz;
+mod options;
+mod photographs;
+#[cfg(feature = "raw")]
+mod raw;
+mod real;
+mod sources;
+mod support;

@@ -1,0 +1,199 @@
+//! Photographs: encoded for screens, turned, in tiles; and films, which are none.
+
+use super::support::{assert_close, folder, open, save};
+use burstscope_core::Monitor;
+use burstscope_core::burst::{Burst, Encoding, OpenError, OpenOptions, find_bursts};
+use image::{ExtendedColorType, ImageEncoder, Luma, Rgb, RgbImage};
+use std::path::Path;
+
+fn linearised(path: &Path) -> Burst {
+    let options = OpenOptions { linearise: true, ..OpenOptions::default() };
+    Burst::open_with(&[path.into()], &options, &Monitor::default()).expect("opens")
+}
+
+#[test]
+fn colour_of_8_bit_is_said_to_be_encoded_and_is_undone_when_asked() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let colour = RgbImage::from_fn(4, 2, |u, _| if u < 2 { Rgb([188, 188, 188]) } else { Rgb([188, 0, 0]) });
+    save(&at("colour.png"), &colour);
+    save(&at("grey.png"), &image::GrayImage::from_pixel(4, 2, Luma([188])));
+    save(&at("wide.png"), &image::ImageBuffer::<Rgb<u16>, _>::from_pixel(4, 2, Rgb([188 * 257; 3])));
+    colour.save(at("colour.tif")).expect("written");
+    image::GrayImage::from_pixel(8, 8, Luma([188])).save(at("grey.jpg")).expect("written");
+    for (name, encoding) in [
+        ("colour.png", Encoding::Srgb),
+        ("colour.tif", Encoding::Srgb),
+        ("grey.jpg", Encoding::Srgb),
+        ("grey.png", Encoding::Linear),
+        ("wide.png", Encoding::Linear),
+    ] {
+        let burst = Burst::open(at(name)).expect(name);
+        assert_eq!(burst.encoding, encoding, "{name}");
+        assert_eq!(
+            burst.notes().iter().any(|note| note.option == Some("linearise")),
+            encoding == Encoding::Srgb,
+            "{name}"
+        );
+        assert!((burst.frames[0].at(0, 0) - 188.0 / 255.0).abs() < 1e-6, "{name}: as stored");
+        let undone = linearised(&at(name));
+        assert_eq!(undone.encoding, Encoding::Linear);
+        // IEC 61966-2-1: ((188/255 + 0.055)/1.055)^2.4.
+        assert!((undone.frames[0].at(0, 0) - 0.50289).abs() < 1e-4, "{name}: {}", undone.frames[0].at(0, 0));
+    }
+    // Colours are weighted as light, not as codes.
+    assert_close(&[linearised(&at("colour.png")).frames[0].at(3, 1)], &[0.2126 * 0.502_886]);
+}
+
+/// The bytes of an EXIF block that says nothing but the orientation.
+fn exif(orientation: u16) -> Vec<u8> {
+    let mut bytes = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01".to_vec();
+    bytes.extend(orientation.to_be_bytes());
+    bytes.extend([0, 0, 0, 0, 0, 0]);
+    bytes
+}
+
+#[test]
+fn pictures_are_turned_as_the_camera_was_held() {
+    let folder = folder();
+    // The brightest pixel lies in the corner at the right, above.
+    let pixels: Vec<u8> = vec![10, 20, 200, 30, 40, 50];
+    // For each orientation of EXIF: size, and where the bright pixel belongs.
+    let cases = [
+        (1, (3, 2), (2, 0)),
+        (2, (3, 2), (0, 0)),
+        (3, (3, 2), (0, 1)),
+        (4, (3, 2), (2, 1)),
+        (5, (2, 3), (0, 2)),
+        (6, (2, 3), (1, 2)),
+        (7, (2, 3), (1, 0)),
+        (8, (2, 3), (0, 0)),
+    ];
+    for (orientation, size, (u, v)) in cases {
+        let png = folder.path().join(format!("{orientation}.png"));
+        let mut encoder = image::codecs::png::PngEncoder::new(std::fs::File::create(&png).expect("created"));
+        encoder.set_exif_metadata(exif(orientation)).expect("PNG has a place for it");
+        encoder.write_image(&pixels, 3, 2, ExtendedColorType::L8).expect("written");
+        let tiff = folder.path().join(format!("{orientation}.tif"));
+        let bytes = super::support::raw_tiff(false, (3, 2), &[8], &[(262, 1), (274, orientation)], &[&pixels]);
+        std::fs::write(&tiff, bytes).expect("written");
+        for path in [png, tiff] {
+            let burst = Burst::open(&path).expect("opens");
+            assert_eq!(burst.size(), size, "{}", path.display());
+            assert_eq!((burst.frames[0].at(u, v) * 255.0).round(), 200.0, "{}", path.display());
+        }
+    }
+    // Frames that were held alike are one burst, upright ones and turned ones are of different sizes.
+    let at = |n: u16| folder.path().join(format!("{n}.png"));
+    assert_eq!(open(&[at(6), at(8)]).expect("a burst").size(), (2, 3));
+    assert!(matches!(open(&[at(1), at(6)]), Err(OpenError::DifferentSizes { .. })));
+}
+
+/// A TIFF of `size` in planes of red, green and blue, each in tiles of 16×16, with `sample(plane, u, v)` as values.
+fn tiled_planar(size: (usize, usize), sample: impl Fn(usize, usize, usize) -> u8) -> Vec<u8> {
+    const SIDE: usize = 16;
+    let (across, down) = (size.0.div_ceil(SIDE), size.1.div_ceil(SIDE));
+    let mut bytes = b"II*\0\0\0\0\0".to_vec();
+    let mut offsets: Vec<u8> = Vec::new();
+    let mut counts: Vec<u8> = Vec::new();
+    for plane in 0..3 {
+        for tile in 0..across * down {
+            let (left, top) = (tile % across * SIDE, tile / across * SIDE);
+            offsets.extend((bytes.len() as u32).to_le_bytes());
+            counts.extend(((SIDE * SIDE) as u32).to_le_bytes());
+            for v in top..top + SIDE {
+                // What lies outside of the picture is filled with anything.
+                bytes.extend(
+                    (left..left + SIDE).map(|u| if u < size.0 && v < size.1 { sample(plane, u, v) } else { 99 }),
+                );
+            }
+        }
+    }
+    let tiles = (3 * across * down) as u32;
+    let mut place = |data: &[u8]| {
+        let at = bytes.len() as u32;
+        bytes.extend(data);
+        at
+    };
+    let (bits, offsets, counts) = (place(&[8, 0, 8, 0, 8, 0]), place(&offsets), place(&counts));
+    const SHORT: u16 = 3;
+    const LONG: u16 = 4;
+    let entries = [
+        (256u16, SHORT, 1u32, size.0 as u32),
+        (257, SHORT, 1, size.1 as u32),
+        (258, SHORT, 3, bits),
+        (259, SHORT, 1, 1),
+        (262, SHORT, 1, 2),
+        (277, SHORT, 1, 3),
+        (284, SHORT, 1, 2),
+        (322, SHORT, 1, SIDE as u32),
+        (323, SHORT, 1, SIDE as u32),
+        (324, LONG, tiles, offsets),
+        (325, LONG, tiles, counts),
+    ];
+    let directory = (bytes.len() as u32).to_le_bytes();
+    bytes[4..8].copy_from_slice(&directory);
+    bytes.extend((entries.len() as u16).to_le_bytes());
+    for (tag, kind, count, value) in entries {
+        bytes.extend(tag.to_le_bytes());
+        bytes.extend(kind.to_le_bytes());
+        bytes.extend(count.to_le_bytes());
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes.extend([0; 4]);
+    bytes
+}
+
+#[test]
+fn planes_in_tiles_open_at_any_size() {
+    let folder = folder();
+    let path = folder.path().join("tiled.tif");
+    for size in [(16, 16), (32, 16), (21, 37), (5, 3), (33, 16)] {
+        // Grey, so that luma is the value itself.
+        std::fs::write(&path, tiled_planar(size, |_, u, v| (7 * v + 3 * u) as u8)).expect("written");
+        let burst = Burst::open(&path).unwrap_or_else(|e| panic!("{size:?}: {e}"));
+        assert_eq!(burst.size(), size);
+        for v in 0..size.1 {
+            for u in 0..size.0 {
+                assert_eq!(
+                    (burst.frames[0].at(u, v) * 255.0).round(),
+                    f32::from((7 * v + 3 * u) as u8),
+                    "({u}, {v}) of {size:?}"
+                );
+            }
+        }
+        // Each plane is where it belongs.
+        std::fs::write(&path, tiled_planar(size, |plane, _, _| if plane == 1 { 255 } else { 0 })).expect("written");
+        let green = Burst::open(&path).expect("opens");
+        assert!(green.frames[0].data().iter().all(|v| (v - 0.7152).abs() < 1e-5));
+    }
+}
+
+#[test]
+fn a_film_is_refused_with_the_way_to_its_frames() {
+    let folder = folder();
+    let starts: [(&str, &[u8]); 6] = [
+        ("it's.mp4", b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2"),
+        ("b.mov", b"\0\0\0\x14ftypqt  \0\0\0\0qt  "),
+        ("c.mkv", b"\x1a\x45\xdf\xa3\x9f\x42\x86\x81\x01\x42"),
+        ("d.avi", b"RIFF\x24\0\0\0AVI LIST\0\0\0\0"),
+        ("e.gif", b"GIF89a\x01\0\x01\0\0\0\0"),
+        ("f.mpg", b"\0\0\x01\xba\x44\0\x04\0"),
+    ];
+    for (name, start) in starts {
+        let path = folder.path().join(name);
+        std::fs::write(&path, start).expect("written");
+        let error = open(&[path]).expect_err(name);
+        assert!(matches!(error, OpenError::Video { .. }), "{error}");
+        let words = error.to_string();
+        assert!(words.contains("ffmpeg -i '") && words.contains("frames/frame_%05d.png"), "{words}");
+    }
+    // A quote in the name does not break the line.
+    let words = open(&[folder.path().join("it's.mp4")]).expect_err("a film").to_string();
+    assert!(words.contains(r"it'\''s.mp4'"), "{words}");
+    // A still picture in the same container is no film, but cannot be opened either.
+    let heic = folder.path().join("g.heic");
+    std::fs::write(&heic, b"\0\0\0\x18ftypheic\0\0\0\0mif1heic").expect("written");
+    assert!(matches!(open(&[heic]), Err(OpenError::UnknownKind { .. })));
+    assert!(find_bursts(&[folder.path().join("e.gif")]).is_ok(), "what it is, is told when it is opened");
+}

@@ -1,0 +1,221 @@
+//! Everything that reads a text or a table that somebody else may have written, given what is damaged at random: the
+//! answer is a value that makes sense or an error with words, never a panic, and never takes much time or memory.
+//!
+//! `PROPTEST_CASES` says how many inputs each test gets (256 without it); docs/FUZZING.md says what was run. Files of
+//! frames have tests like these in `opening/fuzz.rs`, lessons and sessions in `tests/commands/lessons_and_sessions.rs` of
+//! the program.
+
+use crate::damage::{damage, damaged, damaged_text, says_something};
+use burstscope_core::dataset::camera::read_camera;
+use burstscope_core::detector::{SearchParams, SlopeChoice};
+use burstscope_core::evaluate::poses::{read_sparse_model, read_trajectory};
+use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
+use burstscope_core::inspect::foreign::read_features;
+use burstscope_core::inspect::truth::read_truth;
+use burstscope_core::synth::{ChartParams, synth_chart, write_burst};
+use burstscope_core::{DetectorParams, Monitor, SlopeGrid, detect};
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// A file of this name with these bytes, in a folder of the test's own.
+fn file(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).expect("written");
+    path
+}
+
+/// A folder that is the same for all inputs of one test.
+macro_rules! folder {
+    () => {{
+        static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
+        FOLDER.get_or_init(|| tempfile::tempdir().expect("a folder")).path()
+    }};
+}
+
+/// Sound files of a small burst with known truth: its truth, and its features in both formats.
+struct Sound {
+    truth: Vec<u8>,
+    csv: Vec<u8>,
+    colmap: String,
+}
+
+fn sound() -> &'static Sound {
+    static SOUND: OnceLock<Sound> = OnceLock::new();
+    SOUND.get_or_init(|| {
+        let home = tempfile::tempdir().expect("a folder");
+        let params = ChartParams { width: 96, height: 80, discs: 4, frames: 3, snr: 20.0, ..ChartParams::default() };
+        let params = ChartParams { radius: 4.0..=6.0, max_slope: 1.0, ..params };
+        let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
+        let folder = home.path().join("chart");
+        write_burst(&folder, &burst, &truth, &Monitor::default()).expect("written");
+        let search = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), ..DetectorParams::default() };
+        let mut detection = detect(&burst, &search, &Monitor::default()).expect("features");
+        detection.features.truncate(3);
+        detection.descriptors.truncate(3);
+        let (csv, colmap) = (home.path().join("f.csv"), home.path().join("f.txt"));
+        write_csv(&csv, &detection.features).expect("written");
+        write_colmap(&colmap, &detection.features, &detection.descriptors).expect("written");
+        let read = |path: &Path| std::fs::read(path).expect("read");
+        let colmap = String::from_utf8(read(&colmap)).expect("text");
+        Sound { truth: read(&folder.join("truth.json")), csv: read(&csv), colmap }
+    })
+}
+
+const CAMERA: &str =
+    "model = \"OPENCV\"\nwidth = 640\nheight = 480\nparams = [500.0, 501.0, 320.0, 240.0, 0.1, -0.02, 0.0, 1e-4]\n";
+
+const TRAJECTORY: &str =
+    "# time x y z qx qy qz qw\n0.5 1 2 3 0 0 0 1\n1.5,0,0,0.25,0,0,0.7071068,0.7071068\n2.5 1 1 1 0 1 0 0\n";
+
+const IMAGES: &str = "# Image list\n3 1 0 0 0 1 2 3 1 a/second one.png\n10.5 20.5 7 11 21 -1 12 22 8\n2 0.7071067811865476 0 0 0.7071067811865476 1 0 0 1 first.png\n\n";
+
+const POINTS: &str = "# 3D points\n7 1 2 3 255 0 0 0.5 3 0 2 5\n8 1 2 4 0 0 0 1.5 3 2 2 1 5 9 4 4\n";
+
+/// A sparse model of COLMAP in binary: two images, two points.
+fn binary_model() -> (Vec<u8>, Vec<u8>) {
+    let mut images = 2u64.to_le_bytes().to_vec();
+    for (id, name, points) in [(3u32, "a/second.png", vec![7u64, u64::MAX]), (2, "first.png", vec![])] {
+        images.extend(id.to_le_bytes());
+        [1.0f64, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0].iter().for_each(|x| images.extend(x.to_le_bytes()));
+        images.extend(1u32.to_le_bytes());
+        images.extend(name.as_bytes());
+        images.push(0);
+        images.extend((points.len() as u64).to_le_bytes());
+        for point in points {
+            [10.5f64, 20.5].iter().for_each(|x| images.extend(x.to_le_bytes()));
+            images.extend(point.to_le_bytes());
+        }
+    }
+    let mut points = 2u64.to_le_bytes().to_vec();
+    for (id, track) in [(7u64, vec![(3u32, 0u32), (2, 5)]), (8, vec![(3, 2)])] {
+        points.extend(id.to_le_bytes());
+        [1.0f64, 2.0, 3.0].iter().for_each(|x| points.extend(x.to_le_bytes()));
+        points.extend([255, 0, 0]);
+        points.extend(0.5f64.to_le_bytes());
+        points.extend((track.len() as u64).to_le_bytes());
+        for (image, keypoint) in track {
+            points.extend(image.to_le_bytes());
+            points.extend(keypoint.to_le_bytes());
+        }
+    }
+    (images, points)
+}
+
+/// Without damage everything is read: the tests below begin with what is sound.
+#[test]
+fn sound_inputs_are_read() {
+    let folder = folder!();
+    assert!(read_camera(&file(folder, "camera.toml", CAMERA.as_bytes())).is_ok());
+    assert!(read_truth(&file(folder, "truth.json", &sound().truth)).is_ok());
+    assert_eq!(read_features_csv(&file(folder, "f.csv", &sound().csv)).expect("features").len(), 3);
+    assert_eq!(parse_colmap(Path::new("f.txt"), &sound().colmap).expect("features").0.len(), 3);
+    assert_eq!(read_trajectory(&file(folder, "poses.txt", TRAJECTORY.as_bytes())).expect("poses").poses.len(), 3);
+    for text in param_files() {
+        assert!(SearchParams::from_toml(&text).is_ok(), "{text}");
+    }
+    for extension in ["txt", "bin"] {
+        let folder = folder.join(extension);
+        std::fs::create_dir_all(&folder).expect("made");
+        let (images, points) = model_files(extension);
+        file(&folder, &format!("images.{extension}"), &images);
+        file(&folder, &format!("points3D.{extension}"), &points);
+        assert_eq!(read_sparse_model(&folder).expect("a model").images.len(), 2);
+    }
+}
+
+fn param_files() -> [String; 2] {
+    let given = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() };
+    let line = SlopeChoice::Auto { direction_deg: Some(30.0) };
+    let auto = SearchParams { slopes: line, ..SearchParams::default() };
+    [given.to_toml(), auto.to_toml()]
+}
+
+fn model_files(extension: &str) -> (Vec<u8>, Vec<u8>) {
+    if extension == "txt" { (IMAGES.into(), POINTS.into()) } else { binary_model() }
+}
+
+proptest! {
+    #[test]
+    fn parameters(which in 0..2usize, damages in damage()) {
+        static FILES: OnceLock<[String; 2]> = OnceLock::new();
+        match SearchParams::from_toml(&damaged_text(&FILES.get_or_init(param_files)[which], &damages)) {
+            Ok(params) => {
+                prop_assert_eq!(params.validate(), Ok(()));
+                // What was read can be written and read again.
+                let again = SearchParams::from_toml(&params.to_toml());
+                prop_assert!(again.is_ok(), "{:?}: {:?}", params, again);
+            }
+            Err(error) => prop_assert!(says_something(&error)),
+        }
+    }
+
+    #[test]
+    fn cameras(damages in damage()) {
+        match read_camera(&file(folder!(), "camera.toml", &damaged(CAMERA.as_bytes(), &damages))) {
+            Ok(camera) => prop_assert!(camera.validate("camera").is_ok()),
+            Err(error) => prop_assert!(says_something(&error)),
+        }
+    }
+
+    #[test]
+    fn truths(damages in damage()) {
+        if let Err(error) = read_truth(&file(folder!(), "truth.json", &damaged(&sound().truth, &damages))) {
+            prop_assert!(error.to_string().contains("truth.json"));
+        }
+    }
+
+    #[test]
+    fn features_as_csv(damages in damage()) {
+        match read_features_csv(&file(folder!(), "f.csv", &damaged(&sound().csv, &damages))) {
+            Ok(features) => prop_assert!(features.len() <= 3 + 4),
+            Err(error) => prop_assert!(error.to_string().contains("f.csv")),
+        }
+    }
+
+    #[test]
+    fn features_of_others(which in any::<bool>(), damages in damage()) {
+        let bytes = if which { &sound().csv[..] } else { sound().colmap.as_bytes() };
+        if let Err(error) = read_features(&file(folder!(), "theirs", &damaged(bytes, &damages))) {
+            prop_assert!(error.to_string().contains("theirs"));
+        }
+    }
+
+    #[test]
+    fn features_as_colmap_text(damages in damage()) {
+        match parse_colmap(Path::new("f.txt"), &damaged_text(&sound().colmap, &damages)) {
+            Ok((keypoints, descriptors)) => {
+                prop_assert_eq!(keypoints.len(), descriptors.len());
+                prop_assert!(keypoints.iter().all(|k| [k.x, k.y, k.scale, k.orientation].iter().all(|x| x.is_finite())));
+            }
+            Err(error) => prop_assert!(error.to_string().contains("f.txt")),
+        }
+    }
+
+    #[test]
+    fn trajectories(damages in damage()) {
+        match read_trajectory(&file(folder!(), "poses.txt", &damaged(TRAJECTORY.as_bytes(), &damages))) {
+            Ok(read) => {
+                let finite = |pose: &burstscope_core::evaluate::poses::Pose| {
+                    pose.world_from_camera.translation.vector.iter().all(|x| x.is_finite())
+                };
+                prop_assert!(read.poses.iter().all(finite));
+            }
+            Err(error) => prop_assert!(error.to_string().contains("poses.txt")),
+        }
+    }
+
+    #[test]
+    fn sparse_models(binary in any::<bool>(), damage_images in damage(), damage_points in damage()) {
+        let extension = if binary { "bin" } else { "txt" };
+        let folder = folder!().join(extension);
+        std::fs::create_dir_all(&folder).expect("made");
+        let (images, points) = model_files(extension);
+        file(&folder, &format!("images.{extension}"), &damaged(&images, &damage_images));
+        file(&folder, &format!("points3D.{extension}"), &damaged(&points, &damage_points));
+        match read_sparse_model(&folder) {
+            Ok(model) => prop_assert!(model.images.len() < 200 && model.points.len() < 200),
+            Err(error) => prop_assert!(says_something(&error)),
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Memory, counted at this program's allocator. The tests run one at a time, so that nothing else is counted.
+
+mod allocated;
+mod bounds;
+mod groups;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Holds all other tests of this program back while it lives.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}

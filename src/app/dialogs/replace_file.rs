@@ -1,0 +1,52 @@
+//! The question whether a file may be replaced. The system's own dialog asks it by itself; a typed path has to be asked
+//! about.
+
+use super::Purpose;
+use crate::export::is_ours;
+use std::path::PathBuf;
+
+/// A file that is there already where another one is to be written.
+#[derive(Debug, Clone)]
+pub struct ReplaceFile {
+    /// What is to be written.
+    pub purpose: Purpose,
+    /// The file.
+    pub path: PathBuf,
+    about: &'static str,
+}
+
+impl ReplaceFile {
+    /// The question about the file at `path`.
+    pub fn new(purpose: Purpose, path: PathBuf) -> Self {
+        let is_link = std::fs::symlink_metadata(&path).is_ok_and(|file| file.is_symlink());
+        let about = match (is_link, is_ours(&path)) {
+            (true, _) => "It is a link. The link is replaced by the file, and what it leads to stays as it is.",
+            (false, true) => "Burstscope wrote it. What it holds is lost.",
+            (false, false) => "Burstscope did not write it. What it holds is lost.",
+        };
+        Self { purpose, path, about }
+    }
+
+    /// Draws it. Answers whether the file may be replaced, once that is decided.
+    pub fn ui(&self, ctx: &egui::Context) -> Option<bool> {
+        let mut answer = None;
+        let modal = egui::Modal::new(egui::Id::unique("replace file")).show(ctx, |ui| {
+            ui.set_width(420.0);
+            ui.heading("Replace this file?");
+            ui.add_space(4.0);
+            ui.label(self.path.display().to_string());
+            ui.add_space(4.0);
+            ui.label(self.about);
+            ui.add_space(6.0);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Replace").clicked() {
+                    answer = Some(true);
+                }
+                if ui.button("Cancel").clicked() {
+                    answer = Some(false);
+                }
+            });
+        });
+        answer.or_else(|| modal.should_close().then_some(false))
+    }
+}

@@ -1,0 +1,56 @@
+//! What the requests promise: when two are the same, that the answer is the library's, and how a request ends.
+
+mod answers;
+mod datasets;
+mod ending;
+mod sameness;
+
+use super::{BurstSource, DetectRequest, Detected, DetectionSource, NothingKept, OpenBurst};
+use crate::burst::{Burst, OpenOptions};
+use crate::detector::{DetectorParams, SlopeGrid};
+use crate::monitor::Monitor;
+use crate::synth::ChartParams;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// A chart of a few discs.
+fn chart(seed: u64) -> ChartParams {
+    ChartParams { width: 96, height: 72, frames: 4, discs: 4, snr: 20.0, seed, ..ChartParams::default() }
+}
+
+/// The parameters that find its discs.
+fn params() -> DetectorParams {
+    DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..DetectorParams::default() }
+}
+
+/// The chart of seed 1, opened once for all tests.
+fn open() -> OpenBurst {
+    static OPEN: OnceLock<OpenBurst> = OnceLock::new();
+    let source = || BurstSource::Chart(Box::new(chart(1)));
+    OPEN.get_or_init(|| source().open(&OpenOptions::default(), &Monitor::default()).expect("a chart")).clone()
+}
+
+/// A burst of `size` without anything in it.
+fn empty(size: (usize, usize), frames: usize) -> OpenBurst {
+    let planes = (0..frames).map(|_| crate::plane::Plane::zeros(size.0, size.1)).collect();
+    OpenBurst::new(Burst::from_planes("empty", planes), BurstSource::Demo)
+}
+
+/// The features of the chart, found once for all tests.
+fn detected() -> Detected {
+    static DETECTED: OnceLock<Detected> = OnceLock::new();
+    let find = || DetectRequest { burst: open(), params: params().into() };
+    DETECTED.get_or_init(|| find().compute(&NothingKept, &Monitor::default()).expect("valid parameters")).clone()
+}
+
+/// The detection of the chart, as questions about it name it.
+fn source() -> DetectionSource {
+    DetectionSource { burst: open(), asked: params().into(), params: params(), finding: None }
+}
+
+/// Writes the chart of `seed` into `folder`, as a burst with its truth.
+fn write_chart(folder: &Path, seed: u64) {
+    let monitor = Monitor::default();
+    let (burst, truth) = crate::synth::synth_chart(&chart(seed), &monitor).expect("valid parameters");
+    crate::synth::write_burst(folder, &burst, &truth, &monitor).expect("written");
+}

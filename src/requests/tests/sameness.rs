@@ -1,0 +1,162 @@
+//! When two requests ask for the same: the engine makes an answer once, and the window asks again only for another.
+
+use super::{detected, empty, open, params, source};
+use crate::burst::OpenOptions;
+use crate::detector::{DetectorParams, FrameRange, Interpolation, Method, NoiseGate, Slope};
+use crate::inspect::candidates::SurveyOptions;
+use crate::inspect::probe::Wanted;
+use crate::matching::MatchParams;
+use crate::monitor::Monitor;
+use crate::requests::{
+    AgainstRequest, CoherenceRequest, ExplainQuestion, ExplainRequest, ExplainSubject, LossesRequest, MapKind,
+    MatchRequest, NothingKept, PatchesRequest, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest, Reference,
+    Traced, TrailStore,
+};
+use std::sync::Arc;
+
+const STILL: Slope = Slope { u: 0.0, v: 0.0 };
+
+fn picture(kind: PictureKind, params: DetectorParams) -> PictureRequest {
+    PictureRequest::new(open(), kind, params)
+}
+
+/// Every kind of picture, at one place of the scale space.
+fn kinds(slope: Slope) -> [PictureKind; 7] {
+    let (octave, level) = (0, 1);
+    let map = |map| PictureKind::Map { map, octave, level, slope };
+    let [noise, coverage, motion] = MapKind::ALL.map(map);
+    let dog = PictureKind::Dog { octave, level, slope };
+    [PictureKind::Frame(1), PictureKind::Stack { slope }, dog, PictureKind::Merge, noise, coverage, motion]
+}
+
+#[test]
+fn a_picture_is_decided_by_the_parameters_that_it_is_made_with_and_by_no_others() {
+    // For each change, which kinds of picture it changes, in the order of `kinds`.
+    let changes: [(&str, DetectorParams, [bool; 7]); 6] = [
+        ("nothing", params(), [false; 7]),
+        (
+            "the noise gate",
+            DetectorParams { noise_gate: NoiseGate::Strict, ..params() },
+            // The maps are made from the search.
+            [false, false, false, false, true, true, true],
+        ),
+        ("levels", DetectorParams { levels: 3, ..params() }, [false, false, true, false, true, true, true]),
+        (
+            "interpolation",
+            DetectorParams { interpolation: Interpolation::Nearest, ..params() },
+            [false, true, true, false, true, true, true],
+        ),
+        (
+            "frames",
+            DetectorParams { frames: Some(FrameRange { start: 0, end: 2 }), ..params() },
+            [false, true, true, true, true, true, true],
+        ),
+        ("method", DetectorParams { method: Method::Merge, ..params() }, [false, true, true, false, true, true, true]),
+    ];
+    for (what, changed, differs) in changes {
+        for (kind, differs) in kinds(STILL).into_iter().zip(differs) {
+            let same = picture(kind, params()).same_picture(&picture(kind, changed.clone()));
+            assert_eq!(same, !differs, "{what}: {kind:?}");
+        }
+    }
+}
+
+#[test]
+fn a_picture_is_decided_by_its_slope_where_it_has_one() {
+    let moved = Slope::new(0.5, 0.0);
+    for ((still, moving), differs) in
+        kinds(STILL).into_iter().zip(kinds(moved)).zip([false, true, true, false, true, true, false])
+    {
+        assert_eq!(picture(still, params()).same_picture(&picture(moving, params())), !differs, "{still:?}");
+    }
+    let stack = |u| picture(PictureKind::Stack { slope: Slope::new(u, 0.0) }, params());
+    assert!(stack(0.0).same_picture(&stack(-0.0)), "minus zero is zero");
+}
+
+#[test]
+fn the_pictures_of_two_openings_and_differences_are_others() {
+    let stack = picture(PictureKind::Stack { slope: STILL }, params());
+    let again = PictureRequest { burst: empty((96, 72), 4), ..stack.clone() };
+    assert!(!stack.same_picture(&again));
+    let frame = picture(PictureKind::Frame(0), params());
+    let difference = stack.clone().less(&frame);
+    assert!(!difference.same_picture(&stack) && !difference.same_picture(&frame.clone().less(&stack)));
+    assert!(difference.alone().same_picture(&stack) && difference.same_picture(&stack.clone().less(&frame)));
+    // Of what is subtracted its first picture counts.
+    assert!(stack.clone().less(&frame.less(&stack)).same_picture(&difference));
+    let patches = |a: &PictureRequest, b: &PictureRequest| PatchesRequest { a: a.clone(), b: b.clone() };
+    assert!(patches(&stack, &difference).same_pictures(&patches(&stack, &difference)));
+    assert!(!patches(&stack, &difference).same_pictures(&patches(&difference, &stack)));
+}
+
+#[test]
+fn a_matching_is_of_two_detections_with_parameters() {
+    let (a, b) = (detected().detection, Arc::new((*detected().detection).clone()));
+    let request = MatchRequest { a: a.clone(), b: b.clone(), params: MatchParams::default() };
+    assert!(request.same_matches(&request.clone()));
+    // Equal features found anew are another detection.
+    assert!(!request.same_matches(&MatchRequest { a: b.clone(), ..request.clone() }));
+    let params = MatchParams { ratio: 0.5, ..MatchParams::default() };
+    assert!(!request.same_matches(&MatchRequest { params, ..request.clone() }));
+
+    let result = request.clone().compute(&Monitor::default()).expect("valid").result;
+    let losses = |result| LossesRequest { request: request.clone(), result, size_b: (96, 72) };
+    assert!(losses(result.clone()).same_pair(&losses(result.clone())));
+    assert!(!losses(result.clone()).same_pair(&losses(Arc::new((*result).clone()))));
+}
+
+#[test]
+fn a_question_is_of_one_detection() {
+    let cache = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
+    let traced = |cache| Traced { burst: open().id, cache };
+    let at = |place| ProbeQuestion::At { place, wanted: Wanted::Strongest };
+    let ask = |question| ProbeRequest { traced: traced(cache.clone()), question };
+    assert!(ask(at([3.0, 4.0])).same_answer(&ask(at([3.0, 4.0]))));
+    assert!(!ask(at([3.0, 4.0])).same_answer(&ask(at([3.0, 5.0]))));
+    assert!(!ask(at([3.0, 4.0])).same_answer(&ask(ProbeQuestion::Strongest)));
+    let anew = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
+    let of_another = ProbeRequest { traced: traced(anew), question: ProbeQuestion::Strongest };
+    assert!(!ask(ProbeQuestion::Strongest).same_answer(&of_another));
+
+    let explain = |of, question| ExplainRequest { of, question };
+    let slopes = explain(source(), ExplainQuestion::Slopes);
+    let candidates = ExplainQuestion::Candidates(SurveyOptions::default());
+    assert!(slopes.same_answer(&explain(source(), ExplainQuestion::Slopes)));
+    assert!(!slopes.same_answer(&explain(source(), candidates)));
+    let mut other = source();
+    other.params.levels += 1;
+    assert!(!slopes.same_answer(&explain(other, ExplainQuestion::Slopes)));
+    let subjects = [ExplainQuestion::Slopes, candidates].map(|question| question.subject());
+    assert_eq!(subjects, [ExplainSubject::Slopes, ExplainSubject::Candidates]);
+
+    let (detection, copy) = (detected().detection, Arc::new((*detected().detection).clone()));
+    let coherence = |detection| CoherenceRequest { of: source(), detection };
+    assert!(coherence(detection.clone()).same_features(&coherence(detection.clone())));
+    assert!(!coherence(detection).same_features(&coherence(copy)));
+}
+
+#[test]
+fn a_comparison_is_of_a_detection_with_one_reference() {
+    let (detection, burst) = (detected().detection, open());
+    let with = |with| AgainstRequest { detection: detection.clone(), with };
+    let earlier = |burst, detection| Reference::Earlier { burst, asked: params().into(), detection };
+    let file = |path: &str| Reference::File { path: path.into(), features: None };
+    let truth = |params| Reference::Truth { burst: burst.clone(), params };
+    // An earlier result that is there already is the same as one that has to be found again.
+    assert!(with(earlier(burst.clone(), None)).same_comparison(&with(earlier(burst.clone(), Some(detection.clone())))));
+    assert!(!with(earlier(burst.clone(), None)).same_comparison(&with(earlier(empty((96, 72), 4), None))));
+    assert!(with(file("a.csv")).same_comparison(&with(file("a.csv"))));
+    assert!(!with(file("a.csv")).same_comparison(&with(file("b.csv"))));
+    assert!(with(truth(params())).same_comparison(&with(truth(params()))));
+    assert!(!with(truth(params())).same_comparison(&with(truth(DetectorParams::default()))));
+    assert!(!with(truth(params())).same_comparison(&with(file("a.csv"))));
+    let of_other = AgainstRequest { detection: Arc::new((*detection).clone()), with: file("a.csv") };
+    assert!(!with(file("a.csv")).same_comparison(&of_other));
+}
+
+#[test]
+fn each_opening_is_a_burst_of_its_own() {
+    let again = open().source.open(&OpenOptions::default(), &Monitor::default()).expect("a chart");
+    assert_ne!(again.id, open().id);
+    assert_eq!(again.burst.frames, open().burst.frames);
+}

@@ -1,0 +1,65 @@
+//! Which room stands on which.
+
+use super::reading::{code, files, rooms_used};
+
+/// The rooms from the bottom up; those up to floor 8 are the library, which Cargo keeps from those above. A room uses
+/// those of lower numbers; those of one number do not know one another.
+const FLOORS: [(&str, u32); 19] = [
+    ("monitor", 0),
+    ("files", 0),
+    ("plane", 1),
+    ("kernel", 2),
+    ("burst", 2),
+    ("detector", 3),
+    ("synth", 3),
+    ("export", 4),
+    ("matching", 5),
+    ("baseline", 5),
+    ("evaluate", 6),
+    ("dataset", 7),
+    ("inspect", 8),
+    ("figures", 8),
+    ("requests", 9),
+    ("engine", 10),
+    ("teach", 10),
+    ("cli", 11),
+    ("app", 12),
+];
+
+/// What a room above is used for all the same: the commands that open the window or draw it.
+const DOORS: [(&str, &str); 6] = [
+    ("cli/mod.rs", "app"),
+    ("cli/window.rs", "app"),
+    ("cli/render.rs", "app"),
+    ("cli/render_args.rs", "app"),
+    ("cli/choices.rs", "app"),
+    ("cli/failure.rs", "app"),
+];
+
+fn floor(room: &str) -> Option<u32> {
+    FLOORS.iter().find(|(name, _)| *name == room).map(|(_, floor)| *floor)
+}
+
+#[test]
+fn no_room_reaches_up() {
+    let (mut uses, mut doors) = (0, 0);
+    for (name, path) in files() {
+        let name = name.to_string_lossy().replace('\\', "/");
+        let room = name.split(['/', '.']).next().expect("a name").to_owned();
+        if matches!(room.as_str(), "lib" | "main") || name.ends_with("/tests.rs") || name.contains("/tests/") {
+            continue;
+        }
+        let own = floor(&room)
+            .unwrap_or_else(|| panic!("the room {room} has no floor; give it one in tests/commands/house/floors.rs"));
+        for used in rooms_used(&code(&std::fs::read_to_string(&path).expect("text"))) {
+            let Some(other) = floor(&used) else { continue };
+            uses += 1;
+            if DOORS.contains(&(name.as_str(), used.as_str())) {
+                doors += 1;
+                continue;
+            }
+            assert!(used == room || other < own, "{name} uses crate::{used}, which does not stand below {room}");
+        }
+    }
+    assert!(uses > 300 && doors >= 3, "{uses} uses were read, {doors} of them doors: too few to be all");
+}

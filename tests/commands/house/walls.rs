@@ -1,0 +1,82 @@
+//! Walls within rooms, and names that say nothing.
+
+use super::reading::modules;
+
+#[test]
+fn the_kernel_knows_no_detector() {
+    for (module, code) in modules() {
+        let name = module.join("::");
+        let used = |path: &str| code.contains(&format!("crate::{path}"));
+        if name.starts_with("kernel") {
+            assert!(!used("detector"), "{name} uses the detector");
+        }
+    }
+}
+
+#[test]
+fn only_the_shell_owns_the_whole_window() {
+    let owners = ["window", "shell", "overlays", "files", "clipboard", "run", "render", "actions::run", "jobs"];
+    let mut owned = 0;
+    for (module, code) in modules() {
+        let name = module.join("::");
+        let Some(rest) = name.strip_prefix("app::") else { continue };
+        let may = owners.iter().any(|owner| rest == *owner || rest.starts_with(&format!("{owner}::")));
+        owned += usize::from(may && code.contains("BurstscopeApp"));
+        assert!(
+            may || !code.contains("BurstscopeApp"),
+            "{name} takes the whole window; give it what it reads and owns"
+        );
+    }
+    assert!(owned > 10, "the window is called otherwise now");
+}
+
+#[test]
+fn the_project_knows_no_widget_and_no_worker() {
+    let above =
+        ["canvas", "panel", "inspector", "workspace", "jobs", "gpu", "histogram", "figure", "measure", "dataset"];
+    let mut requests = 0;
+    for (module, code) in modules() {
+        let name = module.join("::");
+        if !["app::project", "app::pane", "app::view"]
+            .iter()
+            .any(|folder| format!("{name}::").starts_with(&format!("{folder}::")))
+        {
+            continue;
+        }
+        for used in above {
+            assert!(!code.contains(&format!("app::{used}::")), "{name} uses app::{used}");
+        }
+        assert!(!code.contains("crate::engine") && !code.contains("::engine::"), "{name} uses the engine");
+        requests += usize::from(code.contains("crate::requests::"));
+    }
+    assert!(requests > 10, "{requests} files use requests: too few to be all");
+}
+
+/// What is asked for and answered has one path.
+#[test]
+fn the_engine_hands_on_no_requests() {
+    for (module, code) in modules() {
+        if module.first().is_some_and(|room| room == "engine") {
+            let hands_on = code.lines().any(|line| line.trim_start().starts_with("pub use crate::"));
+            assert!(!hands_on, "{} hands on what is below it", module.join("::"));
+        }
+    }
+}
+
+/// A name says which answer, which pair: these words alone say nothing.
+#[test]
+fn no_type_is_called_only_answer_found_pair_or_job() {
+    for (module, code) in modules() {
+        for line in code.lines() {
+            let mut words = line.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty());
+            let kind = words.find(|word| !["pub", "crate", "super", "in"].contains(word));
+            let is_type = kind.is_some_and(|kind| ["struct", "enum", "type", "trait"].contains(&kind));
+            let name = words.next().unwrap_or_default();
+            assert!(
+                !(is_type && ["Answer", "Found", "Pair", "Job"].contains(&name)),
+                "{}: say which {name} it is: {line}",
+                module.join("::")
+            );
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! The real program, run as people run it: its output, its files, its exit codes.
+
+#[path = "../../core/tests/common/damage.rs"]
+mod damage;
+#[path = "../../core/tests/common/shared.rs"]
+mod shared;
+
+mod calibrating;
+mod detecting;
+mod drawing;
+#[cfg(unix)]
+mod ending_well;
+mod house;
+mod inspecting;
+mod interrupting;
+#[cfg(feature = "colmap")]
+mod killed;
+mod lessons_and_sessions;
+mod making;
+mod matching;
+mod measuring;
+mod memory;
+#[cfg(unix)]
+mod overwriting;
+mod real;
+mod reconstructing;
+mod remaking;
+mod support;
+mod teaching;
+mod trajectories;
+#[cfg(feature = "raw")]
+mod worker;

@@ -1,0 +1,376 @@
+//! What was opened is never written to, and what others wrote is replaced only when that is asked for.
+
+use super::support::{names, program, run, run_badly, run_well, stderr};
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+/// A chart of four small frames in the folder `home/name`.
+fn chart(home: &Path, name: &str) {
+    let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
+    run_well(home, &[&["synth", "chart", "--quiet", "--out", name][..], &size].concat());
+}
+
+const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
+const SMALL: [&str; 3] = ["--size", "640x480", "--no-detect"];
+
+/// All files below `folder`, with their contents.
+fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    for name in names(folder) {
+        let path = folder.join(&name);
+        if path.is_dir() {
+            found.extend(contents(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+        } else {
+            found.push((name, fs::read(&path).expect("a file")));
+        }
+    }
+    found
+}
+
+/// The command is refused with this word, with and without `--force`, before it begins, and changes nothing.
+fn refused_always(home: &Path, arguments: &[&str], word: &str) {
+    let before = contents(home);
+    for more in [&[][..], &["--force"]] {
+        let words = run_badly(home, &[arguments, more].concat(), 1);
+        assert!(words.contains(word), "{arguments:?}: {words}");
+    }
+    assert!(contents(home) == before, "{arguments:?} changed something");
+}
+
+#[test]
+fn no_command_writes_over_what_it_opens() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "pb");
+    let at = |name: &str| home.path().join(name);
+    // Frames whose names are those of outputs.
+    fs::create_dir(at("tb")).expect("made");
+    for t in 0..4 {
+        let frame = image::open(at(&format!("pb/frame_00{t}.png"))).expect("a frame");
+        frame.save(at(&format!("tb/f{t}.tiff"))).expect("written");
+    }
+    fs::hard_link(at("tb/f1.tiff"), at("other_name.tiff")).expect("linked");
+    std::os::unix::fs::symlink(at("tb"), at("also_tb")).expect("linked");
+    fs::copy(at("tb/f0.tiff"), at("bias.tiff")).expect("copied");
+    run_well(home.path(), &["stack", "tb", "--slope", "0,0", "--out", "ours.tiff"]);
+    let opened = "files that were opened are never written to";
+    for out in ["tb/f0.tiff", "./tb/../tb/f3.tiff", "also_tb/f2.tiff", "other_name.tiff"] {
+        refused_always(home.path(), &["stack", "tb", "--slope", "0,0", "--out", out], opened);
+        refused_always(home.path(), &["merge", "tb", "--out", out], opened);
+    }
+    // Files one by one, what Burstscope wrote itself, and calibration.
+    refused_always(home.path(), &["merge", "tb/f0.tiff", "tb/f1.tiff", "--out", "tb/f1.tiff"], opened);
+    refused_always(home.path(), &["stack", "ours.tiff", "--slope", "0,0", "--out", "ours.tiff"], opened);
+    refused_always(home.path(), &["merge", "tb", "--bias", "bias.tiff", "--out", "bias.tiff"], opened);
+    refused_always(home.path(), &["merge", "tb", "--flat", "tb", "--out", "tb/f3.tiff"], opened);
+    let render = |input: &'static str, out: &'static str| [&["render", input, "--out", out][..], &SMALL].concat();
+    refused_always(home.path(), &render("pb", "pb/frame_000.png"), opened);
+    refused_always(home.path(), &[&render("pb", "bias.tiff")[..], &["--bias", "bias.tiff"]].concat(), opened);
+    // Parameters and sessions are opened too, whatever they are called.
+    fs::write(at("p.tiff"), "levels = 4\n").expect("written");
+    fs::write(at("p.svg"), "levels = 4\n").expect("written");
+    refused_always(home.path(), &["stack", "tb", "--slope", "0,0", "--params", "p.tiff", "--out", "p.tiff"], opened);
+    for command in [&["probe", "tb", "--at", "40,40"][..], &["slopes", "tb"], &["evaluate", "frames", "tb"]] {
+        refused_always(home.path(), &[command, &["--params", "p.svg", "--plot", "p.svg"]].concat(), opened);
+    }
+    refused_always(home.path(), &["evaluate", "chart", "--params", "p.svg", "--plot", "p.svg"], opened);
+    let session = format!("version = 3\nburst = {{ paths = [{:?}] }}\n", at("pb"));
+    fs::write(at("night.toml"), session).expect("written");
+    refused_always(home.path(), &render("night.toml", "night.toml"), opened);
+    refused_always(home.path(), &render("night.toml", "pb/frame_001.png"), opened);
+}
+
+#[test]
+fn a_plot_never_replaces_an_input() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "a");
+    // The frame's name ends in .svg; nothing is opened by its name.
+    fs::rename(home.path().join("a/frame_000.png"), home.path().join("frame.svg")).expect("renamed");
+    let frames = ["frame.svg", "a/frame_001.png", "a/frame_002.png"];
+    let probe = [&["probe"][..], &frames, &["--at", "40,40", "--plot", "frame.svg"]].concat();
+    refused_always(home.path(), &probe, "files that were opened are never written to");
+    let slopes = [&["slopes"][..], &frames, &["--plot", "frame.svg"]].concat();
+    refused_always(home.path(), &slopes, "files that were opened are never written to");
+}
+
+#[test]
+fn a_folder_of_features_keeps_what_others_wrote_there() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["c0", "c1"] {
+        chart(home.path(), &format!("nights/{name}"));
+    }
+    let at = |name: &str| home.path().join(name);
+    fs::create_dir(at("out")).expect("made");
+    fs::write(at("out/c1.csv"), "name,street\nAda,Main 1\n").expect("written");
+    fs::write(at("out/notes.txt"), "about the nights").expect("written");
+    let detect = [&["detect", "nights", "--out", "out", "--format", "csv,colmap,npz"][..], &SEARCH].concat();
+    let before = contents(home.path());
+    let words = run_badly(home.path(), &detect, 1);
+    assert!(words.contains("Burstscope did not write this file") && words.contains("out/c1.csv"), "{words}");
+    assert!(words.contains("--force") && contents(home.path()) == before, "nothing is begun");
+    run_well(home.path(), &[&detect[..], &["--force"]].concat());
+    assert_eq!(names(&at("out")), ["c0.csv", "c0.npz", "c0.txt", "c1.csv", "c1.npz", "c1.txt", "notes.txt"]);
+    assert_eq!(fs::read_to_string(at("out/notes.txt")).expect("there"), "about the nights");
+    // The same command once more replaces its own, and others write there too.
+    run_well(home.path(), &detect);
+    let matching = [&["match", "nights/c0", "nights/c1", "--out", "out"][..], &SEARCH].concat();
+    run_well(home.path(), &matching);
+    run_well(home.path(), &matching);
+    for name in ["c0_c1.matches.csv", "c0_c1.matches.png"] {
+        fs::write(at("out").join(name), "mine").expect("written");
+        let words = run_badly(home.path(), &matching, 1);
+        assert!(words.contains(name) && words.contains("did not write"), "{words}");
+        fs::remove_file(at("out").join(name)).expect("removed");
+    }
+    // A burst whose own file of features would be where its frames are.
+    fs::create_dir(at("flat")).expect("made");
+    for t in 0..3 {
+        fs::copy(at(&format!("nights/c0/frame_00{t}.png")), at(&format!("flat/{t}.png"))).expect("copied");
+    }
+    run_well(home.path(), &[&["detect", "flat", "--out", "flat"][..], &SEARCH].concat());
+    assert_eq!(names(&at("flat")), ["0.png", "1.png", "2.png", "flat.csv"]);
+}
+
+#[test]
+fn one_file_is_replaced_if_burstscope_wrote_it() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "a");
+    let at = |name: &str| home.path().join(name);
+    let render = [&["render", "a", "--out", "x.png"][..], &SMALL].concat();
+    let small = ["--seeds", "1", "--snr", "2", "--methods", "sift-frame", "--width", "96", "--height", "72"];
+    let chart_plot =
+        [&["evaluate", "chart", "--plot", "c.svg", "--discs", "3", "--radius", "3:6"][..], &small].concat();
+    let commands = [
+        (&["stack", "a", "--slope", "0,0", "--out", "x.tiff"][..], "x.tiff"),
+        (&["stack", "a", "--slope", "0,0", "--octave", "0", "--level", "1", "--out", "y.tif"], "y.tif"),
+        (&["merge", "a", "--out", "z.tiff"], "z.tiff"),
+        (&["probe", "a", "--at", "40,40", "--octaves", "2", "--plot", "p.svg"], "p.svg"),
+        (&["slopes", "a", "--octaves", "2", "--plot", "s.svg"], "s.svg"),
+        (&["evaluate", "frames", "a", "--octaves", "2", "--plot", "f.svg"], "f.svg"),
+        (&chart_plot, "c.svg"),
+        (&render, "x.png"),
+    ];
+    for (command, file) in commands {
+        // Made, made again, and an empty file is nothing that could be lost.
+        run_well(home.path(), command);
+        run_well(home.path(), command);
+        fs::write(at(file), "").expect("emptied");
+        run_well(home.path(), command);
+        fs::write(at(file), "somebody's").expect("written");
+        let words = run_badly(home.path(), command, 1);
+        assert!(words.contains("did not write") && words.contains(file) && words.contains("--force"), "{words}");
+        assert_eq!(fs::read_to_string(at(file)).expect("there"), "somebody's");
+        run_well(home.path(), &[command, &["--force"]].concat());
+        assert!(fs::metadata(at(file)).expect("there").len() > 100, "{file}");
+    }
+    // Without a display the window is drawn into a file that has this name.
+    fs::write(at("burstscope-a.png"), "somebody's").expect("written");
+    let words = run_badly(home.path(), &["a"], 1);
+    assert!(words.contains("burstscope-a.png") && words.contains("render --out"), "{words}");
+    assert_eq!(fs::read_to_string(at("burstscope-a.png")).expect("there"), "somebody's");
+}
+
+#[test]
+fn links_are_not_followed() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "a");
+    let at = |name: &str| home.path().join(name);
+    let link = |target: &str, name: &str| std::os::unix::fs::symlink(at(target), at(name)).expect("linked");
+    run_well(home.path(), &["stack", "a", "--slope", "0,0", "--out", "ours.tiff"]);
+    fs::write(at("thesis.tiff"), "precious").expect("written");
+    fs::create_dir(at("out")).expect("made");
+    for (target, name) in [("thesis.tiff", "l1.tiff"), ("ours.tiff", "l2.tiff"), ("nowhere", "l3.tiff")] {
+        link(target, name);
+        let before = contents(home.path());
+        let stack = ["stack", "a", "--slope", "1,0", "--out", name];
+        let words = run_badly(home.path(), &stack, 1);
+        assert!(words.contains("links are not followed") && words.contains(name), "{words}");
+        assert!(contents(home.path()) == before);
+        run_well(home.path(), &[&stack[..], &["--force"]].concat());
+        assert!(!fs::symlink_metadata(at(name)).expect("there").is_symlink(), "the link itself is replaced");
+        let now = contents(home.path());
+        assert!(before.iter().filter(|(file, _)| file != name).all(|old| now.contains(old)), "{target} is as it was");
+    }
+    assert!(!at("nowhere").exists());
+    link("thesis.tiff", "out/a.csv");
+    let detect = [&["detect", "a", "--out", "out"][..], &SEARCH].concat();
+    assert!(run_badly(home.path(), &detect, 1).contains("out/a.csv"));
+    run_well(home.path(), &[&detect[..], &["--force"]].concat());
+    assert_eq!(fs::read_to_string(at("thesis.tiff")).expect("there"), "precious");
+    // A link to a folder is a way to it, for files that go into it; a folder that is replaced as a whole is named itself.
+    fs::create_dir(at("elsewhere")).expect("made");
+    link("elsewhere", "there");
+    run_well(home.path(), &[&["detect", "a", "--out", "there"][..], &SEARCH].concat());
+    assert_eq!(names(&at("elsewhere")), ["a.csv"]);
+    let words = run_badly(home.path(), &["synth", "chart", "--out", "there"], 1);
+    assert!(words.contains("links are not followed"), "{words}");
+    // What is no file stays what it is.
+    for out in ["/dev/stdout", "/dev/null"] {
+        let output = run(home.path(), &["render", "a", "--out", out, "--no-detect", "--force"]);
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn noisy_copies_do_not_replace_their_originals() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "a");
+    run_well(home.path(), &["synth", "noisy", "a", "--out", "copies"]);
+    run_well(home.path(), &["synth", "noisy", "a", "--out", "copies"]);
+    let before = contents(home.path());
+    for out in ["copies", "."] {
+        let words = run_badly(home.path(), &["synth", "noisy", "copies", "--out", out], 1);
+        assert!(words.contains("files that were opened are never written to"), "{words}");
+    }
+    assert!(contents(home.path()) == before);
+}
+
+#[cfg(feature = "colmap")]
+#[test]
+fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b"] {
+        chart(home.path(), &format!("nights/{name}"));
+    }
+    let at = |name: &str| home.path().join(name);
+    let colmap = |inputs: &[&str]| {
+        [&["colmap"], inputs, &["--out", "rec"], &SEARCH].concat().iter().map(|s| s.to_string()).collect::<Vec<_>>()
+    };
+    let run_colmap = |inputs: &[&str], code| {
+        let arguments = colmap(inputs);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        if code == 0 { run_well(home.path(), &arguments) } else { run_badly(home.path(), &arguments, code) }
+    };
+    run_colmap(&["nights"], 0);
+    // Pictures of the dataset taken for bursts of the same names, one frame each.
+    let before = contents(home.path());
+    let words = run_colmap(&["rec/images/a.png", "nights/b"], 1);
+    assert!(words.contains("files that were opened are never written to"), "{words}");
+    assert!(contents(home.path()) == before);
+    // A link among its files, and a folder of somebody's own.
+    fs::remove_file(at("rec/database.db")).expect("removed");
+    fs::write(at("precious.db"), "precious").expect("written");
+    std::os::unix::fs::symlink(at("precious.db"), at("rec/database.db")).expect("linked");
+    assert!(run_colmap(&["nights"], 1).contains("links are not followed"));
+    assert_eq!(fs::read_to_string(at("precious.db")).expect("there"), "precious");
+    for command in
+        [&["colmap", "nights", "--out", "nights"][..], &["figures", "--out", "nights"], &["figures", "--out", "rec"]]
+    {
+        let words = run_badly(home.path(), command, 1);
+        assert!(words.contains("this folder holds files"), "{words}");
+    }
+}
+
+#[test]
+fn two_processes_do_not_write_into_one_folder() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b"] {
+        chart(home.path(), name);
+    }
+    let out = home.path().join("out");
+    fs::create_dir(&out).expect("made");
+    let lock = out.join(".burstscope-lock");
+    fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
+    let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
+    file.try_lock().expect("free");
+    let detect = [&["detect", "a", "--out", "out"][..], &SEARCH].concat();
+    let matching = [&["match", "a", "b", "--out", "out"][..], &SEARCH].concat();
+    for command in [&detect[..], &matching, &["figures", "--out", "out", "--only", "fig9", "--quick"]] {
+        let words = run_badly(home.path(), command, 1);
+        assert!(words.contains("process 4711 on lighthouse writes into this folder"), "{words}");
+    }
+    assert_eq!(names(&out), [".burstscope-lock"], "nothing was begun");
+    drop(file);
+    run_well(home.path(), &matching);
+    assert_eq!(names(&out), ["a.csv", "a_b.matches.csv", "a_b.matches.png", "b.csv"], "the lock is not left");
+    // A folder that is made as a whole is locked from beside.
+    let lock = home.path().join(".burstscope-a.lock");
+    fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
+    let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
+    file.try_lock().expect("free");
+    let words = run_badly(home.path(), &["synth", "chart", "--out", "a"], 1);
+    assert!(words.contains("process 4711 on lighthouse writes into this folder"), "{words}");
+    chart(home.path(), "c");
+    drop(file);
+    chart(home.path(), "a");
+    assert_eq!(names(home.path()), ["a", "b", "c", "out"]);
+    // What killed runs leave makes no folder one of somebody's own.
+    for command in
+        [&["figures", "--out", "left", "--only", "fig9", "--quick"][..], &["synth", "chart", "--out", "left2"]]
+    {
+        let left = home.path().join(command[command.iter().position(|word| *word == "--out").expect("there") + 1]);
+        fs::create_dir(&left).expect("made");
+        fs::write(left.join(".burstscope-lock"), "process 4711\n").expect("written");
+        fs::write(left.join(".burstscope-abc.tmp"), "half").expect("written");
+        run_well(home.path(), command);
+    }
+}
+
+/// Two runs at once: one of them is refused, and what is there in the end is what one of them made.
+#[test]
+fn of_two_runs_into_one_folder_one_is_refused() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "a");
+    let arguments = |edge: &'static str| {
+        [&["detect", "a", "--out", "out", "--format", "csv,colmap,npz", "--edge-threshold", edge][..], &SEARCH].concat()
+    };
+    let made: Vec<_> = ["5", "12"]
+        .map(|edge| {
+            run_well(home.path(), &arguments(edge));
+            let made = contents(&home.path().join("out"));
+            fs::remove_dir_all(home.path().join("out")).expect("removed");
+            made
+        })
+        .into();
+    assert!(made[0] != made[1]);
+    for round in 0..6 {
+        let start = |edge| {
+            let mut command = program(home.path(), &arguments(edge));
+            command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts")
+        };
+        let (first, second) = (start("5"), start("12"));
+        let outputs = [first, second].map(|child| child.wait_with_output().expect("an end"));
+        let codes = outputs.each_ref().map(|output| output.status.code());
+        // The later one may have begun after the earlier one had ended.
+        for output in outputs.iter().filter(|output| output.status.code() != Some(0)) {
+            assert!(stderr(output).contains("writes into this folder"), "{}", stderr(output));
+        }
+        assert!(codes.contains(&Some(0)), "round {round}: {codes:?}");
+        let found = contents(&home.path().join("out"));
+        assert!(made.contains(&found), "round {round}: a mixture");
+        fs::remove_dir_all(home.path().join("out")).expect("removed");
+    }
+}
+
+#[test]
+fn a_folder_that_is_removed_while_it_is_written_is_an_error() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b", "c"] {
+        chart(home.path(), &format!("nights/{name}"));
+    }
+    // So many slopes that there is time to remove the folder.
+    let search = ["--slopes-u", "-3:3:41", "--slopes-v", "-3:3:41", "--threads", "1"];
+    let out = home.path().join("out");
+    let mut commands = vec![(&["detect", "nights", "--out", "out"][..], "a.csv")];
+    if cfg!(feature = "colmap") {
+        commands.push((&["colmap", "nights", "--out", "out"], "records/a.png.json"));
+    }
+    for (command, first) in commands {
+        let mut running = program(home.path(), &[command, &search].concat());
+        let mut running = running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+        let end = Instant::now() + Duration::from_secs(300);
+        while !out.join(first).exists() {
+            assert!(
+                Instant::now() < end && running.try_wait().expect("a state").is_none(),
+                "{command:?} came to no file"
+            );
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        fs::remove_dir_all(&out).expect("removed");
+        let output = running.wait_with_output().expect("an end");
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+        assert!(stderr(&output).contains("this folder was removed while it was being written"), "{}", stderr(&output));
+        assert!(!out.exists(), "{command:?} made it anew with a part of the files");
+    }
+}

@@ -1,0 +1,194 @@
+//! Raw files decoded by a process of their own: the same values and the same words as without one, and whatever ends
+//! that process is an error about the file.
+//!
+//! The process is set for the whole program of these tests.
+
+#[allow(dead_code)] // other tests use more of them
+#[path = "../../core/tests/files/opening/crafted.rs"]
+mod crafted;
+#[allow(dead_code)]
+#[path = "../../core/tests/files/opening/dng.rs"]
+mod dng;
+
+use burstscope::Monitor;
+use burstscope::burst::{Burst, DecodeWorker, Limits, OpenError, OpenOptions};
+use dng::Dng;
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::{Once, OnceLock};
+use std::time::{Duration, Instant};
+
+/// Has the program that these tests belong to decode.
+fn with_worker() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let program = PathBuf::from(env!("CARGO_BIN_EXE_burstscope"));
+        assert!(DecodeWorker { program, arguments: vec![burstscope::cli::DECODE_WORKER.into()] }.install());
+        let other = DecodeWorker { program: "another".into(), arguments: Vec::new() };
+        assert!(!other.install(), "the first one stays");
+    });
+}
+
+fn open(path: &Path) -> Result<Burst, OpenError> {
+    with_worker();
+    Burst::open(path)
+}
+
+/// Whether a child of this process decodes at the moment; `false` where the system does not say.
+fn is_decoding() -> bool {
+    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let mut lists = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+    let of_worker = |process: &str| {
+        let line = std::fs::read_to_string(format!("/proc/{process}/cmdline"));
+        line.is_ok_and(|line| line.contains(burstscope::cli::DECODE_WORKER))
+    };
+    lists.any(|list| list.split_whitespace().any(of_worker))
+}
+
+#[test]
+fn values_come_through_as_they_are() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for t in 0..5usize {
+        let dng = Dng::new((24, 16), |u, v| (64 + 31 * t + 7 * u + 3 * v) as u16);
+        std::fs::write(folder.path().join(format!("{t}.dng")), dng.bytes()).expect("written");
+    }
+    let burst = open(folder.path()).expect("five frames");
+    assert_eq!((burst.len(), burst.size(), burst.binning, burst.full_scale), (5, (12, 8), 2, 1023.0));
+    for (t, frame) in burst.frames.iter().enumerate() {
+        for v in 0..8 {
+            for u in 0..12 {
+                // The mean of the square, whose middle is half a pixel to the right and down.
+                let value = (31 * t + 14 * u + 6 * v) as f32 + 5.0;
+                let found = frame.at(u, v) * (1023.0 - 64.0);
+                assert!((found - value).abs() < 1e-2, "{t} {u} {v}: {found} instead of {value}");
+            }
+        }
+    }
+}
+
+#[test]
+fn errors_say_what_they_say_without_a_process() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.dng");
+    let sound = Dng::new((24, 16), |u, v| (64 + u + v) as u16).bytes();
+    std::fs::write(&path, &sound[..sound.len() - 9]).expect("written");
+    let error = open(&path).expect_err("cut");
+    assert!(matches!(error, OpenError::Corrupt { kind: "raw", .. }) && error.to_string().contains("a.dng"), "{error}");
+    std::fs::write(&path, b"FUJIFILM and nothing more").expect("written");
+    let error = open(&path.with_extension("raf")).expect_err("missing");
+    assert!(matches!(error, OpenError::NotFound { .. }), "{error}");
+    // Levels that do not go together: what the decoder's own caller says.
+    std::fs::write(&path, &sound).expect("written");
+    let options = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
+    let error = Burst::open_with(&[path.clone()], &options, &Monitor::default()).expect_err("black above white");
+    assert!(matches!(error, OpenError::Unsupported { kind: "raw", .. }), "{error:?}");
+    let limits = Limits { max_side_px: 20, ..Limits::default() };
+    let options = OpenOptions { limits, ..OpenOptions::default() };
+    let error = Burst::open_with(&[path.clone()], &options, &Monitor::default()).expect_err("too wide");
+    assert!(matches!(error, OpenError::BeyondLimit { .. }) && error.to_string().contains("24×16"), "{error:?}");
+    // Frames of two sizes.
+    let second = folder.path().join("b.dng");
+    std::fs::write(&second, Dng::new((24, 18), |_, _| 70).bytes()).expect("written");
+    let error = open(folder.path()).expect_err("two sizes");
+    assert!(
+        matches!(&error, OpenError::DifferentSizes { first, path: odd, size: (12, 9), .. } if *first == path && *odd == second),
+        "{error:?}"
+    );
+}
+
+#[test]
+fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bad.raf");
+    std::fs::write(&path, crafted::huge_count_raf()).expect("written");
+    let error = open(&path).expect_err("34 GB");
+    assert!(matches!(error, OpenError::Corrupt { kind: "raw", .. }), "{error:?}");
+    let words = error.to_string();
+    assert!(words.contains("bad.raf") && words.contains("damaged"), "{words}");
+    if cfg!(target_os = "linux") {
+        assert!(words.contains("its decoder asked for 32768 MiB of memory"), "{words}");
+    }
+}
+
+#[test]
+fn cancelling_ends_the_process() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Enough pixels for a decoder to be busy with.
+    let path = folder.path().join("large.dng");
+    std::fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
+    with_worker();
+    let monitor = Monitor::default();
+    let answer = std::thread::scope(|scope| {
+        let opening = scope.spawn(|| Burst::open_with(&[path.clone()], &OpenOptions::default(), &monitor));
+        let started = Instant::now();
+        let is_told = Path::new("/proc/thread-self/children").exists();
+        while is_told && !is_decoding() && !opening.is_finished() {
+            assert!(started.elapsed() < Duration::from_secs(120), "no process was started");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        monitor.cancel();
+        opening.join().expect("no panic")
+    });
+    assert!(answer.is_err_and(|error| error.is_cancelled()));
+}
+
+#[test]
+fn a_program_that_decodes_nothing_is_an_error_about_the_file() {
+    // Not the program of this process's setting, but what it would say: no answer at all.
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_burstscope"))
+        .args([burstscope::cli::DECODE_WORKER, "nowhere.dng"])
+        .stdin(std::process::Stdio::null())
+        .output()
+        .expect("it starts");
+    assert!(!output.status.success() && output.stdout.is_empty(), "{output:?}");
+}
+
+/// Raw files to be damaged.
+fn samples() -> &'static [(&'static str, Vec<u8>)] {
+    static SAMPLES: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
+    SAMPLES.get_or_init(|| {
+        let sound = Dng::new((12, 10), |u, v| (64 + 31 * u + 7 * v) as u16).bytes();
+        vec![
+            ("raw.dng", sound.clone()),
+            ("raw.nef", sound),
+            ("count.dng", crafted::huge_count_dng(5)),
+            ("count.raf", crafted::huge_count_raf()),
+        ]
+    })
+}
+
+proptest! {
+    // Each input is a process; `PROPTEST_CASES` asks for more.
+    #![proptest_config(ProptestConfig { cases: if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 48 }, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damaged_raw_files_end_nothing(
+        sample in any::<prop::sample::Index>(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
+        words in prop::collection::vec((any::<prop::sample::Index>(), prop_oneof![Just(u32::MAX), Just(0), any::<u32>()]), 0..3),
+        cut in prop::option::weighted(0.3, any::<prop::sample::Index>()),
+    ) {
+        with_worker();
+        let (name, sound) = sample.get(samples());
+        let mut bytes = sound.clone();
+        for (place, value) in changes {
+            let place = place.index(bytes.len());
+            bytes[place] = value;
+        }
+        for (place, value) in words {
+            let place = place.index(bytes.len() - 4);
+            bytes[place..place + 4].copy_from_slice(&value.to_le_bytes());
+        }
+        if let Some(cut) = cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        let limits = Limits { max_side_px: 512, max_pixels: 1 << 16, max_frames: 16, max_bytes: 1 << 22 };
+        match Burst::open_with(&[path], &OpenOptions { limits, ..OpenOptions::default() }, &Monitor::default()) {
+            Ok(burst) => prop_assert!(burst.frames[0].data().iter().all(|v| v.is_finite())),
+            Err(error) => prop_assert!(error.to_string().contains(name), "{error}"),
+        }
+    }
+}

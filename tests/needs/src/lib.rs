@@ -1,0 +1,88 @@
+//! Attributes for tests that need something which is not on every machine.
+//!
+//! Where it is missing, the test is compiled with `#[ignore = "…"]`, so that the list of the test runner says which
+//! tests did not run, and why. An attribute stands above `#[test]`. It looks while the test program is compiled: after
+//! the missing thing was installed, touch a file of the test program, or run what is ignored with
+//! `cargo test -- --include-ignored`.
+
+use proc_macro::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// Ignores the test where one of the named files or folders of the real input is missing.
+///
+/// The real input is in the folder that `BURSTSCOPE_SHARED` names, or else in `../shared` beside the checkout. With
+/// `BURSTSCOPE_REQUIRE_SHARED=1` a missing one is a compile error.
+#[proc_macro_attribute]
+pub fn shared(paths: TokenStream, test: TokenStream) -> TokenStream {
+    let root = shared_root();
+    let is_missing = |path: &String| !root.as_ref().is_some_and(|root| root.join(path).exists());
+    let missing: Vec<String> = paths.into_iter().filter_map(text).filter(is_missing).collect();
+    let named = missing.join(" and ");
+    if missing.is_empty() {
+        with_ignore(None, test)
+    } else if std::env::var_os("BURSTSCOPE_REQUIRE_SHARED").is_some_and(|value| value != "0" && !value.is_empty()) {
+        error(&format!("{named} is not in {root:?}, and BURSTSCOPE_REQUIRE_SHARED says that no test may be ignored"))
+    } else {
+        with_ignore(Some(&format!("needs {named}, in ../shared or where BURSTSCOPE_SHARED says")), test)
+    }
+}
+
+/// Ignores the test where the Python that `BURSTSCOPE_PYTHON` names (or else `python3`) has no pycolmap or no numpy.
+#[proc_macro_attribute]
+pub fn pycolmap(_: TokenStream, test: TokenStream) -> TokenStream {
+    let python = std::env::var("BURSTSCOPE_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let imported = Command::new(&python).args(["-c", "import pycolmap, numpy"]).output();
+    let reason = format!("needs pycolmap and numpy, in {python} or the Python that BURSTSCOPE_PYTHON names");
+    with_ignore((!imported.is_ok_and(|output| output.status.success())).then_some(&reason), test)
+}
+
+/// The folder of the real input: that of `BURSTSCOPE_SHARED`, or `shared` beside the folder that holds `Cargo.lock`.
+fn shared_root() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os("BURSTSCOPE_SHARED") {
+        return Some(named.into());
+    }
+    let package = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR")?);
+    let checkout = package.ancestors().find(|folder| folder.join("Cargo.lock").exists())?;
+    Some(checkout.parent()?.join("shared"))
+}
+
+/// The text of a string literal without escapes.
+fn text(token: TokenTree) -> Option<String> {
+    match token {
+        TokenTree::Literal(literal) => Some(literal.to_string().trim_matches('"').to_owned()),
+        _ => None,
+    }
+}
+
+/// The variables that say where to look. The compiler notes which ones `option_env!` reads, and compiles the test
+/// program again when they change; it does not note what an attribute reads.
+const VARIABLES: &str = "const _: [Option<&str>; 3] = [option_env!(\"BURSTSCOPE_SHARED\"), \
+     option_env!(\"BURSTSCOPE_REQUIRE_SHARED\"), option_env!(\"BURSTSCOPE_PYTHON\")];";
+
+/// `test`, with `#[ignore = "reason"]` above it where there is a reason.
+fn with_ignore(reason: Option<&String>, test: TokenStream) -> TokenStream {
+    // Once `#[test]` is expanded, `#[ignore]` has no effect.
+    if !test.to_string().replace(' ', "").contains("#[test]") {
+        return error("this attribute stands above #[test]");
+    }
+    let mut out: TokenStream = VARIABLES.parse().expect("it is Rust");
+    if let Some(reason) = reason {
+        let ignore = [
+            TokenTree::Ident(Ident::new("ignore", Span::call_site())),
+            Punct::new('=', Spacing::Alone).into(),
+            Literal::string(reason).into(),
+        ];
+        out.extend([
+            TokenTree::Punct(Punct::new('#', Spacing::Alone)),
+            Group::new(Delimiter::Bracket, ignore.into_iter().collect()).into(),
+        ]);
+    }
+    out.extend(test);
+    out
+}
+
+/// An error of the compiler, at the attribute.
+fn error(message: &str) -> TokenStream {
+    format!("compile_error!({message:?});").parse().expect("it is Rust")
+}

@@ -1,0 +1,44 @@
+//! The window, driven as a person drives it: by what is written on its buttons, and by keys.
+#![allow(clippy::unwrap_used)] // A test may panic; so may its helpers.
+
+mod harness;
+mod pictures;
+mod support;
+
+mod calibrating;
+mod candidates;
+mod canvas;
+mod closing;
+mod coherence;
+mod compared;
+mod dataset_matches;
+mod datasets;
+mod detecting;
+mod examples;
+mod filmstrip;
+mod finding_ones_way;
+mod glossary;
+mod keeping;
+mod lab;
+mod lessons;
+mod long_films;
+mod looks;
+mod lost_matches;
+mod maps;
+mod measuring;
+mod methods;
+mod narrow;
+mod noise;
+mod opening;
+mod pairs;
+mod panes;
+mod paper_figures;
+mod probe;
+mod probe_plane;
+mod recovery;
+mod scrubbing;
+mod slopes;
+mod spectrum;
+mod steps_back;
+mod trajectories;
+mod truth;
