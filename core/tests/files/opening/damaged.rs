@@ -10,7 +10,7 @@ use std::path::Path;
 use tiff::encoder::colortype;
 
 /// A progressive JPEG of 45×37 with colours of half the size.
-const PROGRESSIVE: &[u8] = include_bytes!("samples/progressive.jpg");
+pub const PROGRESSIVE: &[u8] = include_bytes!("samples/progressive.jpg");
 
 fn accepting() -> OpenOptions {
     OpenOptions { accept_damaged: true, ..OpenOptions::default() }
