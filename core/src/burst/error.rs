@@ -318,8 +318,8 @@ impl OpenError {
         }
     }
 
-    /// The error of a decoder's read of a file of the format `kind`: one that ends early is damaged, anything else is the
-    /// system's.
+    /// The error of a decoder's read of a file of the format `kind`: one that ends early is damaged, anything else is
+    /// the system's.
     pub(super) fn from_read(path: &Path, kind: &'static str, error: &std::io::Error) -> Self {
         use std::io::ErrorKind::{InvalidData, InvalidInput, Other, UnexpectedEof};
         let reason = match error.kind() {

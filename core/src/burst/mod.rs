@@ -54,7 +54,7 @@ pub struct Burst {
     pub binning: usize,
     /// The largest value of a converter of fewer bits that could have made these 16-bit files: never applied unasked.
     pub suggested_full_scale: Option<f32>,
-    /// What is to be known of the files of single frames.
+    /// Remarks on the files of single frames: damage that was accepted, names of another kind.
     pub remarks: Vec<Remark>,
     /// The files or folders it was opened from; empty for synthetic bursts.
     pub sources: Vec<PathBuf>,

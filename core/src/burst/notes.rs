@@ -39,11 +39,11 @@ impl Note {
 pub struct Remark {
     /// The frame's index in the burst.
     pub frame: usize,
-    /// What it is.
+    /// Damage, or a wrong name.
     pub kind: RemarkKind,
 }
 
-/// What is to be known of a frame's file.
+/// Kinds of [`Remark`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RemarkKind {
     /// Its data is damaged, which was accepted, and a part of the frame is made up; why.
@@ -53,7 +53,7 @@ pub enum RemarkKind {
 }
 
 impl Remark {
-    /// Those of `frames`.
+    /// The remarks on `frames`.
     pub(super) fn of(frames: &mut [RawFrame]) -> Vec<Self> {
         let mut remarks = Vec::new();
         for (frame, raw) in frames.iter_mut().enumerate() {

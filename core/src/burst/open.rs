@@ -35,11 +35,11 @@ impl Burst {
     /// magnitude (before the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the
     /// value that became 1. Colour becomes luma with the weights of Rec. 709 on the stored values
     /// ([`super::LUMA_WEIGHTS`]), or on linear ones with [`OpenOptions::linearise`]; alpha is ignored. A photograph is
-    /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused, unless
-    /// [`OpenOptions::full_scale`] says which value of all their files becomes 1.
+    /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
+    /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1.
     ///
-    /// **Damaged files.** What a file announces is compared with its length before it is decoded. Raw files, and pictures
-    /// whose decoding takes much memory, are decoded by a [`super::DecodeWorker`] where one is installed.
+    /// **Damaged files.** The sizes that a file announces are compared with its length before it is decoded. Raw files,
+    /// and pictures whose decoding takes much memory, are decoded by a [`super::DecodeWorker`] where one is installed.
     ///
     /// Frames are decoded in parallel; `monitor` hears of every frame and is asked before each.
     ///

@@ -28,8 +28,8 @@ pub struct OpenOptions {
     pub black_level: Option<f32>,
     /// Whether the sRGB encoding of integer pictures is undone, so that values are proportional to light.
     pub linearise: bool,
-    /// Whether JPEG frames whose data is damaged or ends early are taken as far as they can be decoded; the rest of such
-    /// a frame is grey. [`super::Burst::remarks`] says which they are.
+    /// Whether JPEG frames whose data is damaged or ends early are taken as far as they can be decoded; the rest of
+    /// such a frame is grey. [`super::Burst::remarks`] says which they are.
     pub accept_damaged: bool,
     /// What is taken of the colours of a raw frame.
     pub raw_colour: RawColour,

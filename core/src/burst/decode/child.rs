@@ -54,7 +54,7 @@ const CLOCK_FACTOR: u64 = 4;
 /// How often cancelling is looked for.
 const POLL: Duration = Duration::from_millis(10);
 
-/// What a file may take.
+/// Memory and time that the decoding of a file may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Budget {
     memory_bytes: u64,
@@ -84,7 +84,7 @@ pub(super) fn is_installed() -> bool {
 /// Has `part` of the file `path`, of the format `kind`, decoded in a process of its own.
 ///
 /// # Errors
-/// What the other process says of the file; [`OpenError::Corrupt`] where it did not live to say anything.
+/// The other process's error about the file; [`OpenError::Corrupt`] where that process ended without an answer.
 pub(super) fn decode(
     path: &Path,
     kind: &'static str,
@@ -153,6 +153,12 @@ impl Running {
         {
             // What the terminal sends (Ctrl-C) is for the program, which ends its children itself.
             std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        }
+        #[cfg(windows)]
+        {
+            // A program without a console would else show one for each file.
+            const CREATE_NO_WINDOW: u32 = 0x0800_0000;
+            std::os::windows::process::CommandExt::creation_flags(&mut command, CREATE_NO_WINDOW);
         }
         let child = command.spawn();
         let child =

@@ -20,7 +20,7 @@ use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
-/// What a decoder may take besides the pixels, bytes.
+/// Memory that a decoder may take besides the pixels, bytes.
 const BESIDES_BYTES: u64 = 1 << 26;
 
 pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, OpenError> {

@@ -1,7 +1,7 @@
 //! From one file to float frames. The kind of a file is told by its first bytes, not by its name.
 //!
-//! A [`look`] at what the file declares comes before every decoder. Decoders that are not ours run in a process of their
-//! own ([`child`]) where they could take much memory, and always for raw files.
+//! A [`look`] at the sizes that the file declares comes before every decoder. Decoders that are not ours run in a
+//! process of their own ([`child`]) where they could take much memory, and always for raw files.
 
 mod child;
 mod image;
@@ -59,7 +59,7 @@ pub(super) enum FileScale {
 }
 
 impl FileScale {
-    /// What the samples of a file are; frames whose samples differ are not in one unit. A raw file says for itself what
+    /// Name of the file's samples; frames whose samples differ are not in one unit. A raw file says for itself what
     /// is white in it.
     pub(super) fn samples(self) -> &'static str {
         match self {
@@ -151,8 +151,8 @@ pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
     })
 }
 
-/// What the file declares, checked against the limits. A raw file says little before it is decoded: of it the frame is
-/// answered too.
+/// Size and number of frames that the file declares, checked against the limits. A raw file says little before it is
+/// decoded: of it the frame is answered too.
 pub(super) fn header(
     path: &Path,
     options: &OpenOptions,
@@ -252,7 +252,7 @@ struct InputFile {
     kind: Kind,
     /// The name of its kind, where its own name says another.
     misnamed: Option<&'static str>,
-    /// Those of a TIFF, and of raw files that are TIFFs.
+    /// Directories of a TIFF, and of raw files that are TIFFs.
     directories: Option<Directories>,
 }
 
@@ -307,7 +307,7 @@ impl InputFile {
     }
 }
 
-/// What is said of raw files where nothing reads them.
+/// Error of raw files where nothing reads them.
 fn without_raw(path: &Path) -> OpenError {
     OpenError::Unsupported {
         path: path.into(),

@@ -169,7 +169,7 @@ impl Pages {
     }
 }
 
-/// What a page is called in messages.
+/// Name of a page in messages.
 fn page_name(path: &Path, page: usize) -> PathBuf {
     PathBuf::from(format!("{} (page {})", path.display(), page + 1))
 }
@@ -218,8 +218,8 @@ impl<'a> PageReader<'a> {
         Ok(RawFrame { damage, ..decoded })
     }
 
-    /// What is missing of the page at which the decoder stands, where the decoder would not say: its strips or tiles may
-    /// be JPEGs.
+    /// The damage of the page at which the decoder stands, where the decoder would not say: its strips or tiles may be
+    /// JPEGs.
     fn damage(&mut self) -> TiffResult<Option<String>> {
         const JPEG: u16 = 7;
         if self.decoder.find_tag_unsigned::<u16>(Tag::Compression)? != Some(JPEG) {

@@ -15,10 +15,10 @@ use std::path::Path;
 /// JSON is never longer than this, bytes.
 const MAX_JSON_BYTES: u32 = 1 << 20;
 
-/// What of a file is to be decoded.
+/// Part of a file that is to be decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Part {
-    /// The one frame that it holds.
+    /// Its only frame.
     Only,
     /// A page of a TIFF, which is this frame of the burst.
     Page {
@@ -34,7 +34,7 @@ pub(super) enum Part {
 pub(super) struct DecodeRequest {
     /// The program's version: both processes must be of one.
     pub version: String,
-    /// What of the file is wanted.
+    /// Part of the file that is wanted.
     pub part: Part,
     /// The (columns, rows) that are expected, if any are.
     pub expected: Option<(usize, usize)>,
@@ -48,7 +48,7 @@ pub(super) struct DecodeRequest {
     pub cpu_seconds: u64,
 }
 
-/// What comes before the pixels.
+/// Head of an answer, before the pixels.
 #[derive(Debug, Serialize, Deserialize)]
 enum ReplyHead {
     Frame { size: (usize, usize), scale: ScaleData, encoding: Encoding, binning: usize, damage: Option<String> },

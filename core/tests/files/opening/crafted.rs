@@ -33,7 +33,7 @@ pub fn huge_count_dng(kind: u16) -> Vec<u8> {
     directory(&entries, 226)
 }
 
-/// The same in a kind of raw file whose structure only its decoder knows: nothing but a limit of memory holds it.
+/// A raw file with such an entry whose structure only its decoder knows: nothing but a limit of memory holds it.
 pub fn huge_count_raf() -> Vec<u8> {
     const AT: usize = 160;
     let mut bytes = b"FUJIFILMCCD-RAW 0201FF129502X-T1".to_vec();

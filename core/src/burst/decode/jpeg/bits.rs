@@ -16,7 +16,7 @@ pub(super) struct Bits<'a> {
 }
 
 impl<'a> Bits<'a> {
-    /// Those from `at` on.
+    /// The bits of `bytes` from `at` on.
     pub(super) fn new(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at, buffer: 0, held: 0, made_up: 0, ended: false }
     }

@@ -12,7 +12,7 @@ mod scan;
 use huffman::Table;
 use scan::{Component, Frame, Scan};
 
-/// What is known of a JPEG without decoding it.
+/// Result of reading a JPEG without decoding it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Soundness {
     /// All data is there.
@@ -23,8 +23,8 @@ pub(super) enum Soundness {
     Unknown,
 }
 
-/// Reads the JPEG `bytes`, which begin with its start marker. `tables` are the segments of a file that keeps them apart,
-/// as TIFF does; usually empty.
+/// Reads the JPEG `bytes`, which begin with its start marker. `tables` are the segments of a file that keeps them
+/// apart, as TIFF does; usually empty.
 pub(super) fn soundness(bytes: &[u8], tables: &[u8]) -> Soundness {
     let mut reader = Reader::default();
     if !tables.is_empty() {
@@ -39,7 +39,7 @@ pub(super) fn soundness(bytes: &[u8], tables: &[u8]) -> Soundness {
     }
 }
 
-/// What the segments that were read say.
+/// State of the reading: the segments so far.
 #[derive(Debug, Default)]
 struct Reader {
     dc_tables: [Option<Table>; 4],

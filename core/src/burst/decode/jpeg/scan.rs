@@ -7,13 +7,13 @@ use crate::plane::memory;
 
 /// Coefficients of a block.
 const BLOCK: usize = 64;
-/// What says that no scan of a coefficient came yet.
+/// Value of `missing_bits` for a coefficient of which no scan came yet.
 const NEVER: u8 = 255;
 
 /// A component of the picture: brightness or a colour.
 #[derive(Debug)]
 pub(super) struct Component {
-    /// What scans call it.
+    /// Its number in the headers of scans.
     pub id: u8,
     across: usize,
     down: usize,
@@ -108,7 +108,7 @@ impl Frame {
     /// Reads the data of `scan` from `start` on; answers where it ends.
     ///
     /// # Errors
-    /// What is wrong with it, as the end of a sentence.
+    /// A description of the damage, as the end of a sentence.
     pub(super) fn read_scan(
         &mut self,
         scan: &Scan,
@@ -181,7 +181,7 @@ impl Frame {
     }
 }
 
-/// What changes while a scan is read.
+/// State of the reading of a scan.
 struct ScanState<'a> {
     scan: &'a Scan,
     tables: Tables<'a>,

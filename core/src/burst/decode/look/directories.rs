@@ -45,7 +45,7 @@ struct Values {
     count: u64,
     /// Where they are, unless in the entry itself.
     at: Option<u64>,
-    /// Those of the entry itself.
+    /// The entry's own field, where the values stand in it.
     inline: [u8; 8],
 }
 
@@ -55,7 +55,7 @@ impl Values {
     }
 }
 
-/// What is kept of a directory.
+/// The few numbers that are kept of a directory.
 #[derive(Debug, Default)]
 pub(in crate::burst::decode) struct Directory {
     /// Columns; 0 where it says nothing.
@@ -73,7 +73,7 @@ pub(in crate::burst::decode) struct Directory {
 /// The directories of a file.
 #[derive(Debug)]
 pub(in crate::burst::decode) struct Directories {
-    /// Those of the chain and those that they point at, in the order in which they are found.
+    /// Pages and the directories that they point at, in the order in which they are found.
     pub list: Vec<Directory>,
     /// Whether the first one says that the file is a DNG.
     pub is_dng: bool,
@@ -95,7 +95,7 @@ impl Directories {
     /// DNG, must hold all values of all its directories of pictures.
     ///
     /// # Errors
-    /// What the file announces and cannot hold.
+    /// [`Refusal`] of a file that announces more than it can hold.
     pub(in crate::burst::decode) fn read(
         file: &mut (impl Read + Seek),
         length: u64,

@@ -11,7 +11,7 @@ const DEFLATE_GAIN: u64 = 1040;
 /// Looks at a picture of `length` bytes.
 ///
 /// # Errors
-/// What it announces and cannot hold.
+/// [`Refusal`] of a picture that announces more than it can hold.
 pub(in crate::burst::decode) fn check_picture(
     file: &mut (impl Read + Seek),
     length: u64,

@@ -10,7 +10,7 @@ pub(in crate::burst::decode) enum Refusal {
     Corrupt(String),
     /// It announces more than anybody needs.
     TooLarge {
-        /// What it announces.
+        /// The announced size, in words.
         found: String,
         /// How much is allowed.
         limit: String,

@@ -20,7 +20,7 @@ fn tiff(entries: &[(u16, u16, u32, u32)], before: usize) -> Vec<u8> {
     bytes
 }
 
-/// The same as BigTIFF, most significant byte first.
+/// A BigTIFF of one directory, most significant byte first.
 fn big_tiff(entries: &[(u16, u16, u64, u64)], before: usize) -> Vec<u8> {
     let mut bytes = b"MM\0+\0\x08\0\0".to_vec();
     bytes.extend((16 + before as u64).to_be_bytes());
