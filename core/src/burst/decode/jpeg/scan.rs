@@ -149,14 +149,15 @@ impl Frame {
 
     /// Whether the header of a scan is possible for this picture.
     fn check_header(&self, scan: &Scan) -> Result<(), String> {
+        if scan.first > scan.last || scan.last >= BLOCK {
+            return Err("the header of a scan is damaged".to_owned());
+        }
         let ac = scan.first > 0;
         // What refines comes after what it refines, and all of it after the DC of a block.
-        let begun =
-            |index: usize| self.components[index].missing_bits[if scan.high > 0 { scan.first } else { 0 }] != NEVER;
+        let before = if scan.high > 0 { scan.first } else { 0 };
+        let is_begun = |index: usize| self.components[index].missing_bits[before] != NEVER;
         let possible = (1..=4).contains(&scan.components.len())
-            && ((!ac && scan.high == 0) || scan.components.iter().all(|(index, ..)| begun(*index)))
-            && scan.first <= scan.last
-            && scan.last < BLOCK
+            && ((!ac && scan.high == 0) || scan.components.iter().all(|(index, ..)| is_begun(*index)))
             && scan.low < 14
             && (!self.progressive || ac || scan.last == 0)
             && (!ac || (self.progressive && scan.components.len() == 1))
