@@ -62,7 +62,8 @@ Files, for each burst NAME:
 JSON (--json):
   {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},
    \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"full_scale\", \"encoding\": linear or srgb,
-     \"binning\", \"suggested_full_scale\" where 16-bit files look like 10, 12 or 14 bits, \"features\",
+     \"binning\", \"suggested_full_scale\" where 16-bit files look like 10, 12 or 14 bits,
+     \"damaged_frames\": [name] where --accept-damaged took some, \"features\",
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
      \"noise\": {\"frame_noise\", \"is_local\", \"transfer\": {\"slope\", \"dark\", \"points\": [{\"brightness\", \"variance\", \"squares\"}]}, \"excess\", \"levels\",
        \"frames\": [{\"gain\", \"relative_variance\", \"left_out\"}], \"correlation\", \"pattern\", \"warnings\": [{\"kind\", \"number\", \"text\"}]},

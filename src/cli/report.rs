@@ -53,6 +53,9 @@ pub(super) struct BurstReport {
     /// What a converter of fewer bits would have as its largest value; absent where the values do not look so.
     #[serde(skip_serializing_if = "Option::is_none")]
     suggested_full_scale: Option<f32>,
+    /// Names of the frames that are damaged and were accepted so; absent where all are whole.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    damaged_frames: Vec<String>,
     #[serde(skip)]
     notes: Vec<Note>,
     pub features: usize,
@@ -138,6 +141,7 @@ impl BurstReport {
             encoding: burst.encoding,
             binning: burst.binning,
             suggested_full_scale: burst.suggested_full_scale,
+            damaged_frames: burst.damaged_frames().map(|(name, _)| name.to_owned()).collect(),
             notes: burst.notes(),
             features: detection.features.len(),
             files,

@@ -10,6 +10,7 @@ mod crafted;
 #[path = "../../core/tests/files/opening/dng.rs"]
 mod dng;
 
+use super::support::{names, program, run_badly, run_well};
 use burstscope::Monitor;
 use burstscope::burst::{Burst, DecodeWorker, Limits, OpenError, OpenOptions};
 use dng::Dng;
@@ -141,6 +142,74 @@ fn a_program_that_decodes_nothing_is_an_error_about_the_file() {
         .output()
         .expect("it starts");
     assert!(!output.status.success() && output.stdout.is_empty(), "{output:?}");
+}
+
+#[test]
+fn a_harmful_file_loses_neither_the_other_bursts_nor_the_program() {
+    let home = tempfile::tempdir().expect("a folder");
+    std::fs::write(home.path().join("bad.dng"), crafted::huge_count_dng(5)).expect("written");
+    std::fs::create_dir(home.path().join("night")).expect("made");
+    std::fs::write(home.path().join("night/bad.raf"), crafted::huge_count_raf()).expect("written");
+    let arguments = ["detect", "bad.dng", "night", "demo", "--out", "found", "--slopes-u", "-1:1:3", "--octaves", "1"];
+    let words = run_badly(home.path(), &arguments, 1);
+    assert!(words.contains("bad.dng") && words.contains("bad.raf"), "{words}");
+    assert!(!words.contains("panicked") && !words.contains("memory allocation of"), "{words}");
+    assert_eq!(names(&home.path().join("found")), ["demo.csv"]);
+}
+
+#[test]
+fn damaged_jpegs_are_taken_on_demand_and_named_in_the_report() {
+    let home = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(home.path().join("night")).expect("made");
+    let frame = |t: u32| home.path().join(format!("night/{t}.jpg"));
+    for t in 0..4 {
+        let picture = image::GrayImage::from_fn(64, 48, |u, v| image::Luma([((u + t) * 37 + v * 91) as u8]));
+        picture.save(frame(t)).expect("written");
+    }
+    let sound = std::fs::read(frame(2)).expect("read");
+    std::fs::write(frame(2), &sound[..sound.len() / 2]).expect("written");
+    let arguments = ["detect", "night", "--out", "found", "--slopes-u", "-1:1:3", "--octaves", "1"];
+    let words = run_badly(home.path(), &arguments, 1);
+    assert!(words.contains("2.jpg") && words.contains("truncated or damaged"), "{words}");
+    let accepting = [&arguments[..], &["--accept-damaged"]].concat();
+    let words = run_well(home.path(), &accepting);
+    assert!(words.contains("1 of 4 frames are damaged") && words.contains("2.jpg"), "{words}");
+    let json = run_well(home.path(), &[&accepting[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["bursts"][0]["damaged_frames"], serde_json::json!(["2.jpg"]));
+}
+
+/// A program that is ended at once cannot end its children: they hear it from the pipe.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_process_is_left_when_the_program_is_killed() {
+    let home = tempfile::tempdir().expect("a folder");
+    // Enough pixels for a decoder to be busy with.
+    let large = Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes();
+    std::fs::write(home.path().join("large.dng"), large).expect("written");
+    let mut running = program(home.path(), &["stack", "large.dng", "--slope", "0,0", "--out", "a.tiff", "--quiet"])
+        .spawn()
+        .expect("it starts");
+    let decoding = || {
+        let tasks = std::fs::read_dir(format!("/proc/{}/task", running.id())).into_iter().flatten().flatten();
+        let mut lists = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+        lists.find_map(|list| list.split_whitespace().next().map(str::to_owned))
+    };
+    let started = Instant::now();
+    let child = loop {
+        if let Some(child) = decoding() {
+            break child;
+        }
+        assert!(started.elapsed() < Duration::from_secs(60), "no process was started");
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    running.kill().expect("killed");
+    running.wait().expect("an end");
+    let alive = || std::fs::read_to_string(format!("/proc/{child}/cmdline")).is_ok_and(|line| !line.is_empty());
+    while alive() {
+        assert!(started.elapsed() < Duration::from_secs(120), "process {child} goes on for nobody");
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 /// Raw files to be damaged.

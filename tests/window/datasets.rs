@@ -147,6 +147,34 @@ fn a_burst_that_fails_says_why_and_the_others_go_on() {
     assert!(window.shows("1 failed, see the filmstrip"));
 }
 
+#[cfg(feature = "raw")]
+#[test]
+fn harmful_files_of_a_dataset_lose_their_bursts_alone() {
+    let home = tempfile::tempdir().unwrap();
+    let nights = home.path().join("nights");
+    let png = crate::crafted::packed_chunks_png(1 << 16);
+    for (name, file, bytes) in [
+        ("b", "bad.dng", crate::crafted::huge_count_dng(12)),
+        ("c", "bad.raf", crate::crafted::huge_count_raf()),
+        ("d", "bad.png", png[..png.len() / 2].to_vec()),
+    ] {
+        std::fs::create_dir_all(nights.join(name)).unwrap();
+        std::fs::write(nights.join(name).join(file), bytes).unwrap();
+    }
+    for name in ["a", "e"] {
+        std::fs::create_dir_all(nights.join(name)).unwrap();
+        noisy_stack(&nights.join(name), 3, 48, 48);
+    }
+    let dataset_source = DatasetSource { paths: vec![nights], burst_length: None, burst_step: None };
+    let mut window = start(dataset_source).open();
+    window.click("Detect all");
+    window.settle();
+    let states = &dataset(&window).states;
+    let failed: Vec<bool> = states.iter().map(|state| matches!(state, BurstState::Failed(_))).collect();
+    assert_eq!(failed, [false, true, true, true, false], "{states:?}");
+    assert!(features(&window)[0].is_some() && features(&window)[4].is_some());
+}
+
 #[test]
 fn what_is_done_stays_when_it_is_cancelled() {
     let home = tempfile::tempdir().unwrap();

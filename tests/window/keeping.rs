@@ -141,6 +141,50 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
     assert_eq!((other.app().model.burst.as_ref().unwrap().id, other.app().model.params.clone()), before);
 }
 
+/// Files that a decoder would end the program over, and a picture that is no more whole.
+#[cfg(feature = "raw")]
+fn harmful_files() -> [(&'static str, Vec<u8>); 3] {
+    let png = crate::crafted::packed_chunks_png(1 << 16);
+    [
+        ("b.dng", crate::crafted::huge_count_dng(5)),
+        ("b.raf", crate::crafted::huge_count_raf()),
+        ("b.png", png[..png.len() / 2].to_vec()),
+    ]
+}
+
+#[cfg(feature = "raw")]
+#[test]
+fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let (dng, file) = (folder.path().join("a.dng"), folder.path().join("night.burstscope.toml"));
+    std::fs::write(&dng, crate::dng::Dng::new((96, 80), |u, v| (64 + (u * 37 + v * 91) % 400) as u16).bytes()).unwrap();
+    let mut window = Start::of(&dng).open();
+    assert_eq!(window.app().model.size(), (48, 40));
+    window.run_action("later demo burst as b");
+    window.settle();
+    window.app_mut().model.params.peak_threshold = 0.0125;
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    let session = std::fs::read_to_string(&file).unwrap();
+    for (name, bytes) in harmful_files() {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+        assert!(session.contains("a.dng"));
+        std::fs::write(&file, session.replace("a.dng", name)).unwrap();
+        let mut other = Start::without_auto_detect().open();
+        let before = other.app().model.burst.as_ref().unwrap().id;
+        other.dialogs.will_choose(&file);
+        other.run_action("open session");
+        other.wait("a message", |app| !app.model.messages.errors().is_empty());
+        other.settle();
+        assert!(other.shows(name), "{name} is not named");
+        let model = &other.app().model;
+        assert_eq!(model.burst.as_ref().unwrap().id, before, "what was open stays");
+        assert_eq!(model.params.peak_threshold, 0.0125, "the rest of the session is there");
+        assert!(model.burst_of(Side::B).is_some());
+    }
+}
+
 #[test]
 fn features_pictures_and_figures_are_exported() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,14 @@
 //! The window, driven as a person drives it: by what is written on its buttons, and by keys.
 #![allow(clippy::unwrap_used)] // A test may panic; so may its helpers.
 
+#[cfg(feature = "raw")]
+#[allow(dead_code)] // other tests use more of them
+#[path = "../../core/tests/files/opening/crafted.rs"]
+mod crafted;
+#[cfg(feature = "raw")]
+#[allow(dead_code)]
+#[path = "../../core/tests/files/opening/dng.rs"]
+mod dng;
 mod harness;
 mod pictures;
 mod support;

@@ -77,6 +77,14 @@ pub fn given() -> Startup {
     Startup { params: DetectorParams::default().into(), ..Startup::default() }
 }
 
+/// Has the program decode raw files in processes of its own, as the window of the program does.
+fn with_decode_worker() {
+    use burstscope::burst::DecodeWorker;
+    let program = PathBuf::from(env!("CARGO_BIN_EXE_burstscope"));
+    // All windows of these tests share it; the first one stays.
+    DecodeWorker { program, arguments: vec![burstscope::cli::DECODE_WORKER.into()] }.install();
+}
+
 impl Start {
     /// As the program starts: slopes are found.
     pub fn automatic() -> Self {
@@ -106,6 +114,7 @@ impl Start {
     }
 
     pub fn open_without_waiting(mut self) -> Window {
+        with_decode_worker();
         let dialogs = Scripted::default();
         self.startup.dialogs = Arc::new(dialogs.clone());
         let harness = common::builder(self.size)

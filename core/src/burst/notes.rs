@@ -125,16 +125,17 @@ impl Burst {
         notes
     }
 
+    /// Name and damage of each frame that is damaged, which was accepted.
+    pub fn damaged_frames(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.remarks.iter().filter_map(|remark| match &remark.kind {
+            RemarkKind::Damaged(reason) => Some((&*self.frame_names[remark.frame], &**reason)),
+            RemarkKind::Misnamed(_) => None,
+        })
+    }
+
     /// Which frames are damaged.
     fn note_of_damaged(&self) -> Option<String> {
-        let damaged: Vec<String> = self
-            .remarks
-            .iter()
-            .filter_map(|remark| match &remark.kind {
-                RemarkKind::Damaged(reason) => Some(format!("{} ({reason})", self.frame_names[remark.frame])),
-                RemarkKind::Misnamed(_) => None,
-            })
-            .collect();
+        let damaged: Vec<String> = self.damaged_frames().map(|(name, reason)| format!("{name} ({reason})")).collect();
         let count = damaged.len();
         let text =
             format!("{count} of {} frames are damaged, and a part of each is made up: {}", self.len(), list(&damaged));

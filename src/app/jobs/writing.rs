@@ -224,7 +224,7 @@ mod tests {
             work(path).expect("written");
         }
         let expected = home.path().join("expected.csv");
-        export::write_csv(&expected, &found.detection).expect("written");
+        export::write_csv(&expected, &found.detection.features).expect("written");
         let read = |path: &Path| std::fs::read_to_string(path).expect("text");
         assert_eq!(read(&csv), read(&expected));
         assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").detector.levels, 3);

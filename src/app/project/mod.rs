@@ -221,4 +221,4 @@ impl Model {
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::app) mod tests;

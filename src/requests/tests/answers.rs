@@ -228,7 +228,7 @@ fn features_are_compared_with_what_is_really_there_and_with_earlier_ones() {
     // A file of the same features, too.
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("others.csv");
-    crate::export::write_csv(&path, &detection).expect("written");
+    crate::export::write_csv(&path, &detection.features).expect("written");
     let against = of(Reference::File { path, features: None }).against;
     assert_eq!(against.read().map(|read| read.len()), Some(detection.features.len()));
     let Against::Changes { changes, .. } = &against else { panic!("changes were asked for") };
@@ -290,9 +290,9 @@ fn a_study_grows_up_to_its_report() {
     let chart = crate::evaluate::ChartStudy { chart: super::chart(1), seeds: 2, ..Default::default() };
     let heard = std::sync::Mutex::new(0usize);
     let tell = |_: crate::evaluate::StudyReport| *heard.lock().expect("no panic") += 1;
-    let request = StudyRequest { study: Study::Chart(chart.clone()), open: None };
+    let request = StudyRequest { study: Study::Chart(Box::new(chart.clone())), open: None };
     let report = request.compute(&tell, &no_monitor()).expect("valid");
-    let expected = Study::Chart(chart).run_telling(&no_monitor(), &|_| {}).expect("valid");
+    let expected = Study::Chart(Box::new(chart)).run_telling(&no_monitor(), &|_| {}).expect("valid");
     assert_eq!(format!("{report:?}"), format!("{expected:?}"));
     assert!(*heard.lock().expect("no panic") > 0);
 }

@@ -76,7 +76,7 @@ fn a_picture_is_decided_by_its_slope_where_it_has_one() {
 #[test]
 fn the_pictures_of_two_openings_and_differences_are_others() {
     let stack = picture(PictureKind::Stack { slope: STILL }, params());
-    let again = PictureRequest { burst: empty((96, 72), 4), ..stack.clone() };
+    let again = PictureRequest::new(empty((96, 72), 4), stack.kind, params());
     assert!(!stack.same_picture(&again));
     let frame = picture(PictureKind::Frame(0), params());
     let difference = stack.clone().less(&frame);
@@ -109,7 +109,7 @@ fn a_matching_is_of_two_detections_with_parameters() {
 fn a_question_is_of_one_detection() {
     let cache = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
     let traced = |cache| Traced { burst: open().id, cache };
-    let at = |place| ProbeQuestion::At { place, wanted: Wanted::Strongest };
+    let at = |place| ProbeQuestion::At { place, wanted: Wanted::Best };
     let ask = |question| ProbeRequest { traced: traced(cache.clone()), question };
     assert!(ask(at([3.0, 4.0])).same_answer(&ask(at([3.0, 4.0]))));
     assert!(!ask(at([3.0, 4.0])).same_answer(&ask(at([3.0, 5.0]))));

@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn what_is_no_answer_is_an_error() {
         let limits = Limits::default();
-        let mut read = |bytes: &[u8]| receive_reply(&mut &bytes[..], Path::new("a"), "raw", None, &limits);
+        let read = |bytes: &[u8]| receive_reply(&mut &bytes[..], Path::new("a"), "raw", None, &limits);
         assert!(read(b"").is_err() && read(&[255; 40]).is_err() && read(b"\x02\0\0\0{}").is_err());
         // A frame without all of its pixels.
         let mut bytes = Vec::new();

@@ -2,15 +2,15 @@
 
 use super::crafted;
 use super::support::{folder, grey8, open, raw_tiff, save, tiff_pages};
-use burstscope::Monitor;
-use burstscope::burst::{Burst, OpenError, OpenOptions, RemarkKind};
+use burstscope_core::Monitor;
+use burstscope_core::burst::{Burst, OpenError, OpenOptions, RemarkKind};
 use image::{ImageBuffer, Luma, Rgb};
 use std::fs;
 use std::path::Path;
 use tiff::encoder::colortype;
 
 /// A progressive JPEG of 45×37 with colours of half the size.
-const PROGRESSIVE: &[u8] = include_bytes!("samples/progressive.jpg");
+pub const PROGRESSIVE: &[u8] = include_bytes!("samples/progressive.jpg");
 
 fn accepting() -> OpenOptions {
     OpenOptions { accept_damaged: true, ..OpenOptions::default() }
@@ -110,7 +110,7 @@ fn damaged_jpegs_are_taken_where_that_is_asked_for_and_named() {
     // What was there is the same; the rest is grey.
     assert_eq!(burst.frames[1].row(0), burst.frames[0].row(0));
     assert_ne!(burst.frames[1].row(29), burst.frames[0].row(29));
-    let notes: Vec<String> = burst.notes().iter().map(burstscope::burst::Note::for_command).collect();
+    let notes: Vec<String> = burst.notes().iter().map(burstscope_core::burst::Note::for_command).collect();
     assert!(
         notes
             .iter()
@@ -290,6 +290,6 @@ fn a_long_text_in_a_tiff_harms_nobody() {
     page.encoder().write_tag(tiff::tags::Tag::ImageDescription, text).expect("tag");
     page.write_data(&[1, 2]).expect("page");
     drop(encoder);
-    let limits = burstscope::burst::Limits { max_pixels: 1 << 10, ..Default::default() };
+    let limits = burstscope_core::burst::Limits { max_pixels: 1 << 10, ..Default::default() };
     open_with(&path, &OpenOptions { limits, ..OpenOptions::default() }).expect("a long text harms nobody");
 }

@@ -2,6 +2,7 @@
 //! that are damaged at random.
 
 mod calibrating;
+#[allow(dead_code)] // the commands' tests use more of it
 mod crafted;
 mod damaged;
 #[cfg(feature = "raw")]

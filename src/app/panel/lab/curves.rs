@@ -237,8 +237,13 @@ mod tests {
         let study = || {
             let chart = ChartParams { width: 96, height: 72, frames: 3, discs: 4, ..ChartParams::default() };
             let methods = vec![BurstMethod::SiftMean, BurstMethod::Buff1d];
-            let study =
-                Study::Chart(ChartStudy { chart, snrs: vec![1.0, 5.0], seeds: 1, methods, ..Default::default() });
+            let study = Study::Chart(Box::new(ChartStudy {
+                chart,
+                snrs: vec![1.0, 5.0],
+                seeds: 1,
+                methods,
+                ..Default::default()
+            }));
             let report = study.run_telling(&Monitor::default(), &|_| {}).expect("valid");
             LabResult { study, report, is_whole: true }
         };
