@@ -74,10 +74,10 @@ pub struct RenderArgs {
 }
 
 fn parse_size(text: &str) -> Result<(f32, f32), String> {
-    let bad = || format!("'{text}' is not WIDTHxHEIGHT from 200x150 to 16384x16384, such as 1280x800");
+    let bad = || format!("'{text}' is not WIDTHxHEIGHT from 200x150 to 8192x8192, such as 1280x800");
     let (width, height) = text.split_once(['x', '×']).ok_or_else(bad)?;
     let number = |s: &str, min: u32| {
-        s.trim().parse::<u32>().ok().filter(|x| (min..=16384).contains(x)).map(|x| x as f32).ok_or_else(bad)
+        s.trim().parse::<u32>().ok().filter(|x| (min..=8192).contains(x)).map(|x| x as f32).ok_or_else(bad)
     };
     Ok((number(width, 200)?, number(height, 150)?))
 }

@@ -39,7 +39,7 @@ fn interrupt(home: &Path, arguments: &[&str], signal: &str) -> Option<i32> {
 fn making_a_large_burst_stops_and_leaves_nothing() {
     let home = tempfile::tempdir().expect("a folder");
     let arguments =
-        ["synth", "chart", "--out", "big", "--width", "3000", "--height", "2000", "--frames", "100", "--threads", "1"];
+        ["synth", "chart", "--out", "big", "--width", "3000", "--height", "2000", "--frames", "350", "--threads", "1"];
     for signal in signals() {
         assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
         assert_eq!(names(home.path()), Vec::<String>::new());

@@ -228,23 +228,24 @@ mod tests {
         let read = |path: &Path| std::fs::read_to_string(path).expect("text");
         assert_eq!(read(&csv), read(&expected));
         assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").detector.levels, 3);
-        let nowhere = home.path().join("gone/f.csv");
-        let why = prepared(Purpose::SaveParams, &model).expect("always")(&nowhere).expect_err("there is no folder");
-        assert!(why.contains("gone"), "{why}");
+        // A folder that is made is fine; a file in place of a folder is not.
+        let nowhere = csv.join("p.toml");
+        let why = prepared(Purpose::SaveParams, &model).expect("always")(&nowhere).expect_err("that is no folder");
+        assert!(why.contains("f.csv"), "{why}");
     }
 
     #[test]
     fn a_coarse_picture_is_laid_on_the_pixels_of_the_image() {
         let of = |kind| {
             let params = DetectorParams { octaves: 2, ..DetectorParams::default() };
-            PictureRequest::new(open((33, 20), 3), kind, params).compute(&Monitor::default()).expect("a picture")
+            PictureRequest::new(open((65, 40), 3), kind, params).compute(&Monitor::default()).expect("a picture")
         };
         let frame = of(PictureKind::Frame(0));
         assert_eq!(on_image_pixels(&frame), *frame.plane);
         let dog = of(PictureKind::Dog { octave: 1, level: 1, slope: Default::default() });
         let laid = on_image_pixels(&dog);
-        assert!(laid.size() == (33, 20) && dog.plane.size() != (33, 20));
-        for (u, v) in [(0, 0), (8, 6), (30, 18)] {
+        assert!(laid.size() == (65, 40) && dog.plane.size() != (65, 40));
+        for (u, v) in [(0, 0), (8, 6), (60, 38)] {
             assert_eq!(laid.at(u, v), dog.plane.at(u / 2, v / 2), "pixel ({u}, {v})");
         }
     }

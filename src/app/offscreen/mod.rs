@@ -46,6 +46,9 @@ pub struct Rendered {
 /// Bytes of a drawn pixel: RGBA of 8 bits.
 const BYTES_PER_PIXEL: u64 = 4;
 
+/// Longest side of a drawn window, pixels: a software adapter takes minutes for one that is twice as large.
+pub const MAX_SIDE_PX: u32 = 8192;
+
 impl Offscreen {
     /// A window of `size_points` at `pixels_per_point`, ready for canvases.
     ///
@@ -58,7 +61,7 @@ impl Offscreen {
     fn with_setup(size_points: egui::Vec2, pixels_per_point: f32, setup: WgpuSetup) -> Result<Self, OffscreenError> {
         let render_state = new_render_state(&setup)?;
         let limits = render_state.device.limits();
-        let limit = limits.max_texture_dimension_2d;
+        let limit = limits.max_texture_dimension_2d.min(MAX_SIDE_PX);
         // The pixels come back in one buffer.
         let max_pixels = limits.max_buffer_size / BYTES_PER_PIXEL;
         let size = size_points * pixels_per_point;
@@ -325,7 +328,7 @@ mod tests {
         let error = Offscreen::with_setup(vec2(10.0, 10.0), 1.0, none.into()).err().unwrap();
         assert!(matches!(error, OffscreenError::NoAdapter(_)), "{error}");
         assert!(error.to_string().contains("mesa-vulkan-drivers"));
-        for size in [vec2(0.0, 10.0), vec2(1e9, 10.0), vec2(f32::NAN, 10.0), vec2(16384.0, 16384.0)] {
+        for size in [vec2(0.0, 10.0), vec2(1e9, 10.0), vec2(f32::NAN, 10.0), vec2(16384.0, 200.0)] {
             let error = Offscreen::new(size, 1.0, AdapterChoice::Software).err().unwrap();
             assert!(matches!(error, OffscreenError::Size { .. }), "{error}");
         }

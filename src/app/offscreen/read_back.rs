@@ -4,8 +4,10 @@ use super::error::OffscreenError;
 use image::RgbaImage;
 use std::time::Duration;
 
-/// How long the card may take for one frame. A software adapter needs a fraction of a second.
+/// Time that the card may take for each [`TIMED_PIXELS`] of a frame. A software adapter needs a fraction of a second.
 const CARD_TIMEOUT: Duration = Duration::from_secs(30);
+/// Pixels of a large screen.
+const TIMED_PIXELS: u32 = 1 << 23;
 
 /// Brings the pixels of an 8-bit RGBA texture back.
 pub(super) fn read_back(
@@ -36,6 +38,7 @@ pub(super) fn read_back(
         texture.size(),
     );
     let submission = queue.submit([encoder.finish()]);
+    let timeout = CARD_TIMEOUT * (width * height).div_ceil(TIMED_PIXELS);
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
         // Nobody waits any longer when the receiver is gone.
@@ -43,9 +46,9 @@ pub(super) fn read_back(
     });
     let failed = |error: &dyn std::fmt::Display| OffscreenError::Card(error.to_string());
     device
-        .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(CARD_TIMEOUT) })
+        .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(timeout) })
         .map_err(|e| failed(&e))?;
-    receiver.recv_timeout(CARD_TIMEOUT).map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
+    receiver.recv_timeout(timeout).map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
     let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
     let mut bytes = Vec::with_capacity(row_bytes * height as usize);
     for row in mapped.chunks_exact(padded_bytes) {

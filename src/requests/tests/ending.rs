@@ -2,7 +2,7 @@
 
 use super::{detected, empty, open, params, source};
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, FrameRange, Slope};
+use crate::detector::{DetectorParams, Slope};
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Progress};
 use crate::requests::{
@@ -89,9 +89,6 @@ fn failures_say_what_is_wrong() {
     let monitor = Monitor::default();
     let frame = PictureRequest::new(open(), PictureKind::Frame(4), params());
     assert_eq!(why(frame.compute(&monitor)), "there is no frame 4; the burst has 4 frames");
-    let frames = Some(FrameRange { start: 0, end: 9 });
-    let merge = PictureRequest::new(open(), PictureKind::Merge, DetectorParams { frames, ..params() });
-    assert!(why(merge.compute(&monitor)).contains("the burst has 4"));
     let detect = |params: DetectorParams| DetectRequest { burst: open(), params: params.into() };
     let wrong = DetectorParams { levels: 0, ..params() };
     assert!(why(detect(wrong.clone()).compute(&NothingKept, &monitor)).contains("levels"));

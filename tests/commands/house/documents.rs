@@ -36,7 +36,8 @@ fn targets(text: &str) -> impl Iterator<Item = &str> {
     text.match_indices("](").filter_map(|(at, _)| {
         let target = text[at + 2..].split_once(')')?.0;
         let file = target.split_once('#').map_or(target, |(file, _)| file);
-        (!file.is_empty() && !file.contains("://")).then_some(file)
+        // Addresses elsewhere, and words of the glossary.
+        (!file.is_empty() && !file.contains(':')).then_some(file)
     })
 }
 
