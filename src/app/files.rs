@@ -194,20 +194,23 @@ impl BurstscopeApp {
     /// Writes a file to a path that was typed; where there is a file, it asks first.
     pub(super) fn ask_and_write(&mut self, purpose: Purpose, path: PathBuf) {
         let is_there = std::fs::symlink_metadata(&path).is_ok();
-        match self.may_replace().check(&path) {
+        match self.may_replace(&path).check(&path) {
             Ok(()) if is_there => self.overlays.replace_file = Some(ReplaceFile::new(purpose, path)),
             _ => self.write(purpose, path),
         }
     }
 
     /// What may be written over once a person was asked: anything but what is open.
-    fn may_replace(&self) -> OutputRules {
-        OutputRules::new(Inputs::of(self.model.opened_files()), Overwrite::Force)
+    fn may_replace(&self, path: &std::path::Path) -> OutputRules {
+        // What is not there is not open either, and nobody has to look through a large dataset.
+        let is_there = std::fs::symlink_metadata(path).is_ok();
+        let opened = if is_there { self.model.opened_files() } else { Vec::new() };
+        OutputRules::new(Inputs::of(opened), Overwrite::Force)
     }
 
     /// Writes a file. Whoever chose the path was asked about what is there.
     pub(super) fn write(&mut self, purpose: Purpose, path: PathBuf) {
-        let rules = self.may_replace();
+        let rules = self.may_replace(&path);
         let prepared = crate::app::jobs::writing::prepare(purpose, &self.model, &self.widgets);
         match rules.check(&path).map_err(|e| e.to_string()).and(prepared) {
             Ok(work) => {
