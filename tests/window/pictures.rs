@@ -8,6 +8,7 @@
 //! the name of the driver.
 
 use egui::Rect;
+use egui::accesskit::Role;
 use egui_kittest::kittest::NodeT;
 use egui_kittest::{Harness, Node};
 use std::collections::BTreeSet;
@@ -96,7 +97,9 @@ fn structure_of(root: &Node<'_>, window: Rect) -> String {
         let element = node.accesskit_node();
         let (label, value) = (element.label().unwrap_or_default(), element.value().unwrap_or_default());
         let silent = label.is_empty() && value.is_empty() && element.toggled().is_none();
-        if silent || element.is_hidden() || element.bounding_box().is_none() {
+        // Runs of text repeat what their label says.
+        let is_part = element.role() == Role::TextRun;
+        if silent || is_part || element.is_hidden() || element.bounding_box().is_none() {
             continue;
         }
         let rect = node.rect();
@@ -104,7 +107,10 @@ fn structure_of(root: &Node<'_>, window: Rect) -> String {
             continue;
         }
         let [x, y, w, h] = [rect.left(), rect.top(), rect.width(), rect.height()].map(f32::round);
-        write!(text, "{x} {y} {w} {h} {:?} {label:?}", element.role()).expect("memory");
+        write!(text, "{x} {y} {w} {h} {:?}", element.role()).expect("memory");
+        if !label.is_empty() {
+            write!(text, " {label:?}").expect("memory");
+        }
         if !value.is_empty() && value != label {
             write!(text, " = {value:?}").expect("memory");
         }
