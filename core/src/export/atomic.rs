@@ -44,6 +44,12 @@ pub(super) fn replace_whole(
     replace(path, |folder| temporary_in(folder, UNLOCKED_PREFIX), fill)
 }
 
+/// Whether the path is a device or a pipe, or a link to one, such as `/dev/stdout`: part of the system, which stays.
+pub(super) fn is_of_system(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|leads_to| !leads_to.is_file() && !leads_to.is_dir())
+        || std::fs::read_link(path).is_ok_and(|to| to.starts_with("/proc") || to.starts_with("/dev"))
+}
+
 fn replace(
     path: &Path,
     temporary_in: impl FnOnce(&Path) -> io::Result<NamedTempFile>,
@@ -51,7 +57,8 @@ fn replace(
 ) -> Result<(), ExportError> {
     let fail = |e: io::Error| ExportError::write(path, &e);
     let existing = std::fs::symlink_metadata(path).ok();
-    if existing.as_ref().is_some_and(|m| !m.is_file() && !m.is_symlink()) || path.file_name().is_none() {
+    let is_other = existing.as_ref().is_some_and(|m| !m.is_file() && !m.is_symlink());
+    if is_of_system(path) || is_other || path.file_name().is_none() {
         return Err(ExportError::NotAFile { path: path.into() });
     }
     let folder = match path.parent() {

@@ -4,6 +4,7 @@
 //! written. Whether it is one of the inputs is decided by what the system says of both: the names by which a file was
 //! opened may be relative, lead through links, or be one of several of the same file.
 
+use super::atomic::is_of_system;
 use super::error::ExportError;
 use super::mark::is_ours;
 use std::collections::HashSet;
@@ -135,6 +136,7 @@ impl OutputRules {
     fn check_if(&self, path: &Path, is_ours: impl FnOnce(&Metadata) -> bool) -> Result<(), ExportError> {
         let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
         let refused = match self.overwrite {
+            _ if is_of_system(path) => ExportError::NotAFile { path: path.into() },
             _ if self.inputs.hold(path, &metadata) => ExportError::Input { path: path.into() },
             Overwrite::Refuse if metadata.is_symlink() => ExportError::Link { path: path.into() },
             _ if !(metadata.is_file() || metadata.is_symlink()) => ExportError::NotAFile { path: path.into() },
