@@ -81,11 +81,12 @@ fn errors_say_what_they_say_without_a_process() {
     // Levels that do not go together: what the decoder's own caller says.
     std::fs::write(&path, &sound).expect("written");
     let options = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
-    let error = Burst::open_with(&[path.clone()], &options, &Monitor::default()).expect_err("black above white");
+    let error =
+        Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default()).expect_err("black above white");
     assert!(matches!(error, OpenError::Unsupported { kind: "raw", .. }), "{error:?}");
     let limits = Limits { max_side_px: 20, ..Limits::default() };
     let options = OpenOptions { limits, ..OpenOptions::default() };
-    let error = Burst::open_with(&[path.clone()], &options, &Monitor::default()).expect_err("too wide");
+    let error = Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default()).expect_err("too wide");
     assert!(matches!(error, OpenError::BeyondLimit { .. }) && error.to_string().contains("24×16"), "{error:?}");
     // Frames of two sizes.
     let second = folder.path().join("b.dng");
@@ -120,7 +121,7 @@ fn cancelling_ends_the_process() {
     with_worker();
     let monitor = Monitor::default();
     let answer = std::thread::scope(|scope| {
-        let opening = scope.spawn(|| Burst::open_with(&[path.clone()], &OpenOptions::default(), &monitor));
+        let opening = scope.spawn(|| Burst::open_with(std::slice::from_ref(&path), &OpenOptions::default(), &monitor));
         let started = Instant::now();
         let is_told = Path::new("/proc/thread-self/children").exists();
         while is_told && !is_decoding() && !opening.is_finished() {

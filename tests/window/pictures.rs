@@ -13,7 +13,7 @@ use egui_kittest::kittest::NodeT;
 use egui_kittest::{Harness, Node};
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// How far a place may be from the one in the file, points.
@@ -76,7 +76,7 @@ fn read(path: &Path) -> String {
 }
 
 #[track_caller]
-fn check_structure(path: &PathBuf, shown: &str) {
+fn check_structure(path: &Path, shown: &str) {
     let new = path.with_extension("new.txt");
     let _ = std::fs::remove_file(&new);
     if let Some(differences) = differences(&read(path), shown) {

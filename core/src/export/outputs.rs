@@ -4,7 +4,7 @@
 //! written. Whether it is one of the inputs is decided by what the system says of both: the names by which a file was
 //! opened may be relative, lead through links, or be one of several of the same file.
 
-use super::atomic::leads_to_no_file;
+use super::atomic::is_of_system;
 use super::error::ExportError;
 use super::mark::is_ours;
 use std::collections::HashSet;
@@ -17,7 +17,7 @@ pub enum Overwrite {
     /// Only what Burstscope wrote is replaced. Links stay.
     #[default]
     Refuse,
-    /// Any file is replaced, and a link to a file or to nowhere by the file; what it leads to stays.
+    /// Any file is replaced, and a link by the file; what it leads to stays.
     Force,
 }
 
@@ -118,8 +118,8 @@ impl OutputRules {
     /// Whether the file `path` may be written. An empty file counts as none.
     ///
     /// # Errors
-    /// [`ExportError::Input`] for a file that was opened, whatever else holds; [`ExportError::NotAFile`] for a folder, a
-    /// device or a link to one; without [`Overwrite::Force`] [`ExportError::Link`] for a link and [`ExportError::Foreign`] for what
+    /// [`ExportError::Input`] for a file that was opened, whatever else holds; [`ExportError::NotAFile`] for a folder or
+    /// a device; without [`Overwrite::Force`] [`ExportError::Link`] for a link and [`ExportError::Foreign`] for what
     /// somebody else wrote.
     pub fn check(&self, path: &Path) -> Result<(), ExportError> {
         self.check_if(path, |metadata| metadata.len() == 0 || is_ours(path))
@@ -136,9 +136,10 @@ impl OutputRules {
     fn check_if(&self, path: &Path, is_ours: impl FnOnce(&Metadata) -> bool) -> Result<(), ExportError> {
         let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
         let refused = match self.overwrite {
+            _ if is_of_system(path) => ExportError::NotAFile { path: path.into() },
             _ if self.inputs.hold(path, &metadata) => ExportError::Input { path: path.into() },
-            _ if leads_to_no_file(path) => ExportError::NotAFile { path: path.into() },
             Overwrite::Refuse if metadata.is_symlink() => ExportError::Link { path: path.into() },
+            _ if !(metadata.is_file() || metadata.is_symlink()) => ExportError::NotAFile { path: path.into() },
             Overwrite::Refuse if !is_ours(&metadata) => ExportError::Foreign { path: path.into() },
             _ => return Ok(()),
         };
@@ -215,15 +216,11 @@ mod tests {
         link("a.txt", "to_ours.txt");
         link("nowhere", "to_nowhere.txt");
         link("night", "to_folder");
-        link("/dev/null", "to_device");
-        let names = ["to_frame.png", "to_ours.txt", "to_nowhere.txt"];
+        let names = ["to_frame.png", "to_ours.txt", "to_nowhere.txt", "to_folder"];
         for (overwrite, is_refused) in [(Overwrite::Refuse, true), (Overwrite::Force, false)] {
             let rules = rules(&[at("night/f0.png")], overwrite);
             assert!(matches!(rules.check(&at("second.png")), Err(ExportError::Input { .. })), "the frame's other name");
             assert!(matches!(rules.check(&at("to_folder/f0.png")), Err(ExportError::Input { .. })));
-            for name in ["to_folder", "to_device"] {
-                assert_eq!(rules.check(&at(name)), Err(ExportError::NotAFile { path: at(name) }), "{name}");
-            }
             for name in names {
                 let link = Err(ExportError::Link { path: at(name) });
                 assert_eq!(rules.check(&at(name)), if is_refused { link } else { Ok(()) }, "{name}");

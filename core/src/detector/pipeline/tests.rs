@@ -34,7 +34,8 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
     for slopes in 1..count {
         let budget = budget_for(burst, params, slopes);
         let Ok(plan) = Plan::new(params, burst.len(), burst.size(), Some(budget)) else { continue };
-        if counts.contains(&plan.describe.len()) {
+        // With fewer threads the whole may fit, which is the same search.
+        if plan.threads < rayon::current_num_threads() || counts.contains(&plan.describe.len()) {
             continue;
         }
         assert!(plan.search.len() > 1 && plan.search.iter().all(|group| group.visited.len() <= slopes), "{plan:?}");
@@ -153,8 +154,12 @@ fn a_search_that_does_not_fit_is_refused_before_it_starts() {
         slope_neighbours: SlopeNeighbours::All,
         ..DetectorParams::default()
     };
-    let whole = estimate(&params, burst.len(), burst.size());
-    assert!(search_all(&burst, &params, Some(whole), &Monitor::default()).is_ok());
-    let refused = search_all(&burst, &params, Some(whole - 1), &Monitor::default()).expect_err("a byte too much");
-    assert!(refused.to_string().contains("adjacent"), "{refused}");
+    // With several threads it would be done with fewer first.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    pool.install(|| {
+        let whole = estimate(&params, burst.len(), burst.size());
+        assert!(search_all(&burst, &params, Some(whole), &Monitor::default()).is_ok());
+        let refused = search_all(&burst, &params, Some(whole - 1), &Monitor::default()).expect_err("a byte too much");
+        assert!(refused.to_string().contains("adjacent"), "{refused}");
+    });
 }

@@ -53,7 +53,7 @@ fn what_is_cut_off_is_refused_in_every_format_wherever_it_is_cut() {
     let folder = folder();
     for name in one_of_each(folder.path()) {
         let path = folder.path().join(name);
-        open(&[path.clone()]).unwrap_or_else(|e| panic!("sound: {e}"));
+        open(std::slice::from_ref(&path)).unwrap_or_else(|e| panic!("sound: {e}"));
         let bytes = fs::read(&path).expect("read");
         let parts = [2, 10, 25, 50, 75, 90, 99].map(|percent| bytes.len() * percent / 100);
         for cut in parts.into_iter().chain([bytes.len() - 2, bytes.len() - 1]) {
@@ -84,12 +84,12 @@ fn a_jpeg_that_is_cut_and_ended_is_refused_too() {
         for part in 0..20 {
             let cut = start + (sound.len() - 3 - start) * part / 20;
             fs::write(&path, [&sound[..cut], &[0xff, 0xd9]].concat()).expect("written");
-            let error = open(&[path.clone()]).expect_err("a part of the picture would be made up");
+            let error = open(std::slice::from_ref(&path)).expect_err("a part of the picture would be made up");
             assert!(matches!(error, OpenError::Corrupt { kind: "JPEG", .. }), "{error}");
         }
         // What follows the end of the picture is no part of it.
         fs::write(&path, [&sound[..], b"a film"].concat()).expect("written");
-        open(&[path.clone()]).expect("whole");
+        open(std::slice::from_ref(&path)).expect("whole");
     }
 }
 
@@ -135,10 +135,10 @@ fn jpegs_within_a_tiff_must_be_whole_too() {
         fs::write(&path, bytes).expect("written");
     };
     write(&jpeg);
-    open(&[path.clone()]).expect("whole");
+    open(std::slice::from_ref(&path)).expect("whole");
     let start = jpeg.windows(2).position(|two| two == [0xff, 0xda]).expect("picture data");
     write(&jpeg[..(start + jpeg.len()) / 2]);
-    let error = open(&[path.clone()]).expect_err("cut");
+    let error = open(std::slice::from_ref(&path)).expect_err("cut");
     assert!(matches!(error, OpenError::Corrupt { kind: "TIFF", .. }), "{error}");
     assert_eq!(open_with(&path, &accepting()).expect("taken").remarks.len(), 1);
 }
@@ -171,7 +171,7 @@ fn a_damaged_png_is_called_a_damaged_png() {
         let mut bytes = sound.clone();
         change(&mut bytes);
         fs::write(&path, bytes).expect("written");
-        let error = open(&[path.clone()]).expect_err("damaged");
+        let error = open(std::slice::from_ref(&path)).expect_err("damaged");
         let words = error.to_string();
         assert!(words.contains("PNG") && words.contains("damaged") && !words.contains("convert it to PNG"), "{words}");
     };

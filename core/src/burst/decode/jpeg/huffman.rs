@@ -67,9 +67,9 @@ mod tests {
         counts[2] = 2; // 010, 011
         counts[11] = 2; // 100000000000, 100000000001
         let table = Table::new(&counts, &[7, 8, 9, 10, 11]).expect("a table");
-        assert_eq!(table.code(0b00_11_1111_1111_1111), Some((2, 7)));
-        assert_eq!(table.code(0b010_0_0000_0000_0000), Some((3, 8)));
-        assert_eq!(table.code(0b011_1_1111_1111_1111), Some((3, 9)));
+        assert_eq!(table.code(0b0011_1111_1111_1111), Some((2, 7)));
+        assert_eq!(table.code(0b0100_0000_0000_0000), Some((3, 8)));
+        assert_eq!(table.code(0b0111_1111_1111_1111), Some((3, 9)));
         assert_eq!(table.code(0b1000_0000_0000_1111), Some((12, 10)));
         assert_eq!(table.code(0b1000_0000_0001_0000), Some((12, 11)));
         assert_eq!(table.code(0b1000_0000_0010_0000), None);

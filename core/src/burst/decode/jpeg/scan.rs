@@ -197,16 +197,12 @@ impl ScanState<'_> {
         let single = (self.scan.components.len() == 1).then(|| self.scan.components[0].0);
         let (columns, rows) = single.map_or(frame.units, |index| frame.components[index].size);
         let units = columns * rows;
-        let mut until_restart = self.scan.restart_interval;
         for unit in 0..units {
             let (column, row) = (unit % columns, unit / columns);
-            if self.scan.restart_interval > 0 {
-                if until_restart == 0 {
-                    self.pass_restart(bytes, unit / self.scan.restart_interval - 1)
-                        .map_err(|reason| format!("{reason} after {} of its {rows} rows of blocks", row))?;
-                    until_restart = self.scan.restart_interval;
-                }
-                until_restart -= 1;
+            let restarts = unit.checked_div(self.scan.restart_interval).unwrap_or(0);
+            if restarts > 0 && unit.is_multiple_of(self.scan.restart_interval) {
+                self.pass_restart(bytes, restarts - 1)
+                    .map_err(|reason| format!("{reason} after {row} of its {rows} rows of blocks"))?;
             }
             for &(index, dc, ac) in &self.scan.components {
                 let component = &mut frame.components[index];
