@@ -1,5 +1,5 @@
 //! The window: its state, and the steps of each pass. Requests to the engine and its answers are in
-//! [`jobs`](crate::app::jobs).
+//! `jobs`.
 
 mod reading;
 
