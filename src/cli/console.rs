@@ -98,6 +98,7 @@ impl Console {
     }
 
     /// Says something beside the results that should not be overlooked, on the standard error.
+    #[cfg(feature = "colmap")]
     pub fn note(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("note: {text}")));
     }
