@@ -9,7 +9,7 @@ mod account;
 mod plan;
 
 pub use crate::plane::memory::machine_bytes;
-pub(crate) use account::plan_beside_others;
+pub(crate) use account::{Account, OF_PROCESS};
 pub(crate) use plan::Plan;
 
 use super::params::slope_grid::{Slope, SlopeGrid};

@@ -7,43 +7,58 @@ use super::Plan;
 use crate::detector::params::{DetectorParams, ParamError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Bytes that the searches which run have planned with.
-static TAKEN: Mutex<u64> = Mutex::new(0);
-
-fn taken() -> MutexGuard<'static, u64> {
-    // A number is whole whoever panicked beside it.
-    TAKEN.lock().unwrap_or_else(PoisonError::into_inner)
+/// What searches that share a budget have planned with.
+#[derive(Debug, Default)]
+pub(crate) struct Account {
+    /// Bytes.
+    taken: Mutex<u64>,
 }
+
+/// The account of all searches of the process.
+pub(crate) static OF_PROCESS: Account = Account::new();
 
 /// The memory of a search, given back when dropped.
 #[derive(Debug)]
-pub(crate) struct Share {
+pub(crate) struct Share<'account> {
+    account: &'account Account,
     bytes: u64,
 }
 
-impl Drop for Share {
+impl Drop for Share<'_> {
     fn drop(&mut self) {
-        let mut taken = taken();
+        let mut taken = self.account.taken();
         *taken = taken.saturating_sub(self.bytes);
     }
 }
 
-/// As [`Plan::new`], within what other searches of this process leave of `budget`.
-///
-/// # Errors
-/// As [`Plan::new`] within the whole budget.
-pub(crate) fn plan_beside_others(
-    params: &DetectorParams,
-    frames: usize,
-    size: (usize, usize),
-    budget: Option<u64>,
-) -> Result<(Plan, Share), ParamError> {
-    let mut taken = taken();
-    let left = budget.map(|budget| budget.saturating_sub(*taken));
-    let plan = Plan::new(params, frames, size, left).or_else(|_| Plan::smallest(params, frames, size, budget))?;
-    let share = Share { bytes: plan.bytes };
-    *taken = taken.saturating_add(share.bytes);
-    Ok((plan, share))
+impl Account {
+    pub(crate) const fn new() -> Self {
+        Self { taken: Mutex::new(0) }
+    }
+
+    fn taken(&self) -> MutexGuard<'_, u64> {
+        // A number is whole whoever panicked beside it.
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// As [`Plan::new`], within what the others of this account leave of `budget`.
+    ///
+    /// # Errors
+    /// As [`Plan::new`] within the whole budget.
+    pub(crate) fn plan(
+        &self,
+        params: &DetectorParams,
+        frames: usize,
+        size: (usize, usize),
+        budget: Option<u64>,
+    ) -> Result<(Plan, Share<'_>), ParamError> {
+        let mut taken = self.taken();
+        let left = budget.map(|budget| budget.saturating_sub(*taken));
+        let plan = Plan::new(params, frames, size, left).or_else(|_| Plan::smallest(params, frames, size, budget))?;
+        let share = Share { account: self, bytes: plan.bytes };
+        *taken = taken.saturating_add(share.bytes);
+        Ok((plan, share))
+    }
 }
 
 #[cfg(test)]
@@ -55,10 +70,10 @@ mod tests {
     fn a_search_plans_with_what_others_leave() {
         let params =
             DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 20, -3.0..=3.0, 20), ..DetectorParams::default() };
-        let plan = |budget| plan_beside_others(&params, 10, (1600, 1200), Some(budget));
+        let account = Account::new();
+        let plan = |budget| account.plan(&params, 10, (1600, 1200), Some(budget));
         let (alone, share) = plan(1 << 50).expect("it fits");
         assert_eq!((alone.search.len(), share.bytes), (1, alone.bytes));
-        // Other tests of this process may search meanwhile; they only leave less.
         let budget = alone.bytes + alone.bytes / 2;
         let (beside, second) = plan(budget).expect("in groups");
         assert!(beside.search.len() > 1 && beside.bytes < alone.bytes, "{beside:?}");
@@ -66,6 +81,8 @@ mod tests {
         assert_eq!(third, Plan::smallest(&params, 10, (1600, 1200), Some(budget)).expect("it fits"));
         assert_eq!(third.threads, 1);
         drop((share, second));
+        let (again, _) = plan(budget).expect("the others gave back what they had");
+        assert_eq!(again, alone);
         assert!(plan(1000).is_err(), "a search that never fits is refused");
     }
 }

@@ -18,7 +18,7 @@ pub use trail::Trail;
 use super::error::DetectError;
 use super::feature::{Detection, StageTimes, Tally, Test};
 use super::keypoint::Keypoint;
-use super::memory::{self, Plan};
+use super::memory::{self, Account, OF_PROCESS, Plan};
 use super::params::DetectorParams;
 use crate::burst::Burst;
 use crate::detector::describe::Described;
@@ -35,7 +35,7 @@ use std::time::Instant;
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
 /// was cancelled.
 pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
-    Ok(search_all(burst, params, memory::budget(), monitor)?.detection)
+    Ok(search_all(burst, params, (&OF_PROCESS, memory::budget()), monitor)?.detection)
 }
 
 /// The same, keeping what it takes to ask afterwards why: the coarser octaves, if there is memory for them, and the
@@ -46,20 +46,20 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
 pub fn detect_with_trail(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Trail, DetectError> {
     // Those that are kept already have their part.
     let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
-    Ok(search_all(burst, params, budget, monitor)?.ready())
+    Ok(search_all(burst, params, (&OF_PROCESS, budget), monitor)?.ready())
 }
 
-/// The detection within `budget` bytes, with what it leaves.
+/// The detection with what it leaves, within what other searches of `account` leave of `budget` bytes.
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,
-    budget: Option<u64>,
+    (account, budget): (&Account, Option<u64>),
     monitor: &Monitor,
 ) -> Result<Trail, DetectError> {
     let started = Instant::now();
     params.validate_for(burst.len(), burst.size())?;
     let frames = params.used_frames(burst.len()).len();
-    let (plan, _share) = memory::plan_beside_others(params, frames, burst.size(), budget)?;
+    let (plan, _share) = account.plan(params, frames, burst.size(), budget)?;
     plan.run(|| search_as_planned(burst, params, &plan, (started, monitor)))
 }
 

@@ -24,11 +24,15 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
     of(slopes)
 }
 
+/// A search that has all of `budget` bytes, whatever other tests of this process take at the same time.
+fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, DetectError> {
+    search_all(burst, params, (&Account::new(), budget), &Monitor::default())
+}
+
 /// Searches in all kinds of groups, and holds each search against the whole one. Returns the counts of groups in which
 /// keypoints are described, which may need more slopes around them than the search.
 fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
-    let monitor = Monitor::default();
-    let whole = search_all(burst, params, None, &monitor).expect("valid").ready();
+    let whole = search_within(burst, params, None).expect("valid").ready();
     let count = params.used_slopes().len();
     let mut counts = Vec::new();
     for slopes in 1..count {
@@ -40,7 +44,7 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
         }
         assert!(plan.search.len() > 1 && plan.search.iter().all(|group| group.visited.len() <= slopes), "{plan:?}");
         counts.push(plan.describe.len());
-        let found = search_all(burst, params, Some(budget), &monitor).expect("it fits").ready();
+        let found = search_within(burst, params, Some(budget)).expect("it fits").ready();
         assert!(found.bases.is_none() && whole.bases.is_some());
         assert_eq!(found.keypoints(), whole.keypoints(), "{plan:?}");
         let covered = |trail: &Trail| (0..trail.keypoints().len()).map(|k| trail.covered_by(k)).collect::<Vec<_>>();
@@ -134,7 +138,7 @@ fn two_three_and_many_groups_by_any_number_of_threads() {
                 pool.install(|| {
                     let counts = assert_same_in_groups(&burst, &params);
                     let least = budget_for(&burst, &params, if slopes.is_plane() { 9 } else { 3 });
-                    (counts, search_all(&burst, &params, Some(least), &Monitor::default()).expect("fits").detection)
+                    (counts, search_within(&burst, &params, Some(least)).expect("fits").detection)
                 })
             })
             .collect();
@@ -158,8 +162,8 @@ fn a_search_that_does_not_fit_is_refused_before_it_starts() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     pool.install(|| {
         let whole = estimate(&params, burst.len(), burst.size());
-        assert!(search_all(&burst, &params, Some(whole), &Monitor::default()).is_ok());
-        let refused = search_all(&burst, &params, Some(whole - 1), &Monitor::default()).expect_err("a byte too much");
+        assert!(search_within(&burst, &params, Some(whole)).is_ok());
+        let refused = search_within(&burst, &params, Some(whole - 1)).expect_err("a byte too much");
         assert!(refused.to_string().contains("adjacent"), "{refused}");
     });
 }
