@@ -58,7 +58,7 @@ impl BurstscopeApp {
 
     /// Copies the command that finds what is seen.
     pub(super) fn copy_command(&mut self, ctx: &egui::Context) {
-        let Some(burst) = &self.model.burst else { return };
+        let Some(burst) = &self.model.slots.a.burst else { return };
         let inputs = match &burst.source {
             BurstSource::Demo => vec!["demo".to_owned()],
             BurstSource::DemoLater => vec!["demo-later".to_owned()],
@@ -77,7 +77,7 @@ impl BurstscopeApp {
 
     /// How the burst was opened: what is built in needs nothing.
     fn calibration_of_open(&self) -> OpenOptions {
-        match self.model.burst.as_ref().map(|open| &open.source) {
+        match self.model.slots.a.burst.as_ref().map(|open| &open.source) {
             Some(BurstSource::Paths(_)) => self.model.calibration.clone(),
             _ => OpenOptions::default(),
         }

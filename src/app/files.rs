@@ -13,7 +13,7 @@ use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::export::{Inputs, OutputRules, Overwrite};
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text};
-use crate::requests::{BurstSource, JobId, MapKind};
+use crate::requests::{BurstSource, JobId, MapKind, OpenRequest};
 use std::path::PathBuf;
 
 impl BurstscopeApp {
@@ -50,7 +50,8 @@ impl BurstscopeApp {
                 // The first that comes is the estimate, the second the truth; a third takes the place of the estimate.
                 let compared = &self.model.trajectories.compared;
                 let truth = compared.estimate.is_some() && compared.truth.is_none();
-                self.open_trajectory(if truth { Which::Truth } else { Which::Estimate }, one.clone());
+                let which = if truth { Which::Truth } else { Which::Estimate };
+                self.open_trajectory(which, one.clone());
             }
             _ if self.is_dropped_on_b(ctx) => self.open_second(BurstSource::Paths(paths)),
             _ => self.open(BurstSource::Paths(paths)),
@@ -66,7 +67,7 @@ impl BurstscopeApp {
 
     /// In *Two bursts*, where files can be dropped to be opened as which burst: the panes.
     pub(super) fn drop_places(&self) -> Vec<(egui::Rect, Side)> {
-        if self.model.workspace != Workspace::Pair || self.model.burst.is_none() {
+        if self.model.workspace != Workspace::Pair || self.model.slots.a.burst.is_none() {
             return Vec::new();
         }
         let place = |id| Some((self.widgets.rect_ui(id)?, self.model.panes.get(id)?.side));
@@ -86,7 +87,7 @@ impl BurstscopeApp {
     }
 
     fn suggested_name(&self, purpose: Purpose) -> String {
-        let burst = self.model.burst.as_ref().map_or("burst", |b| b.burst.name.as_str());
+        let burst = self.model.slots.a.burst.as_ref().map_or("burst", |b| b.burst.name.as_str());
         let stem = std::path::Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
         match purpose {
             Purpose::SaveSession => format!("{stem}.burstscope.toml"),
@@ -118,7 +119,7 @@ impl BurstscopeApp {
     }
 
     fn folder_of_burst(&self) -> Option<PathBuf> {
-        match &self.model.burst.as_ref()?.source {
+        match &self.model.slots.a.burst.as_ref()?.source {
             BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
             BurstSource::Demo
             | BurstSource::DemoLater
@@ -136,7 +137,7 @@ impl BurstscopeApp {
             Purpose::OpenEstimate => self.open_trajectory(Which::Estimate, first),
             Purpose::OpenTruth => self.open_trajectory(Which::Truth, first),
             Purpose::FeatureFolder => self.use_feature_folder(first),
-            Purpose::PaperFigures => self.make_figures(first),
+            Purpose::PaperFigures => self.model.make_figures(first, &self.engine),
             #[cfg(feature = "colmap")]
             Purpose::ExportDatabase => self.export_database(first),
             // Without COLMAP's database nobody can ask for it.
@@ -145,7 +146,7 @@ impl BurstscopeApp {
             Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
                 self.open_second(BurstSource::Paths(paths));
             }
-            Purpose::OpenGold(side) => self.open_gold(BurstSource::Paths(paths), side),
+            Purpose::OpenGold(side) => self.model.open_gold(side, BurstSource::Paths(paths), &self.engine),
             Purpose::OpenBias => self.overlays.calibration_draft(&self.model.calibration).bias = Some(first),
             Purpose::OpenFlat => self.overlays.calibration_draft(&self.model.calibration).flat = Some(first),
             Purpose::OpenFeatures => {
@@ -168,8 +169,9 @@ impl BurstscopeApp {
         match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {
             Ok(session) => {
                 self.model.messages.resolved("Open session");
-                let id = self.engine.open_with(session.burst.clone(), session.calibration.clone());
-                self.asked.restoring = Some((id, Box::new(session)));
+                let (source, options) = (session.burst.clone(), session.calibration.clone());
+                let id = self.model.slots.a.opening.ask(&self.engine, OpenRequest { source, options });
+                self.restoring.session = Some((id, Box::new(session)));
                 Some(id)
             }
             Err(error) => {

@@ -46,12 +46,11 @@ impl BurstscopeApp {
     pub(super) fn calibrate(&mut self, options: OpenOptions) {
         self.model.calibration = options;
         // They are of the calibration of before.
-        self.engine.datasets.forget_thumbnails();
         self.thumbnails.clear();
-        if let Some(source) = self.model.burst.as_ref().map(|open| open.source.clone()) {
+        if let Some(source) = self.model.slots.a.burst.as_ref().map(|open| open.source.clone()) {
             self.open(source);
         }
-        if let Some(source) = self.model.pair.b.burst.as_ref().map(|open| open.source.clone()) {
+        if let Some(source) = self.model.slots.b.burst.as_ref().map(|open| open.source.clone()) {
             self.open_second(source);
         }
         if let Some(dataset) = &self.model.datasets.open {
@@ -115,10 +114,7 @@ impl BurstscopeApp {
             self.write(purpose, path);
         }
         if let Some(burst) = crate::app::panel::chooser::chooser_ui(ctx, &mut self.overlays.choice) {
-            match self.overlays.choice_side {
-                Side::A => self.open(burst),
-                Side::B => self.open_second(burst),
-            }
+            self.open_for(self.overlays.choice_side, burst);
         }
         if let Some(dialog) = &mut self.overlays.cut {
             let (source, stay) = dialog.ui(ctx);

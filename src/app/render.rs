@@ -149,11 +149,11 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         |ctx, _| BurstscopeApp::new(ctx, None, startup),
         |app, ui| {
             app.show(ui);
-            let is_open = app.model.burst.is_some() && (options.second.is_none() || app.model.pair.b.burst.is_some());
+            let is_open = app.model.slots.a.burst.is_some() && (options.second.is_none() || app.model.slots.b.burst.is_some());
             if is_open && !placed {
                 if options.session.is_none() && options.lesson.is_none() {
                     place(app, options);
-                    *unfit.borrow_mut() = app.model.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
+                    *unfit.borrow_mut() = app.model.slots.a.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
                 }
                 placed = true;
             }
@@ -172,12 +172,12 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
                 .errors()
                 .first()
                 .map(|m| m.text.clone())
-                .or_else(|| app.model.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string));
+                .or_else(|| app.model.slots.a.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string));
         },
         |app| {
             let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
-            let answered = app.model.burst.is_some() || failed;
-            let second = options.second.is_none() || app.model.pair.b.burst.is_some() || failed;
+            let answered = app.model.slots.a.burst.is_some() || failed;
+            let second = options.second.is_none() || app.model.slots.b.burst.is_some() || failed;
             unfit.borrow().is_some() || (app.is_settled() && answered && second)
         },
     )?;
@@ -231,7 +231,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     pane.cursor.octave = options.octave.unwrap_or(options.params.detector.first_octave);
     pane.cursor.level = options.level;
     model.check_params();
-    if model.pair.b.burst.is_some() {
+    if model.slots.b.burst.is_some() {
         model.bring_cursors_together();
     }
 }

@@ -49,7 +49,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) -
         });
     }
     let wish = lesson_panel_ui(app, ui);
-    if app.model.burst.is_none() && app.model.workspace.needs_burst() {
+    if app.model.slots.a.burst.is_none() && app.model.workspace.needs_burst() {
         CentralPanel::default().show(ui, |ui| {
             let chosen =
                 panel::welcome::welcome_ui(ui, &app.model, app.remembered(), &app.lessons, queue, &mut open_recent);
@@ -59,7 +59,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) -
         let wishes = workspace_ui(ui, &mut app.workspace_parts(queue));
         wishes.changes.into_iter().for_each(|change| app.change_panes(change));
         if wishes.compare_again {
-            app.compare_again();
+            app.model.compare_trajectories_again(&app.engine);
         }
         if let Some(label) = wishes.camera {
             app.look_at_camera(&label);

@@ -11,46 +11,21 @@ use super::inspector::PaneWidgets;
 use super::lesson::{Captions, Lessons};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
-use super::pane::PaneId;
 use super::recovery::Recovery;
-use super::session::Session;
 use super::settings::Settings;
 use super::startup::Startup;
-use crate::app::jobs::against::AgainstAsked;
-use crate::app::jobs::coherence::CoherenceAsked;
-use crate::app::jobs::compare::CompareAsked;
-use crate::app::jobs::explain::ExplainAsked;
-use crate::app::jobs::lab::LabAsked;
-use crate::app::jobs::losses::LossesAsked;
-use crate::app::jobs::pair::PairAsked;
+use crate::app::jobs::opening::Restoring;
 use crate::app::jobs::panes::CursorBefore;
-use crate::app::jobs::probe::ProbeAsked;
 use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
 use crate::app::project::Model;
 use crate::app::project::history;
 use crate::app::project::pair::Side;
 use crate::app::workspace::pair::PairPanels;
-use crate::detector::SearchParams;
 use crate::engine::{Engine, OnUpdate};
-use crate::requests::{BurstSource, JobId, OpenBurst, PictureRequest};
-use std::collections::HashMap;
+use crate::requests::OpenBurst;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// What the engine is asked for and has not answered yet, so that it is not asked for again.
-#[derive(Default)]
-pub(super) struct Asked {
-    /// What is being opened.
-    pub opening: Option<(JobId, BurstSource)>,
-    pub restoring: Option<(JobId, Box<Session>)>,
-    pub pictures: HashMap<PaneId, PictureRequest>,
-    pub patch: Option<PictureRequest>,
-    pub detecting: Option<SearchParams>,
-    /// What was looked for in vain.
-    pub failed: Option<SearchParams>,
-    pub probe: ProbeAsked,
-}
 
 /// Where playing through the slopes is.
 #[derive(Default)]
@@ -78,14 +53,7 @@ pub struct BurstscopeApp {
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
     pub(super) overlays: Overlays,
-    pub(super) asked: Asked,
-    pub(super) pair_asked: PairAsked,
-    pub(super) compare_asked: CompareAsked,
-    pub(super) explain_asked: ExplainAsked,
-    pub(super) coherence_asked: CoherenceAsked,
-    pub(super) against_asked: AgainstAsked,
-    pub(super) losses_asked: LossesAsked,
-    pub(super) lab_asked: LabAsked,
+    pub(super) restoring: Restoring,
     pub(super) play: Play,
     /// Whether cursors were set on purpose, each to its own place, so that none follows another.
     pub(super) cursors_set: bool,
@@ -118,7 +86,7 @@ impl BurstscopeApp {
         let mut model = Model::default();
         model.set_search(startup.params);
         model.calibration = startup.calibration;
-        model.usable_params = model.params.clone();
+        model.slots.a.usable_params = model.params.clone();
         (model.theme, model.panels) = (startup.settings.theme, startup.settings.panels);
         (model.auto_detect, model.figure) = (startup.settings.auto_detect, startup.settings.figure);
         model.pair.look = startup.settings.match_look.sanitised();
@@ -135,14 +103,7 @@ impl BurstscopeApp {
             regions: RegionCache::default(),
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
-            asked: Asked::default(),
-            pair_asked: PairAsked::default(),
-            compare_asked: CompareAsked::default(),
-            explain_asked: ExplainAsked::default(),
-            coherence_asked: CoherenceAsked::default(),
-            against_asked: AgainstAsked::default(),
-            losses_asked: LossesAsked::default(),
-            lab_asked: LabAsked::default(),
+            restoring: Restoring::default(),
             play: Play::default(),
             cursors_set: false,
             history_set: false,
@@ -173,27 +134,13 @@ impl BurstscopeApp {
         app
     }
 
-    /// Opens a burst in the background; the one that is open stays until the new one is there.
-    pub fn open(&mut self, source: BurstSource) {
-        self.asked.restoring = None;
-        self.asked.opening = Some((self.engine.open_with(source.clone(), self.model.calibration.clone()), source));
-    }
-
     /// Whether everything that is wanted is there and nothing runs.
     pub fn is_settled(&self) -> bool {
         self.engine.is_idle()
             && !self.desk.is_asking()
-            && self.model.pictures_are_current()
+            && self.model.is_settled()
             && !self.thumbnails.is_waiting()
-            && !(self.model.auto_detect && self.wants_detection())
-            && self.pair_is_settled()
-            && self.probe_is_settled()
-            && self.compare_is_settled()
-            && self.explanations_are_settled()
-            && self.coherences_are_settled()
-            && self.comparison_is_settled()
             && self.lesson_is_settled()
-            && self.lab_is_settled()
     }
 
     /// Whether a dialog for files is open.
@@ -208,14 +155,6 @@ impl BurstscopeApp {
         self.model.refresh_workspace();
         let cursor_before = CursorBefore::of(&self.model);
         self.take_updates(&ctx);
-        self.take_probe_updates();
-        self.take_pair_updates();
-        self.take_compare_updates();
-        self.take_explanations();
-        self.take_coherences();
-        self.take_against_updates();
-        self.take_losses();
-        self.take_lab_updates();
         self.take_answers();
         self.take_dropped_files(&ctx);
         let before = history::Settings::of(&self.model);

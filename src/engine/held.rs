@@ -18,7 +18,7 @@ pub struct Held {
 impl Engine {
     /// What is held now. News that was not polled yet comes on top.
     pub fn held(&self) -> Held {
-        let (trails, trail_bytes) = self.cache.trails().held();
-        Held { picture_bytes: self.cache.lock().bytes(), trails, trail_bytes, requests: self.queue.len() }
+        let (trails, trail_bytes) = self.stores.trails.held();
+        Held { picture_bytes: self.stores.pictures.lock().bytes(), trails, trail_bytes, requests: self.queue.len() }
     }
 }

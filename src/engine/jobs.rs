@@ -5,9 +5,9 @@
 
 use super::OnUpdate;
 use super::fault;
-use super::queue::{JobKey, JobQueue, Priority, Publish, QueuedJob, Standing};
+use super::queue::{JobKey, JobQueue, Lane, Manner, Publish, QueuedJob, Standing};
 use crate::monitor::Monitor;
-use crate::requests::{JobError, JobId, Running};
+use crate::requests::{JobError, JobId, Running, Urgency};
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -64,8 +64,7 @@ impl<Q, A, P> Shared<Q, A, P> {
 pub struct Jobs<Q, A, P = Infallible> {
     queue: Arc<JobQueue>,
     kind: u32,
-    priority: Priority,
-    grace: Duration,
+    manner: Manner,
     shared: Arc<Shared<Q, A, P>>,
 }
 
@@ -75,11 +74,11 @@ impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
     /// [`JobError::Superseded`].
     pub fn new(
         queue: &Arc<JobQueue>,
-        priority: Priority,
+        urgency: Urgency,
         grace: Duration,
         work: impl Fn(Q, &Monitor) -> Result<A, JobError> + Send + Sync + 'static,
     ) -> Self {
-        Self::telling(queue, priority, grace, move |request, _: &(dyn Fn(Infallible) + Sync), monitor| {
+        Self::telling(queue, urgency, grace, move |request, _: &(dyn Fn(Infallible) + Sync), monitor| {
             work(request, monitor)
         })
     }
@@ -89,13 +88,14 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
     /// Work that tells of what is finished on the way. What it told before its answer is polled with or before that.
     pub fn telling(
         queue: &Arc<JobQueue>,
-        priority: Priority,
+        urgency: Urgency,
         grace: Duration,
         work: impl Fn(Q, &(dyn Fn(P) + Sync), &Monitor) -> Result<A, JobError> + Send + Sync + 'static,
     ) -> Self {
         let news = Mutex::new(News { answers: Vec::new(), partial: Vec::new() });
         let shared = Arc::new(Shared { work: Box::new(work), news, on_update: queue.on_update().clone() });
-        Self { queue: queue.clone(), kind: queue.new_kind(), priority, grace, shared }
+        let kind = queue.new_kind();
+        Self { queue: queue.clone(), kind, manner: Manner { urgency, grace, lane: Lane::Kind(kind) }, shared }
     }
 
     fn key(&self, slot: u32) -> JobKey {
@@ -109,8 +109,13 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
 
     /// Asks for `slot`: only what waits or runs for it is superseded.
     pub fn submit_for(&self, slot: u32, request: Q) -> JobId {
-        let job = TypedJob { request, slot, grace: self.grace, shared: self.shared.clone() };
-        self.queue.submit(self.key(slot), self.priority, self.grace, Box::new(job))
+        self.submit_as(self.manner, slot, request)
+    }
+
+    /// Asks for `slot` in another manner than the kind's own.
+    pub(super) fn submit_as(&self, manner: Manner, slot: u32, request: Q) -> JobId {
+        let job = TypedJob { request, slot, grace: manner.grace, shared: self.shared.clone() };
+        self.queue.submit(self.key(slot), manner, Box::new(job))
     }
 
     /// Answers a request for `slot` that needs no work, as if it had been submitted and had run.
@@ -146,6 +151,16 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
     /// Takes the answers since the last call, oldest first.
     pub fn take_answers(&self) -> impl Iterator<Item = JobAnswer<A>> + use<Q, A, P> {
         self.take_answers_for().into_iter().map(|(_, answer)| answer)
+    }
+
+    /// The manner in which requests are treated unless another is given.
+    pub(super) fn manner(&self) -> Manner {
+        self.manner
+    }
+
+    /// Takes what was told on the way since the last call, oldest first.
+    pub(super) fn take_told(&self) -> Vec<P> {
+        std::mem::take(&mut self.shared.news().partial).into_iter().map(|(.., told)| told).collect()
     }
 
     /// Takes, at one moment, what was told on the way since the last call and the answers, each oldest first.

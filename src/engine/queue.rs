@@ -2,7 +2,7 @@
 //!
 //! Every piece of work is asked for under a [`JobKey`]: what kind of work it is, and for whom (a pane, say). Of one key
 //! the latest request wins: a newer one takes the place of the one that waits, and supersedes the one that runs, which
-//! is cancelled once it has had its grace. Keys do not disturb one another; of one kind one runs at a time, in the
+//! is cancelled once it has had its grace. Keys do not disturb one another; of one lane one runs at a time, in the
 //! order in which their keys asked. Urgent work goes first, and threads are set apart for it, so that a picture never
 //! waits for a dataset.
 //!
@@ -15,36 +15,25 @@ mod threads;
 use super::OnUpdate;
 use super::fault;
 use crate::monitor::Monitor;
-use crate::requests::{JobError, JobId, Running};
+use crate::requests::{JobError, JobId, Running, Urgency};
 use state::{RunningJob, State, WaitingJob};
+use std::any::TypeId;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use threads::{unique_key, work};
 
-/// How urgent a kind of work is. What comes first goes first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Priority {
-    /// What a person is looking at: pictures, patches, a probed place.
-    Picture,
-    /// Files that are being written; finished even when the window closes.
-    Write,
-    /// Opening, detecting, matching.
-    Search,
-    /// Work on many bursts.
-    Dataset,
-}
-
-/// One thread each; it takes no work that is less urgent than this. So pictures and files have threads of their own,
-/// and searches go on beside datasets.
-pub(super) const THREADS: [Priority; 7] = [
-    Priority::Picture,
-    Priority::Write,
-    Priority::Search,
-    Priority::Search,
-    Priority::Search,
-    Priority::Dataset,
-    Priority::Dataset,
+/// One thread each; it takes no work that is less urgent than this. So pictures, files and pictures that take a
+/// search have threads of their own, and searches go on beside datasets.
+pub(super) const THREADS: [Urgency; 8] = [
+    Urgency::Picture,
+    Urgency::Write,
+    Urgency::SlowPicture,
+    Urgency::Search,
+    Urgency::Search,
+    Urgency::Search,
+    Urgency::Dataset,
+    Urgency::Dataset,
 ];
 
 /// What a request is for. Of one key the latest request wins.
@@ -54,6 +43,26 @@ pub struct JobKey {
     pub kind: u32,
     /// For whom.
     pub slot: u32,
+}
+
+/// How a request is treated by the queue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Manner {
+    /// What goes first.
+    pub(super) urgency: Urgency,
+    /// For how long a superseded request may go on running.
+    pub(super) grace: Duration,
+    /// Of the requests of a lane one runs at a time, in the order in which their keys asked.
+    pub(super) lane: Lane,
+}
+
+/// Requests that run one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lane {
+    /// Those of one kind.
+    Kind(u32),
+    /// Those of one type and urgency.
+    Type(TypeId, Urgency),
 }
 
 /// Work that waits: it is run or ended without, once.
@@ -105,7 +114,7 @@ impl JobQueue {
     pub fn new(on_update: OnUpdate) -> Self {
         fault::install_hook();
         let shared = Arc::new(Shared { state: Mutex::default(), wake: Condvar::new(), on_update });
-        let start = |limit: Priority| {
+        let start = |limit: Urgency| {
             let (its, thread) = (shared.clone(), unique_key(limit));
             std::thread::Builder::new()
                 .name(format!("{}{thread}", fault::THREAD_PREFIX))
@@ -129,10 +138,10 @@ impl JobQueue {
     }
 
     /// Asks under `key`, in place of what waits under it, and supersedes what runs under it.
-    pub(super) fn submit(&self, key: JobKey, priority: Priority, grace: Duration, job: Box<dyn QueuedJob>) -> JobId {
+    pub(super) fn submit(&self, key: JobKey, manner: Manner, job: Box<dyn QueuedJob>) -> JobId {
         let mut state = self.shared.lock();
         let id = state.next_id();
-        let new = WaitingJob { key, id, priority, grace, job };
+        let new = WaitingJob { key, id, manner, job };
         match state.waiting.iter_mut().find(|job| job.key == key) {
             Some(waiting) => {
                 let old = std::mem::replace(waiting, new);
@@ -206,10 +215,10 @@ impl Drop for JobQueue {
         let mut state = self.shared.lock();
         state.stop = true;
         let (written, dropped): (Vec<_>, Vec<_>) =
-            std::mem::take(&mut state.waiting).into_iter().partition(|job| job.priority == Priority::Write);
+            std::mem::take(&mut state.waiting).into_iter().partition(|job| job.manner.urgency == Urgency::Write);
         state.waiting = written;
         dropped.into_iter().for_each(|job| job.job.end(job.id, JobError::Cancelled));
-        state.running.iter().filter(|job| job.priority != Priority::Write).for_each(|job| job.monitor.cancel());
+        state.running.iter().filter(|job| job.manner.urgency != Urgency::Write).for_each(|job| job.monitor.cancel());
         drop(state);
         self.shared.wake.notify_all();
         for thread in self.threads.drain(..) {

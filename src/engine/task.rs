@@ -2,9 +2,9 @@
 //! even when the window closes.
 
 use super::jobs::{JobAnswer, Jobs};
-use super::queue::{JobQueue, Priority};
+use super::queue::JobQueue;
 use crate::monitor::Monitor;
-use crate::requests::JobError;
+use crate::requests::{JobError, Urgency};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -35,7 +35,7 @@ pub(super) struct Tasks {
 impl Tasks {
     pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
         let run = |work: Work, _: &Monitor| work().map_err(JobError::Failed);
-        Self { jobs: Jobs::new(queue, Priority::Write, Duration::ZERO, run), labels: Mutex::default() }
+        Self { jobs: Jobs::new(queue, Urgency::Write, Duration::ZERO, run), labels: Mutex::default() }
     }
 
     fn labels(&self) -> MutexGuard<'_, (u32, HashMap<u32, String>)> {

@@ -2,14 +2,14 @@
 
 use super::error::JobError;
 use super::open::OpenBurst;
-use super::trail::TrailStore;
+use super::request::{Request, Urgency, Work};
 use crate::baseline::search;
 use crate::detector::{Detection, DetectorParams, SearchParams};
 use crate::inspect::changes::{Changes, Spot, compare};
 use crate::inspect::foreign::{ForeignFeature, read_features};
 use crate::inspect::truth::{AgainstTruth, against_truth};
-use crate::monitor::Monitor;
 use crate::synth::Truth;
+use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -50,9 +50,15 @@ pub struct AgainstRequest {
     pub with: Reference,
 }
 
-impl AgainstRequest {
-    /// Whether both ask for the same comparison.
-    pub fn same_comparison(&self, other: &Self) -> bool {
+impl Request for AgainstRequest {
+    type Answer = ComparedWith;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
         let same_reference = match (&self.with, &other.with) {
             (Reference::Earlier { burst: a, asked: p, .. }, Reference::Earlier { burst: b, asked: q, .. }) => {
                 a.id == b.id && p == q
@@ -66,12 +72,8 @@ impl AgainstRequest {
         same_reference && Arc::ptr_eq(&self.detection, &other.detection)
     }
 
-    /// Compares. A result or a truth that is not there yet is made; `trails` may have it.
-    ///
-    /// # Errors
-    /// [`JobError::Failed`] for a file that cannot be read or a burst of which nothing is known;
-    /// [`JobError::Cancelled`].
-    pub fn compute(self, trails: &dyn TrailStore, monitor: &Monitor) -> Result<ComparedWith, JobError> {
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedWith, JobError> {
+        let (trails, monitor) = (work.kept.trails, work.monitor);
         let spots: Vec<Spot> = self.detection.features.iter().map(Spot::from).collect();
         let against = match &self.with {
             Reference::Earlier { burst, asked, detection } => {

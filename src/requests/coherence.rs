@@ -1,10 +1,11 @@
 //! How evenly the frames answer for each feature of a detection.
 
 use super::error::JobError;
-use super::trail::{DetectionSource, TrailStore, trail_and_rest};
+use super::request::{Request, Urgency, Work};
+use super::trail::{DetectionSource, trail_and_rest};
 use crate::detector::Detection;
 use crate::inspect::shares::coherences;
-use crate::monitor::Monitor;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// Of which features the coherence is asked for.
@@ -26,18 +27,20 @@ pub struct Coherences {
     pub values: Arc<Vec<Option<f32>>>,
 }
 
-impl CoherenceRequest {
-    /// Whether both ask for the same features.
-    pub fn same_features(&self, other: &Self) -> bool {
+impl Request for CoherenceRequest {
+    type Answer = Coherences;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.detection, &other.detection)
     }
 
-    /// Computes them from what the detection left in `trails`, or repeats it.
-    ///
-    /// # Errors
-    /// As the detection; [`JobError::Cancelled`].
-    pub fn compute(self, trails: &dyn TrailStore, monitor: &Monitor) -> Result<Coherences, JobError> {
-        let (cache, rest) = trail_and_rest(trails, &self.of, monitor)?;
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Coherences, JobError> {
+        let (cache, rest) = trail_and_rest(work.kept.trails, &self.of, work.monitor)?;
         let values = Arc::new(coherences(&cache.trail, &rest)?);
         Ok(Coherences { detection: self.detection, values })
     }

@@ -1,20 +1,17 @@
-//! A piece of the comparison of methods: opening, detecting, matching, as it is done without keeping anything.
+//! A piece of the comparison of methods: detecting or matching, without keeping anything but the answer, so that
+//! times can be compared.
 
 use super::detect::{DetectRequest, Detected};
 use super::error::JobError;
-use super::open::OpenBurst;
 use super::pair::{MatchRequest, Matched};
-use super::source::BurstSource;
+use super::request::{Request, Urgency, Work};
 use crate::baseline::{self, Searched};
-use crate::burst::OpenOptions;
-use crate::monitor::Monitor;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// A piece of work.
 #[derive(Debug, Clone)]
 pub enum CompareRequest {
-    /// Opening a burst: the gold standard's image, and how.
-    Open(BurstSource, OpenOptions),
     /// Finding features by the method that the parameters ask for.
     Detect(DetectRequest),
     /// Matching the features of two bursts.
@@ -24,25 +21,33 @@ pub enum CompareRequest {
 /// What came of it.
 #[derive(Debug, Clone)]
 pub enum Compared {
-    /// The opened burst.
-    Opened(OpenBurst),
     /// The features.
     Detected(Detected),
     /// The matches.
     Matched(Matched),
 }
 
-impl CompareRequest {
-    /// Does it. Of a detection nothing is kept, so that its time can be compared with those of other methods.
-    ///
-    /// # Errors
-    /// As opening, detecting, and matching; [`JobError::Cancelled`].
-    pub fn compute(self, monitor: &Monitor) -> Result<Compared, JobError> {
+impl Request for CompareRequest {
+    type Answer = Compared;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Detect(a), Self::Detect(b)) => a.is_same(b),
+            (Self::Match(a), Self::Match(b)) => a.is_same(b),
+            _ => false,
+        }
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Compared, JobError> {
         match self {
-            Self::Open(source, options) => source.open(&options, monitor).map(Compared::Opened),
-            Self::Match(request) => request.compute(monitor).map(Compared::Matched),
+            Self::Match(request) => request.compute(work).map(Compared::Matched),
             Self::Detect(DetectRequest { burst, params }) => {
-                let searched = baseline::search(&burst.burst, &params, monitor)?;
+                let searched = baseline::search(&burst.burst, &params, work.monitor)?;
                 let Searched { detection, params: used, finding, .. } = searched;
                 let detection = Arc::new(detection);
                 Ok(Compared::Detected(Detected { burst: burst.id, asked: params, params: used, finding, detection }))

@@ -2,10 +2,10 @@
 
 use super::error::JobError;
 use super::open::{BurstId, OpenBurst};
-use super::trail::TrailStore;
+use super::request::{Request, Urgency, Work};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
-use crate::monitor::Monitor;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// What to detect: a burst and the parameters, both as they were when it was asked.
@@ -17,13 +17,21 @@ pub struct DetectRequest {
     pub params: SearchParams,
 }
 
-impl DetectRequest {
-    /// Finds the features, or takes what the same request left in `trails`; what it leaves behind is put there.
-    ///
-    /// # Errors
-    /// [`JobError::Failed`] for parameters that make no sense for this burst; [`JobError::Cancelled`].
-    pub fn compute(self, trails: &dyn TrailStore, monitor: &Monitor) -> Result<Detected, JobError> {
+impl Request for DetectRequest {
+    type Answer = Detected;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self.burst.id == other.burst.id && self.params == other.params
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Detected, JobError> {
         let Self { burst, params: asked } = self;
+        let (trails, monitor) = (work.kept.trails, work.monitor);
         let cache = match trails.asked(&burst, &asked) {
             Some(kept) => kept,
             None => {

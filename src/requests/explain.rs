@@ -1,10 +1,11 @@
 //! Explaining a detection as a whole: which slopes the burst needs, where the candidates went.
 
 use super::error::JobError;
-use super::trail::{DetectionSource, TrailStore, trail_and_rest};
+use super::request::{Request, Urgency, Work};
+use super::trail::{DetectionSource, trail_and_rest};
 use crate::inspect::candidates::{Survey, SurveyOptions, survey};
 use crate::inspect::spectrum::{Spectrum, spectrum};
-use crate::monitor::Monitor;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// What is asked about a detection. Of one subject the latest question wins.
@@ -16,25 +17,6 @@ pub enum ExplainQuestion {
     Candidates(SurveyOptions),
 }
 
-/// What a question is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ExplainSubject {
-    /// The slopes.
-    Slopes,
-    /// The candidates.
-    Candidates,
-}
-
-impl ExplainQuestion {
-    /// What it is about.
-    pub fn subject(&self) -> ExplainSubject {
-        match self {
-            Self::Slopes => ExplainSubject::Slopes,
-            Self::Candidates(_) => ExplainSubject::Candidates,
-        }
-    }
-}
-
 /// A question about the detection of a burst.
 #[derive(Debug, Clone)]
 pub struct ExplainRequest {
@@ -44,18 +26,20 @@ pub struct ExplainRequest {
     pub question: ExplainQuestion,
 }
 
-impl ExplainRequest {
-    /// Whether both ask the same of the same detection.
-    pub fn same_answer(&self, other: &Self) -> bool {
+impl Request for ExplainRequest {
+    type Answer = Explained;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
         self.of.is_same(&other.of) && self.question == other.question
     }
 
-    /// Answers from what the detection left in `trails`, or repeats it.
-    ///
-    /// # Errors
-    /// As the detection; [`JobError::Cancelled`].
-    pub fn compute(self, trails: &dyn TrailStore, monitor: &Monitor) -> Result<Explained, JobError> {
-        let (cache, monitor) = trail_and_rest(trails, &self.of, monitor)?;
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Explained, JobError> {
+        let (cache, monitor) = trail_and_rest(work.kept.trails, &self.of, work.monitor)?;
         let explanation = match self.question {
             ExplainQuestion::Slopes => Explanation::Slopes(Arc::new(spectrum(&cache, &monitor)?)),
             ExplainQuestion::Candidates(options) => {

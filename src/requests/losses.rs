@@ -2,9 +2,10 @@
 
 use super::error::JobError;
 use super::pair::MatchRequest;
+use super::request::{Request, Urgency, Work};
 use crate::inspect::unmatched::{ComparedPair, Losses, Lost, NearestOfBoth};
 use crate::matching::MatchResult;
-use crate::monitor::Monitor;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// The pair that is asked about.
@@ -19,24 +20,28 @@ pub struct LossesRequest {
 }
 
 impl LossesRequest {
-    /// Whether both ask about the same matches.
-    pub fn same_pair(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.result, &other.result)
-    }
-
     /// The same as [`crate::inspect::unmatched`] wants it.
     pub fn pair(&self) -> ComparedPair<'_> {
         let MatchRequest { a, b, params } = &self.request;
         ComparedPair { a, b, size_b: self.size_b, result: &self.result, params }
     }
+}
 
-    /// Finds out where each feature of A was lost.
-    ///
-    /// # Errors
-    /// [`JobError::Cancelled`].
-    pub fn compute(self, monitor: &Monitor) -> Result<FoundLosses, JobError> {
-        let losses = Losses::new(self.pair(), monitor)?;
-        let counts = losses.counts(monitor)?;
+impl Request for LossesRequest {
+    type Answer = FoundLosses;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.result, &other.result)
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<FoundLosses, JobError> {
+        let losses = Losses::new(self.pair(), work.monitor)?;
+        let counts = losses.counts(work.monitor)?;
         let lost = (0..self.request.a.features.len()).map(|index| losses.lost(index)).collect();
         let nearest = losses.nearest();
         Ok(FoundLosses { request: self, lost, counts, nearest })

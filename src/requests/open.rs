@@ -1,11 +1,14 @@
 //! Opening a burst, and a burst that is open.
 
 use super::error::JobError;
+use super::request::{Request, Urgency, Work};
 use super::source::BurstSource;
 use crate::burst::{Burst, OpenOptions, find_bursts};
+use crate::inspect::words::counted;
 use crate::inspect::truth::{TruthError, is_known, truth_of};
-use crate::monitor::Monitor;
 use crate::synth::{FrameLevels, Truth, synth_chart};
+use std::convert::Infallible;
+use crate::monitor::Monitor;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,13 +22,20 @@ pub struct OpenRequest {
     pub options: OpenOptions,
 }
 
-impl OpenRequest {
-    /// Opens it.
-    ///
-    /// # Errors
-    /// As [`BurstSource::open`].
-    pub fn compute(self, monitor: &Monitor) -> Result<OpenBurst, JobError> {
-        self.source.open(&self.options, monitor)
+impl Request for OpenRequest {
+    type Answer = OpenBurst;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self.source == other.source && self.options == other.options
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
+        self.source.open(&self.options, work.monitor)
     }
 }
 
@@ -66,6 +76,12 @@ impl OpenBurst {
     /// Whether something is known of what it shows: a cheap look, that reads no file.
     pub fn has_truth(&self) -> bool {
         matches!(self.source, BurstSource::Chart(_)) || is_known(&self.burst)
+    }
+
+    /// The burst in words: its name, the number of its frames, and their size.
+    pub fn describe(&self) -> String {
+        let (width, height) = self.burst.size();
+        format!("{}: {} of {width} × {height}", self.burst.name, counted(self.burst.len(), "frame"))
     }
 }
 

@@ -1,10 +1,10 @@
-//! Matching the features of two bursts, and the pictures of a match.
+//! Matching the features of two bursts.
 
 use super::error::JobError;
-use super::picture::{Picture, PictureRequest};
+use super::request::{Request, Urgency, Work};
 use crate::detector::Detection;
 use crate::matching::{MatchParams, MatchResult, match_detections};
-use crate::monitor::Monitor;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// What to match: the features of two bursts and the parameters, as they were when it was asked.
@@ -18,18 +18,20 @@ pub struct MatchRequest {
     pub params: MatchParams,
 }
 
-impl MatchRequest {
-    /// Whether both ask for the same matches: of the same two detections, with the same parameters.
-    pub fn same_matches(&self, other: &Self) -> bool {
+impl Request for MatchRequest {
+    type Answer = Matched;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
     }
 
-    /// Matches, on the calling thread and its pool.
-    ///
-    /// # Errors
-    /// [`JobError::Failed`] for parameters that make no sense; [`JobError::Cancelled`].
-    pub fn compute(self, monitor: &Monitor) -> Result<Matched, JobError> {
-        let result = Arc::new(match_detections(&self.a, &self.b, &self.params, monitor)?);
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
+        let result = Arc::new(match_detections(&self.a, &self.b, &self.params, work.monitor)?);
         Ok(Matched { request: self, result })
     }
 }
@@ -41,30 +43,4 @@ pub struct Matched {
     pub request: MatchRequest,
     /// The matches, and what they agree on.
     pub result: Arc<MatchResult>,
-}
-
-/// The two motion-stack images from which a match's patches are cut, or any other two pictures that are wanted
-/// together.
-#[derive(Debug, Clone)]
-pub struct PatchesRequest {
-    /// The picture of A.
-    pub a: PictureRequest,
-    /// The picture of B.
-    pub b: PictureRequest,
-}
-
-impl PatchesRequest {
-    /// Whether both ask for the same pixels.
-    pub fn same_pictures(&self, other: &Self) -> bool {
-        self.a.same_picture(&other.a) && self.b.same_picture(&other.b)
-    }
-}
-
-/// The pictures that a [`PatchesRequest`] asked for.
-#[derive(Debug, Clone)]
-pub struct Patches {
-    /// The picture of A.
-    pub a: Picture,
-    /// The picture of B.
-    pub b: Picture,
 }

@@ -4,15 +4,15 @@
 use super::error::JobError;
 use super::map::{MapKind, MotionMap};
 use super::open::{BurstId, OpenBurst};
-use super::trail::{NothingKept, TrailStore};
+use super::request::{Kept, Request, Urgency, Work};
 use crate::baseline::{merge_burst, prepare};
 use crate::detector::view::{dog_view, stack_view};
 use crate::detector::{DetectorParams, Interpolation, Method, Slope};
-use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::difference;
 use image::RgbaImage;
+use std::convert::Infallible;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
@@ -51,6 +51,12 @@ pub enum PictureKind {
 }
 
 impl PictureKind {
+    /// Whether it takes a search of the burst or all of its frames, and so long that it is not made anew for every
+    /// step of a slider.
+    pub fn is_slow(self) -> bool {
+        matches!(self, Self::Map { .. } | Self::Merge)
+    }
+
     /// Input pixels for one pixel of this picture: 2^octave for a DoG response, else 1.
     pub fn input_px_per_pixel(self) -> f32 {
         match self {
@@ -175,28 +181,9 @@ impl PictureRequest {
         }
     }
 
-    /// Whether both ask for the same pixels.
-    pub fn same_picture(&self, other: &Self) -> bool {
-        self.key() == other.key()
-    }
-
-    /// Makes the picture, on the calling thread and its pool.
-    ///
-    /// # Errors
-    /// [`JobError::Failed`] for a frame that the burst has not, [`JobError::Cancelled`] once `monitor` was cancelled.
-    pub fn compute(&self, monitor: &Monitor) -> Result<Picture, JobError> {
-        self.compute_with(&NothingKept, monitor)
-    }
-
-    /// The same, where a trail that is needed may be there already.
-    ///
-    /// # Errors
-    /// As [`Self::compute`].
-    pub fn compute_with(&self, trails: &dyn TrailStore, monitor: &Monitor) -> Result<Picture, JobError> {
-        if let Some(minus) = self.minus() {
-            let picture = self.alone().compute_with(trails, monitor)?;
-            return Ok(picture.minus(&minus.compute_with(trails, monitor)?));
-        }
+    /// Computes the picture, which is no difference.
+    fn plain(self, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
+        let (trails, monitor) = (work.kept.trails, work.monitor);
         let mut motion = None;
         let burst = &self.burst.burst;
         let plane = match self.kind {
@@ -227,7 +214,61 @@ impl PictureRequest {
                 Arc::new(plane)
             }
         };
-        Ok(Picture { request: self.clone(), plane, motion })
+        Ok(Picture { request: self, plane, motion })
+    }
+}
+
+impl Request for PictureRequest {
+    type Answer = Picture;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        let own = if self.kind.is_slow() { Urgency::SlowPicture } else { Urgency::Picture };
+        self.minus().map_or(own, |minus| own.max(minus.urgency()))
+    }
+
+    /// Whether both have the same pixels.
+    fn is_same(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+
+    fn kept(&self, kept: &Kept<'_>) -> Option<Picture> {
+        kept.pictures.get(self)
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
+        if let Some(picture) = self.kept(&work.kept) {
+            return Ok(picture);
+        }
+        let picture = match self.minus().cloned() {
+            None => self.plain(work)?,
+            // Both pictures are kept too: they are mostly shown beside their difference.
+            Some(minus) => self.alone().compute(work)?.minus(&minus.compute(work)?),
+        };
+        work.kept.pictures.put(&picture);
+        Ok(picture)
+    }
+}
+
+/// Several pictures that are shown together, such as the two from which the patches of a match are cut.
+#[derive(Debug, Clone)]
+pub struct PicturesRequest(pub Vec<PictureRequest>);
+
+impl Request for PicturesRequest {
+    /// The pictures, in the order of their requests.
+    type Answer = Vec<Picture>;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|(a, b)| a.is_same(b))
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<Picture>, JobError> {
+        self.0.into_iter().map(|request| request.compute(work)).collect()
     }
 }
 
@@ -278,7 +319,3 @@ impl Picture {
         matches!(self.request.kind, PictureKind::Frame(_)) && self.request.minus.is_none()
     }
 }
-
-/// Who wants a picture: each pane has a number of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct PictureSlot(pub u32);

@@ -1,8 +1,10 @@
 //! Reading trajectories and comparing them.
 
 use super::error::JobError;
+use super::request::{Request, Urgency, Work};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Trajectory, evaluate_poses, read_trajectory};
-use crate::monitor::{Monitor, Stage};
+use crate::monitor::Stage;
+use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -45,12 +47,22 @@ pub struct PosesRequest {
     pub study: PoseStudy,
 }
 
-impl PosesRequest {
-    /// Reads what is not read yet, and compares if both are there.
-    ///
-    /// # Errors
-    /// [`JobError::Failed`] for a file that cannot be read; [`JobError::Cancelled`].
-    pub fn compute(self, monitor: &Monitor) -> Result<ComparedPoses, JobError> {
+impl Request for PosesRequest {
+    type Answer = ComparedPoses;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        let path = |source: &Option<TrajectorySource>| source.as_ref().map(|source| source.path().clone());
+        let paths = |request: &Self| [path(&request.estimate), path(&request.truth)];
+        paths(self) == paths(other) && self.study == other.study
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {
+        let monitor = work.monitor;
         monitor.report(Stage::Open, 0.0);
         let estimate = self.estimate.map(TrajectorySource::read).transpose()?;
         monitor.check()?;

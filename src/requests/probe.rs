@@ -2,10 +2,13 @@
 
 use super::error::JobError;
 use super::open::BurstId;
+use super::request::{Kept, Request, Urgency, Work};
+use super::trail::DetectionSource;
 use crate::inspect::candidates::{CandidateMark, SurveyOptions, survey};
 use crate::inspect::probe::Wanted;
 use crate::inspect::{Probe, ProbeCache, ProbeOptions, probe};
 use crate::monitor::Monitor;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// A detection of a burst with all that it left behind.
@@ -15,6 +18,29 @@ pub struct Traced {
     pub burst: BurstId,
     /// Its detection, with its trail.
     pub cache: Arc<ProbeCache>,
+}
+
+impl Request for DetectionSource {
+    /// The detection with its trace, which is searched for again if it is not kept.
+    type Answer = Traced;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self.burst.id == other.burst.id && self.asked == other.asked && self.params == other.params
+    }
+
+    fn kept(&self, kept: &Kept<'_>) -> Option<Traced> {
+        Some(Traced { burst: self.burst.id, cache: kept.trails.get(self)? })
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Traced, JobError> {
+        let cache = work.kept.trails.get_or_make(&self, work.monitor)?;
+        Ok(Traced { burst: self.burst.id, cache })
+    }
 }
 
 /// What is asked.
@@ -40,19 +66,20 @@ pub struct ProbeRequest {
     pub question: ProbeQuestion,
 }
 
-impl ProbeRequest {
-    /// Whether both ask the same of the same detection.
-    pub fn same_answer(&self, other: &Self) -> bool {
+impl Request for ProbeRequest {
+    type Answer = Probed;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Picture
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.traced.cache, &other.traced.cache) && self.question == other.question
     }
 
-    /// Answers.
-    ///
-    /// # Errors
-    /// [`JobError::Failed`] for a place outside the picture, or a burst in which nothing is an extremum;
-    /// [`JobError::Cancelled`].
-    pub fn compute(self, monitor: &Monitor) -> Result<Probed, JobError> {
-        let cache = &self.traced.cache;
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Probed, JobError> {
+        let (cache, monitor) = (&self.traced.cache, work.monitor);
         let (place, wanted) = match self.question {
             ProbeQuestion::At { place, wanted } => (place, wanted),
             ProbeQuestion::Strongest => {

@@ -1,9 +1,11 @@
-//! A study of charts, or of the burst that is open.
+//! Studies of charts or of the open burst, single charts of a study, and the figures of the paper.
 
 use super::error::JobError;
 use super::open::OpenBurst;
-use crate::evaluate::{Study, StudyReport};
-use crate::monitor::Monitor;
+use super::request::{Request, Urgency, Work};
+use crate::evaluate::{ChartOfStudy, ShownChart, Study, StudyReport};
+use crate::figures::{FiguresJob, FiguresReport};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// What is to be studied.
@@ -15,17 +17,62 @@ pub struct StudyRequest {
     pub open: Option<OpenBurst>,
 }
 
-impl StudyRequest {
-    /// Makes the study. `tell` hears of the report as it grows from chart to chart.
-    ///
-    /// # Errors
-    /// [`JobError::Failed`] for a study that makes no sense, or a truth that cannot be read; [`JobError::Cancelled`].
-    pub fn compute(self, tell: &(dyn Fn(StudyReport) + Sync), monitor: &Monitor) -> Result<StudyReport, JobError> {
+impl Request for StudyRequest {
+    type Answer = StudyReport;
+    type Told = StudyReport;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Dataset
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        let open = |request: &Self| request.open.as_ref().map(|open| open.id);
+        self.study == other.study && open(self) == open(other)
+    }
+
+    fn compute(self, work: &Work<'_, StudyReport>) -> Result<StudyReport, JobError> {
+        let monitor = work.monitor;
         let Self { mut study, open } = self;
         if let (Study::BurstFrames(_, bursts), Some(open)) = (&mut study, open) {
             let truth = open.truth(monitor).map_err(JobError::failed)?;
             bursts.truth = truth.map(Arc::new);
         }
-        Ok(study.run_telling(monitor, tell)?)
+        Ok(study.run_telling(monitor, work.tell)?)
+    }
+}
+
+impl Request for ChartOfStudy {
+    type Answer = ShownChart;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<ShownChart, JobError> {
+        Ok(self.show(work.monitor)?)
+    }
+}
+
+/// The figures of the paper, made into a folder. Finished figures stay there, so that a cancelled job goes on another
+/// time.
+impl Request for FiguresJob {
+    type Answer = FiguresReport;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Dataset
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<FiguresReport, JobError> {
+        Ok(self.run(&mut |_| {}, work.monitor)?)
     }
 }

@@ -21,11 +21,6 @@ pub struct DetectionSource {
 }
 
 impl DetectionSource {
-    /// Whether both are the same detection.
-    pub fn is_same(&self, other: &Self) -> bool {
-        self.burst.id == other.burst.id && self.asked == other.asked && self.params == other.params
-    }
-
     /// Makes the detection again, with all that it leaves behind. The slopes are known: they are not looked for again.
     ///
     /// # Errors

@@ -27,12 +27,12 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     frames(home.path());
     let mut window = Start::of(&home.path().join("night")).open();
     let value = |window: &crate::support::Window, u: usize, v: usize| {
-        window.app().model.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
+        window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
     };
     assert!((value(&window, 0, 0) - 1300.0).abs() < 3.0 && (value(&window, 90, 1) - 900.0).abs() < 3.0);
     // What the values look like was said when it was opened.
     assert!(
-        window.app().model.burst.as_ref().unwrap().burst.notes().iter().any(|note| note.option == Some("full-scale"))
+        window.app().model.slots.a.burst.as_ref().unwrap().burst.notes().iter().any(|note| note.option == Some("full-scale"))
     );
     window.run_action("calibration");
     // The first file that is dropped is the bias; the flat is chosen.
@@ -82,5 +82,5 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
     window.click("Apply");
     window.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(window.shows("the bias frame is 8×8"));
-    assert_eq!(window.app().model.burst.as_ref().unwrap().burst.len(), 4);
+    assert_eq!(window.app().model.slots.a.burst.as_ref().unwrap().burst.len(), 4);
 }

@@ -33,7 +33,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     let model = &window.app().model;
     let shown = model.survey().unwrap().clone();
     // It is what the library answers.
-    let burst = &model.burst.as_ref().unwrap().burst;
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let cache = ProbeCache::new(burst, &model.asked(), &Monitor::default()).unwrap();
     let options = SurveyOptions { test: Some(Test::NoiseGate), ..SurveyOptions::default() };
     assert_eq!(*shown, survey(&cache.trail, &options, &Monitor::default()).unwrap());

@@ -24,9 +24,9 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     window.settle();
     // They are what the library says.
     let model = &window.app().model;
-    let detection = model.found.as_ref().unwrap().detection.clone();
+    let detection = model.slots.a.found.as_ref().unwrap().detection.clone();
     let values = model.coherence.of(&detection).unwrap().clone();
-    let cache = ProbeCache::new(&model.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
+    let cache = ProbeCache::new(&model.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
     assert_eq!(*values, coherences(&cache.trail, &Monitor::default()).unwrap());
     assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not known yet"));
     assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(Option::is_none));
@@ -62,7 +62,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     window.app_mut().model.params.octaves = 2;
     window.run_action("detect");
     window.settle();
-    let now = window.app().model.found.as_ref().unwrap().detection.clone();
+    let now = window.app().model.slots.a.found.as_ref().unwrap().detection.clone();
     let model = &mut window.app_mut().model;
     assert!(model.coherence.of(&detection).is_none() && model.coherence.of(&now).is_some());
     model.coherence = Default::default();

@@ -52,7 +52,7 @@ fn pinning_a_result_and_changing_nothing_shows_no_change() {
 fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    let mut detection = (*window.app().model.found.as_ref().unwrap().detection).clone();
+    let mut detection = (*window.app().model.slots.a.found.as_ref().unwrap().detection).clone();
     // Theirs lacks the strongest, and has one where we have none.
     let lonely = burstscope::Feature { u: 5.0, v: 352.0, sigma: 1.7, ..detection.features[0] };
     detection.features.remove(0);

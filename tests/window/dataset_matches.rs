@@ -66,9 +66,9 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     window.settle();
     let model = &window.app().model;
     assert_eq!(model.workspace, Workspace::Pair);
-    assert_eq!(dataset(&window).place_of(model.burst.as_ref()), Some(0));
-    assert_eq!(dataset(&window).place_of(model.pair.b.burst.as_ref()), Some(2));
-    assert_eq!(model.pair.b.burst.as_ref().unwrap().burst.name, "frame_012");
+    assert_eq!(dataset(&window).place_of(model.slots.a.burst.as_ref()), Some(0));
+    assert_eq!(dataset(&window).place_of(model.slots.b.burst.as_ref()), Some(2));
+    assert_eq!(model.slots.b.burst.as_ref().unwrap().burst.name, "frame_012");
 }
 
 #[test]

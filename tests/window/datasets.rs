@@ -275,7 +275,7 @@ fn a_session_brings_the_dataset_back() {
     other.run_action("open session");
     other.settle();
     assert_eq!((dataset(&other).pair, dataset(&other).bursts.len()), ([None, Some(2)], 3));
-    assert_eq!(dataset(&other).place_of(other.app().model.burst.as_ref()), Some(1));
+    assert_eq!(dataset(&other).place_of(other.app().model.slots.a.burst.as_ref()), Some(1));
 }
 
 #[test]

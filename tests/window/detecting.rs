@@ -11,11 +11,11 @@ use egui_kittest::kittest::Queryable;
 #[test]
 fn detect_finds_what_the_detector_finds() {
     let mut window = Start::without_auto_detect().open();
-    assert!(window.app().model.found.is_none());
+    assert!(window.app().model.slots.a.found.is_none());
     window.click("Detect");
     window.settle();
     let model = &window.app().model;
-    let burst = &model.burst.as_ref().unwrap().burst;
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let expected = burstscope::detect(burst, &model.params, &burstscope::Monitor::default()).unwrap();
     assert_eq!(model.features(), expected.features);
     assert!(window.shows(&format!("{} in", counted(expected.features.len(), "feature"))));
@@ -110,7 +110,7 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     );
     window.click("Cancel");
     window.wait("the detection ends", |app| app.model.busy.detecting.is_none());
-    assert!(window.app().model.found.is_none());
+    assert!(window.app().model.slots.a.found.is_none());
     assert!(window.shows("Detection cancelled"));
     window.settle();
 }
@@ -127,7 +127,7 @@ fn features_of_other_parameters_are_marked_as_stale_until_detected_again() {
     window.click("Detect again");
     window.settle();
     assert!(!window.shows("Stale features"));
-    assert_eq!(window.app().model.found.as_ref().unwrap().detection.slopes.len(), 1);
+    assert_eq!(window.app().model.slots.a.found.as_ref().unwrap().detection.slopes.len(), 1);
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn with_the_switch_on_a_change_is_detected_by_itself() {
     window.app_mut().model.params.max_features = 3;
     window.settle();
     assert!(before > 3);
-    assert_eq!(window.app().model.found.as_ref().unwrap().params.max_features, 3);
+    assert_eq!(window.app().model.slots.a.found.as_ref().unwrap().params.max_features, 3);
     assert!(window.app().model.stale().is_none());
 }
 
@@ -151,7 +151,7 @@ fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
     assert!(window.app().model.picture_is_current(), "pictures go on");
     window.click("Reset Slopes u");
     window.settle();
-    assert!(window.app().model.param_error.is_none());
+    assert!(window.app().model.slots.a.param_error.is_none());
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     window.ctrl(Key::Z);
     window.settle();
     assert_eq!(window.app().model.params, before);
-    assert_eq!(window.app().model.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
+    assert_eq!(window.app().model.slots.a.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
     // Another burst is searched at the slopes that are found in it again.
     window.run_action("open demo burst");
     window.settle();

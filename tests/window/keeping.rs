@@ -133,12 +133,12 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
     window.settle();
     std::fs::remove_file(&stack).unwrap();
     let mut other = Start::without_auto_detect().open();
-    let before = (other.app().model.burst.as_ref().unwrap().id, other.app().model.params.clone());
+    let before = (other.app().model.slots.a.burst.as_ref().unwrap().id, other.app().model.params.clone());
     other.dialogs.will_choose(&file);
     other.run_action("open session");
     other.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(other.shows("noisy.npy"));
-    assert_eq!((other.app().model.burst.as_ref().unwrap().id, other.app().model.params.clone()), before);
+    assert_eq!((other.app().model.slots.a.burst.as_ref().unwrap().id, other.app().model.params.clone()), before);
 }
 
 /// Files that a decoder would end the program over, and a picture that is no more whole.
@@ -172,14 +172,14 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
         assert!(session.contains("a.dng"));
         std::fs::write(&file, session.replace("a.dng", name)).unwrap();
         let mut other = Start::without_auto_detect().open();
-        let before = other.app().model.burst.as_ref().unwrap().id;
+        let before = other.app().model.slots.a.burst.as_ref().unwrap().id;
         other.dialogs.will_choose(&file);
         other.run_action("open session");
         other.wait("a message", |app| !app.model.messages.errors().is_empty());
         other.settle();
         assert!(other.shows(name), "{name} is not named");
         let model = &other.app().model;
-        assert_eq!(model.burst.as_ref().unwrap().id, before, "what was open stays");
+        assert_eq!(model.slots.a.burst.as_ref().unwrap().id, before, "what was open stays");
         assert_eq!(model.params.peak_threshold, 0.0125, "the rest of the session is there");
         assert!(model.burst_of(Side::B).is_some());
     }

@@ -99,7 +99,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     window.click("Look at chart as burst");
     window.settle();
     assert_eq!(window.app().model.workspace, Workspace::Inspect);
-    let frames = &window.app().model.burst.as_ref().unwrap().burst.frames;
+    let frames = &window.app().model.slots.a.burst.as_ref().unwrap().burst.frames;
     assert_eq!(frames.len(), 10);
     window.run_action("compare with the truth");
     window.settle();
@@ -205,6 +205,6 @@ fn a_dark_copy_of_the_open_burst_is_a_burst() {
     window.run_action("dark copy of a");
     window.settle();
     let model = &window.app().model;
-    assert!(model.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
+    assert!(model.slots.a.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
     assert_eq!(model.size(), size);
 }

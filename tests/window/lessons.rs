@@ -192,7 +192,7 @@ fn play(name: &str) {
         let open = window.app().lessons.open.as_ref().unwrap_or_else(|| panic!("{what}: the lesson was left"));
         assert!(open.step == place && open.is_ready, "{what}: {} {errors}", open.step);
         assert!(!open.is_done(), "{what}: done before anything was tried");
-        assert!(window.app().model.param_error.is_none(), "{what}: {:?}", window.app().model.param_error);
+        assert!(window.app().model.slots.a.param_error.is_none(), "{what}: {:?}", window.app().model.slots.a.param_error);
         let drawn = parts::drawn(&window.harness.ctx);
         for part in &step.highlight {
             let rect = drawn.iter().find(|(drawn, _)| drawn == part);
@@ -212,7 +212,7 @@ fn play(name: &str) {
         window.click(if is_last { "Finish the lesson" } else { "Next step" });
     }
     window.settle();
-    assert!(window.app().lessons.open.is_none() && window.app().model.burst.is_none(), "what was open is back");
+    assert!(window.app().lessons.open.is_none() && window.app().model.slots.a.burst.is_none(), "what was open is back");
     assert_eq!(window.app().lessons.progress[name].done.len(), lesson.steps.len());
 }
 
@@ -269,7 +269,7 @@ fn nothing_is_lost_of_what_was_open() {
         let model = &window.app().model;
         let mut panes = SavedPanes::of(&model.panes, model.workspace);
         panes.panes.iter_mut().for_each(|pane| pane.view = Default::default());
-        let burst = model.burst.as_ref().map(|burst| burst.id);
+        let burst = model.slots.a.burst.as_ref().map(|burst| burst.id);
         (burst, model.params.clone(), model.selected, model.features().to_vec(), panes, model.panels, model.theme)
     };
     let before = state(&window);
@@ -321,12 +321,12 @@ fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
     // A step far away, by its dot.
     window.click("Step 3: A slice through time");
     window.settle();
-    let source = window.app().model.burst.as_ref().map(|burst| burst.source.clone());
+    let source = window.app().model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
     assert_eq!(source.and_then(|source| source.name()), Some("demo-depths"));
     window.run_action("open demo burst");
     window.settle();
     assert!(window.app().lessons.open.is_none() && !window.app().model.in_lesson);
-    assert_eq!(window.app().model.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
+    assert_eq!(window.app().model.slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
     assert_eq!(window.app().lessons.progress["slope-is-depth"].step, 2);
 }
 

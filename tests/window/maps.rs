@@ -56,8 +56,8 @@ fn the_local_noise_is_a_picture_of_its_own() {
     let model = &window.app().model;
     let cursor = *model.cursor();
     assert_eq!(model.focused().content, Content::Map(MapKind::Noise));
-    let burst = &model.burst.as_ref().unwrap().burst;
-    let (params, monitor) = (&model.usable_params, Monitor::default());
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
+    let (params, monitor) = (&model.slots.a.usable_params, Monitor::default());
     let expected = gate_noise_map(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
     let map = model.picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
@@ -95,8 +95,8 @@ fn coverage_is_a_share_of_the_frames() {
     window.slide("Slope u", 2.0);
     shift(&mut window, Key::C);
     let model = &window.app().model;
-    let burst = &model.burst.as_ref().unwrap().burst;
-    let expected = coverage_view(burst, &model.usable_params, model.cursor().slope, &Monitor::default()).unwrap();
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
+    let expected = coverage_view(burst, &model.slots.a.usable_params, model.cursor().slope, &Monitor::default()).unwrap();
     let map = model.picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert_eq!((map.at(120, 80), map.at(0, 80)), (1.0, 0.5), "half of the frames reach the left border");

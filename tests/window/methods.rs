@@ -26,7 +26,7 @@ fn methods(second: bool) -> Window {
 fn each_method_finds_what_the_library_finds() {
     let window = methods(false);
     let model = &window.app().model;
-    let burst = model.burst.as_ref().unwrap().burst.clone();
+    let burst = model.slots.a.burst.as_ref().unwrap().burst.clone();
     for method in [Contender::Sift, Contender::Merge, Contender::Buff1d, Contender::Buff2d] {
         let found = model.method_found(method, Side::A).unwrap();
         let expected = baseline::detect(&burst, &method.params(&model.params), &Monitor::default()).unwrap();
@@ -94,7 +94,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     window.settle();
     let [stack, dog] = pane(&window, Contender::Buff1d)[..] else { panic!("two panes") };
     let model = &window.app().model;
-    let burst = &model.burst.as_ref().unwrap().burst;
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let params = Contender::Buff1d.params(&model.params);
     let plane = |id| model.panes.get(id).unwrap().picture.clone().unwrap().plane;
     let cursor = model.panes.get(dog).unwrap().cursor;
@@ -114,7 +114,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
 }
 
 fn burst_of(window: &Window) -> &burstscope::burst::Burst {
-    &window.app().model.burst.as_ref().unwrap().burst
+    &window.app().model.slots.a.burst.as_ref().unwrap().burst
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
 #[test]
 fn with_nothing_open_the_first_page_leads_on() {
     let mut window = Start::nothing_open().open();
-    assert!(window.app().model.burst.is_none());
+    assert!(window.app().model.slots.a.burst.is_none());
     assert!(window.shows("or drop a folder"));
     window.click("Open demo burst");
     window.settle();
@@ -48,13 +48,13 @@ fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     let path = folder.path().join("broken-frame.png");
     std::fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().model.burst.as_ref().unwrap().id;
+    let before = window.app().model.slots.a.burst.as_ref().unwrap().id;
     let plane = window.app().model.picture().cloned().unwrap().plane;
     window.dialogs.will_choose(&path);
     window.click("Open…");
     window.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(window.shows("broken-frame.png"));
-    assert_eq!(window.app().model.burst.as_ref().unwrap().id, before);
+    assert_eq!(window.app().model.slots.a.burst.as_ref().unwrap().id, before);
     assert_eq!(window.app().model.picture().unwrap().plane, plane);
     window.click("Dismiss: Open");
     assert!(!window.shows("broken-frame.png"));
@@ -102,7 +102,7 @@ fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
         window.run_action(example.label());
         window.settle();
         let source = BurstSource::Example(example);
-        assert_eq!(window.app().model.burst.as_ref().map(|open| &open.source), Some(&source));
+        assert_eq!(window.app().model.slots.a.burst.as_ref().map(|open| &open.source), Some(&source));
         assert_eq!(window.app().model.frame_count(), burstscope::synth::examples::EXAMPLE_FRAMES);
         assert!(window.shows(example.name()), "the status line names it");
         let text = toml::to_string(&std::collections::BTreeMap::from([("source", &source)])).expect("TOML");

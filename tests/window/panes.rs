@@ -54,7 +54,7 @@ fn zoom_at(window: &mut Window, pos: Pos2) {
 fn every_kind_of_picture_is_what_the_library_makes() {
     let window = laid_out(open(), Key::Num9);
     let model = &window.app().model;
-    let burst = &model.burst.as_ref().unwrap().burst;
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let planes: Vec<_> =
         shown(&window).iter().map(|id| model.panes.get(*id).unwrap().picture.clone().unwrap().plane).collect();
     let (cursor, params, monitor) = (*model.cursor(), &model.params, Monitor::default());
@@ -124,7 +124,7 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
     assert_eq!(slopes(&window), [-0.5, 0.5, 1.5, 2.5, 2.0]);
     let model = &window.app().model;
     let last = model.panes.get(shown(&window)[0]).unwrap();
-    let burst = &model.burst.as_ref().unwrap().burst;
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let expected = stack_view(burst, &model.params, Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
     assert_eq!(*last.picture.clone().unwrap().plane, expected);
 }
@@ -189,7 +189,7 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
     assert!((values[0].readout.u - 200.3).abs() < 0.6);
     let moved = values[1].readout.u - values[0].readout.u;
     assert!((moved + 9.0).abs() < 0.01, "{moved}");
-    let burst = &window.app().model.burst.as_ref().unwrap().burst;
+    let burst = &window.app().model.slots.a.burst.as_ref().unwrap().burst;
     assert_eq!(values[1].readout.value, burst.frames[9].at(values[1].readout.pixel.0, values[1].readout.pixel.1));
     assert!(window.shows("v 150.") && window.shows("2: 0."), "the status bar has both values");
     window.click("Link place of pane 1");

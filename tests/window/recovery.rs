@@ -200,7 +200,7 @@ fn the_window_is_the_same_on_a_new_device() {
     let mut settled = 0;
     while settled < 5 {
         offscreen.frame(Vec::new(), |ui| app.show(ui));
-        settled = if app.is_settled() && app.model.burst.is_some() { settled + 1 } else { 0 };
+        settled = if app.is_settled() && app.model.slots.a.burst.is_some() { settled + 1 } else { 0 };
         std::thread::sleep(Duration::from_millis(2));
     }
     let before = offscreen.image().unwrap();

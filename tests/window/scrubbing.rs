@@ -18,7 +18,7 @@ fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
     let model = &window.app().model;
     let after = model.picture().cloned().unwrap();
     assert_ne!(before.plane, after.plane);
-    let burst = &model.burst.as_ref().unwrap().burst;
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let slope = Slope::new(model.cursor().slope.u, 0.0);
     assert!((slope.u - 1.37).abs() < 1e-6, "slopes between the grid's are shown");
     let expected = stack_view(burst, &model.params, slope, &Monitor::default()).unwrap();
@@ -46,13 +46,13 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     window.key(Key::Num1);
     window.settle();
     let model = &window.app().model;
-    let frame = model.burst.as_ref().unwrap().burst.frames[model.cursor().frame].clone();
+    let frame = model.slots.a.burst.as_ref().unwrap().burst.frames[model.cursor().frame].clone();
     assert_eq!(model.picture().unwrap().plane, frame);
     window.key(Key::Num3);
     window.slide("Octave", 1.0);
     window.settle();
     let model = &window.app().model;
-    let burst = &model.burst.as_ref().unwrap().burst;
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let expected =
         dog_view(burst, &model.params, model.cursor().slope, 1, model.cursor().level, &Monitor::default()).unwrap();
     assert_eq!(*model.picture().unwrap().plane, expected);

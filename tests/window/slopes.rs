@@ -15,15 +15,15 @@ fn grid(window: &Window) -> SlopeGrid {
 fn the_demo_opens_with_its_slopes_found_and_shown() {
     let window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
     let model = &window.app().model;
-    let found = model.found.as_ref().unwrap();
+    let found = model.slots.a.found.as_ref().unwrap();
     let finding = found.finding.as_ref().unwrap();
     assert_eq!((model.slopes, finding.verdict), (SlopeChoice::AUTO, SlopeVerdict::Found));
     assert_eq!((grid(&window), found.params.slopes), (finding.grid, finding.grid));
     assert!(finding.grid.is_plane() && model.stale().is_none());
     assert!(window.shows(&format!("Found: u {}", finding.grid.u)));
     // The sliders range over what was found.
-    assert!(slope_limit(&model.usable_params.slopes) >= finding.grid.max_magnitude());
-    assert_eq!(model.usable_params.slopes, finding.grid);
+    assert!(slope_limit(&model.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
+    assert_eq!(model.slots.a.usable_params.slopes, finding.grid);
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window)), (SlopeChoice::Given, found));
-    assert!(window.app().model.found.as_ref().unwrap().finding.is_none());
+    assert!(window.app().model.slots.a.found.as_ref().unwrap().finding.is_none());
     window.click("Reset Slopes");
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window)), (SlopeChoice::AUTO, found));
@@ -41,7 +41,7 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window).v.count), (SlopeChoice::Given, 3));
-    assert_eq!((grid(&window).u, window.app().model.found.as_ref().unwrap().params.slopes.v.count), (found.u, 3));
+    assert_eq!((grid(&window).u, window.app().model.slots.a.found.as_ref().unwrap().params.slopes.v.count), (found.u, 3));
 }
 
 #[test]
@@ -71,6 +71,6 @@ fn sessions_keep_the_switch_and_older_ones_their_ranges() {
     window.settle();
     assert_eq!(window.app().model.slopes, SlopeChoice::Given);
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));
-    assert!(window.app().model.found.as_ref().unwrap().finding.is_none());
+    assert!(window.app().model.slots.a.found.as_ref().unwrap().finding.is_none());
     assert_eq!(grid(&window).v.value(0.0), Slope::default().v);
 }

@@ -295,7 +295,7 @@ impl Window {
             self.app_mut().model.messages.note("");
         }
         // How long it took differs from run to run.
-        if let Some(found) = &mut self.app_mut().model.found {
+        if let Some(found) = &mut self.app_mut().model.slots.a.found {
             found.elapsed = Duration::from_millis(120);
         }
         if let Some(matches) = &mut self.app_mut().model.pair.matches {

@@ -14,11 +14,11 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     window.run_action("compare with the truth");
     window.settle();
     let model = &window.app().model;
-    let burst = &model.burst.as_ref().unwrap().burst;
-    let cache = ProbeCache::new(burst, &model.found.as_ref().unwrap().asked, &Monitor::default()).unwrap();
+    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
+    let cache = ProbeCache::new(burst, &model.slots.a.found.as_ref().unwrap().asked, &Monitor::default()).unwrap();
     let truth = truth_of(burst).unwrap().expect("the demo's truth is known");
     let expected = against_truth(&cache, &truth, &Monitor::default()).unwrap();
-    let detection: &Detection = &model.found.as_ref().unwrap().detection;
+    let detection: &Detection = &model.slots.a.found.as_ref().unwrap().detection;
     assert_eq!(cache.detection().features, detection.features, "the truth is held against the features on show");
     let shown = model.shown_comparison().expect("a comparison");
     assert_eq!(shown.with, With::Truth);

@@ -68,23 +68,23 @@ impl BurstscopeApp {
                 self.play.due = None;
             }
             A::Detect => {
-                self.start_detection();
-                if self.model.workspace == Workspace::Pair && self.model.pair.b.param_error.is_none() {
-                    self.start_second_detection();
+                self.model.start_detection(Side::A, &self.engine);
+                if self.model.workspace == Workspace::Pair && self.model.slots.b.param_error.is_none() {
+                    self.model.start_detection(Side::B, &self.engine);
                 }
             }
             A::DetectAll => self.ask_and_detect_all(),
-            A::CancelDataset => self.engine.datasets.cancel(),
-            A::RunStudy => self.run_study(),
-            A::CancelStudy => self.engine.lab.cancel(),
+            A::CancelDataset => self.model.datasets.wanted.cancel(),
+            A::RunStudy => self.model.run_study(&self.engine),
+            A::CancelStudy => self.model.lab.wanted.cancel(),
             A::OpenChart => {
-                if let Some(chart) = self.model.lab.wanted_chart().and_then(|chart| chart.params()) {
+                if let Some(chart) = self.model.lab.selected_chart().and_then(|chart| chart.params()) {
                     self.model.workspace = Workspace::Inspect;
                     self.open(BurstSource::Chart(Box::new(chart)));
                 }
             }
             A::OpenDarkCopy => {
-                if let Some(burst) = &self.model.burst {
+                if let Some(burst) = &self.model.slots.a.burst {
                     let of = Box::new(burst.source.clone());
                     self.open(BurstSource::DarkCopy { of, noise: self.model.lab.dark_copy });
                 }
@@ -100,7 +100,7 @@ impl BurstscopeApp {
             A::ShowPair => self.show_selected_pair(),
             A::ExportDatabase => self.ask(Purpose::ExportDatabase),
             A::PaperFigures => self.ask(Purpose::PaperFigures),
-            A::CancelFigures => self.engine.figures.cancel(),
+            A::CancelFigures => self.model.figures.cancel(),
             A::OpenEstimate => self.ask(Purpose::OpenEstimate),
             A::OpenTruth => self.ask(Purpose::OpenTruth),
             A::CloseTrajectories => self.model.trajectories.clear(),
@@ -108,8 +108,11 @@ impl BurstscopeApp {
             A::FeatureFolder => self.ask(Purpose::FeatureFolder),
             A::UseFolderParams => self.use_folder_params(),
             A::CloseDataset => self.close_dataset(),
-            A::Cancel => self.cancel_all(),
-            A::GoToFeature if self.model.workspace == Workspace::Pair => self.go_to_match(),
+            A::Cancel => self.model.cancel_searches(),
+            A::GoToFeature if self.model.workspace == Workspace::Pair => {
+                self.model.go_to_match();
+                self.cursors_set = true;
+            }
             A::GoToFeature => self.go_to_selected(),
             A::OpenFolderB => self.ask(Purpose::OpenFolderB),
             A::OpenFilesB => self.ask(Purpose::OpenFilesB),
@@ -120,7 +123,7 @@ impl BurstscopeApp {
             A::CloseB => self.close_second(),
             A::SwapSides => self.swap_sides(),
             A::ProbeExpected => self.probe_expected(),
-            A::Match => self.start_matching(),
+            A::Match => self.model.start_matching(&self.engine),
             A::SplitRight => self.change_panes(Change::Split(self.model.focus(), Direction::Right)),
             A::SplitDown => self.change_panes(Change::Split(self.model.focus(), Direction::Down)),
             A::ClosePane => self.change_panes(Change::Close(self.model.focus())),
@@ -148,9 +151,8 @@ impl BurstscopeApp {
             A::ProbePlace => self.probe_here(),
             A::ProbeFeature => self.model.selected.into_iter().for_each(|index| self.model.probe_feature(index)),
             A::ProbeStrongest => self.model.ask_probe(ProbeQuestion::Strongest),
-            A::ProbeFollow => self.follow_with_probe(),
+            A::ProbeFollow => self.model.follow_with_probe(),
             A::CloseProbe => {
-                self.forget_probe();
                 self.model.probe.clear();
             }
             A::CopyRow => self.copy_row(ctx),
@@ -179,6 +181,20 @@ impl BurstscopeApp {
             A::Shortcuts => self.overlays.sheet_open = !self.overlays.sheet_open,
             A::About => self.overlays.about_open = true,
             _ => change_model(&mut self.model, id),
+        }
+    }
+
+    /// Probes the place under the pointer, or the middle of what is seen.
+    fn probe_here(&mut self) {
+        let middle = || {
+            let visible = self.widgets.get(self.model.focus())?.picture.visible_image?.center();
+            let (width, height) = self.model.size();
+            let within = |x: f32, n: usize| x.clamp(0.0, n.saturating_sub(1) as f32);
+            Some([within(visible.x, width), within(visible.y, height)])
+        };
+        if let Some(place) = self.model.probe.pointer.or_else(middle) {
+            self.model.probe.follows = false;
+            self.model.probe_place(place);
         }
     }
 

@@ -15,12 +15,12 @@ use crate::requests::{BurstSource, MapKind};
 /// Whether the action can be done now.
 pub fn enabled(id: ActionId, model: &Model) -> bool {
     use ActionId as A;
-    let has_burst = model.burst.is_some();
+    let has_burst = model.slots.a.burst.is_some();
     let in_pair = model.workspace == Workspace::Pair;
     let in_methods = model.workspace == Workspace::Methods;
     let (in_inspect, has_panes) = (model.workspace == Workspace::Inspect, model.workspace.needs_burst());
     let many_panes = has_panes && model.panes.are_many();
-    let has_second = model.pair.b.burst.is_some();
+    let has_second = model.slots.b.burst.is_some();
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
         A::ClearSelection if in_pair => model.asked_feature().is_some(),
@@ -28,8 +28,8 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Undo => model.history.can_undo(),
         A::Redo => model.history.can_redo(),
         A::CopyRow => has_burst,
-        A::CopyCommand => has_burst && model.param_error.is_none(),
-        A::PinResult => model.found.is_some(),
+        A::CopyCommand => has_burst && model.slots.a.param_error.is_none(),
+        A::PinResult => model.slots.a.found.is_some(),
         A::UnpinResult => model.against.has(With::Pinned),
         A::OpenFeatures => has_burst,
         A::CloseFeatures => model.against.has(With::File),
@@ -55,11 +55,11 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::LayoutTwoByTwo => has_burst && in_inspect,
         A::ShowMerge | A::ShowNoise | A::ShowCoverage | A::ShowMotion => has_burst,
         A::CompareAgain => in_methods,
-        A::RunStudy => model.lab.running.is_none() && model.lab_study().is_ok(),
-        A::CancelStudy => model.lab.running.is_some(),
-        A::KeepCurves => model.lab.current.is_some() && model.lab.running.is_none(),
+        A::RunStudy => !model.lab.wanted.is_pending() && model.lab_study().is_ok(),
+        A::CancelStudy => model.lab.wanted.is_pending(),
+        A::KeepCurves => model.lab.current.is_some() && !model.lab.wanted.is_pending(),
         A::OpenDarkCopy => has_burst,
-        A::OpenChart => model.lab.wanted_chart().is_some(),
+        A::OpenChart => model.lab.selected_chart().is_some(),
         A::ExportCurvesCsv | A::ExportCurvesSvg => !model.lab.shown_results().is_empty(),
         A::OpenGoldA => has_burst,
         A::OpenGoldB => has_burst && has_second,
@@ -68,13 +68,13 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::OtherSide => in_pair && has_second,
         A::LinkCursors | A::LinkViews | A::LinkRanges => in_pair || many_panes,
         A::ToggleInliers | A::ToggleOutliers | A::ToggleAlone | A::ToggleEpipolar => in_pair,
-        A::Match => in_pair && model.pair.busy.matching.is_none() && model.wanted_matches().is_some(),
+        A::Match => in_pair && !model.pair.matching.is_pending() && model.wanted_matches().is_some(),
         A::ProbeExpected => in_pair && model.expected_place().is_some(),
         A::ResetMatching => model.pair.params != MatchParams::default(),
         A::SaveSession | A::ShowFrame | A::ShowStack | A::ShowDog | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => {
             has_burst
         }
-        A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => model.found.is_some(),
+        A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => model.slots.a.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
         A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),
         A::ExportTiff | A::ExportPng | A::ExportSvg | A::ExportFigurePng | A::FigureOptions => {
@@ -86,23 +86,16 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => has_burst,
         A::Detect => {
             has_burst
-                && model.param_error.is_none()
-                && model.busy.detecting.is_none()
-                && model.pair.busy.detecting.is_none()
+                && model.slots.a.param_error.is_none()
+                && model.slots.both().into_iter().all(|slot| !slot.detecting.is_pending())
         }
-        A::Cancel => {
-            let (a, b) = (&model.busy, &model.pair.busy);
-            let comparing = model.compare.busy.map(|busy| busy.running);
-            [a.detecting, a.opening, b.detecting, b.opening, b.matching, comparing, model.coherence.busy]
-                .iter()
-                .any(Option::is_some)
-        }
+        A::Cancel => model.is_searching(),
         A::ResetParams => model.asked() != SearchParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
         A::ClearSelection => model.selected_feature().is_some() || model.against.selected.is_some(),
         A::GoToFeature => model.selected_feature().is_some(),
         A::ProbePlace | A::ProbeFollow | A::ProbeStrongest => {
-            has_burst && in_inspect && (model.found.is_some() || model.param_error.is_none())
+            has_burst && in_inspect && (model.slots.a.found.is_some() || model.slots.a.param_error.is_none())
         }
         A::ProbeFeature => in_inspect && model.selected_feature().is_some(),
         A::CloseProbe => model.probe.is_on() || model.probe.answer.is_some(),
@@ -113,7 +106,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
             model.datasets.open.is_some()
         }
         A::BurstAsA | A::BurstAsB => {
-            model.datasets.open.as_ref().is_some_and(|d| d.place_of(model.burst.as_ref()).is_some())
+            model.datasets.open.as_ref().is_some_and(|d| d.place_of(model.slots.a.burst.as_ref()).is_some())
         }
         A::MatchPairs => model.datasets.can_match(model.pair.params.validate().is_ok()),
         A::MatchSelected => {
@@ -124,14 +117,14 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
             let several = model.datasets.open.as_ref().is_some_and(|d| d.bursts.len() > 1);
             cfg!(feature = "colmap") && several && model.datasets.work.is_none()
         }
-        A::PaperFigures => model.busy.figures.is_none(),
-        A::CancelFigures => model.busy.figures.is_some(),
+        A::PaperFigures => !model.figures.is_pending(),
+        A::CancelFigures => model.figures.is_pending(),
         A::ShowPair => model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some()),
         A::CloseTrajectories => !model.trajectories.is_empty(),
         A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
         A::LeaveLesson => model.in_lesson,
         A::CutSequence => {
-            let in_files = model.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
+            let in_files = model.slots.a.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
             in_files && model.frame_count() > 1
         }
         _ => true,

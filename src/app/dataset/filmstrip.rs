@@ -37,7 +37,7 @@ pub struct Asked {
 pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Asked {
     let mut asked = Asked::default();
     ui.horizontal(|ui| header_ui(ui, model, queue));
-    let shown = model.datasets.open.as_ref().and_then(|d| d.place_of(model.burst.as_ref()));
+    let shown = model.datasets.open.as_ref().and_then(|d| d.place_of(model.slots.a.burst.as_ref()));
     let fraction = model.datasets.burst_fraction();
     let Some(dataset) = &mut model.datasets.open else { return asked };
     ui.add_space(2.0);
@@ -163,8 +163,8 @@ fn summary(dataset: &Dataset) -> String {
 /// How far the work is as a whole.
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
-    let fraction = datasets.running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
-    let text = datasets.running.as_ref().map_or_else(|| work.title().to_owned(), progress_text);
+    let fraction = datasets.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
+    let text = datasets.wanted.running().as_ref().map_or_else(|| work.title().to_owned(), progress_text);
     let bar = ui.add(ProgressBar::new(fraction).desired_width(280.0).text(text));
     bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, work.title()));
 }

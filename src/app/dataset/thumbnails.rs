@@ -2,7 +2,8 @@
 
 use crate::burst::{BurstSource, OpenOptions};
 use crate::dataset::Thumbnail;
-use crate::engine::DatasetWorkers;
+use crate::engine::{Engine, Wanted};
+use crate::requests::ThumbnailsRequest;
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use std::collections::HashMap;
 
@@ -27,7 +28,9 @@ pub enum Shown {
 #[derive(Default)]
 pub struct Thumbnails {
     shown: HashMap<String, Shown>,
-    wanted: Vec<BurstSource>,
+    /// Bursts that came into view in this pass.
+    in_view: Vec<BurstSource>,
+    wanted: Wanted<ThumbnailsRequest>,
 }
 
 impl Thumbnails {
@@ -39,49 +42,43 @@ impl Thumbnails {
     /// The picture of `burst`, if it is there; otherwise it is wanted from now on.
     pub fn get(&mut self, burst: &BurstSource) -> Option<&Shown> {
         if !self.shown.contains_key(&burst.name) {
-            self.wanted.push(burst.clone());
+            self.in_view.push(burst.clone());
         }
         self.shown.get(&burst.name)
     }
 
     /// Whether some that came into view are not there yet.
     pub fn is_waiting(&self) -> bool {
-        !self.wanted.is_empty() || self.shown.values().any(|s| matches!(s, Shown::Asked))
+        !self.in_view.is_empty() || self.shown.values().any(|s| matches!(s, Shown::Asked))
     }
 
-    /// Asks the workers for what came into view in this pass, opened with `open`.
-    pub fn request(&mut self, workers: &DatasetWorkers, open: &OpenOptions) {
-        let mut wanted = std::mem::take(&mut self.wanted);
-        if wanted.is_empty() || workers.makes_thumbnails() {
+    /// Requests what came into view in this pass, opened with `open`.
+    pub fn request(&mut self, engine: &Engine, open: &OpenOptions) {
+        let mut bursts = std::mem::take(&mut self.in_view);
+        if bursts.is_empty() || self.wanted.is_pending() {
             return;
         }
-        if self.shown.len() + wanted.len() > MOST_KEPT {
+        if self.shown.len() + bursts.len() > MOST_KEPT {
             // Those in view come back soon; that is simpler than knowing which were seen last.
             self.shown.clear();
         }
-        wanted.truncate(MOST_ASKED);
-        self.shown.extend(wanted.iter().map(|b| (b.name.clone(), Shown::Asked)));
-        workers.request_thumbnails(wanted, SIDE_PX, open.clone());
+        bursts.truncate(MOST_ASKED);
+        self.shown.extend(bursts.iter().map(|b| (b.name.clone(), Shown::Asked)));
+        self.wanted.ask(engine, ThumbnailsRequest { bursts, max_side_px: SIDE_PX, open: open.clone() });
     }
 
-    /// Takes a picture that the workers made of `source`, if it is one of `bursts`.
-    pub fn take(
-        &mut self,
-        ctx: &Context,
-        bursts: &[BurstSource],
-        source: &BurstSource,
-        picture: Result<Thumbnail, String>,
-    ) {
-        if !bursts.contains(source) {
-            return;
+    /// Takes the pictures that were made of `bursts`.
+    pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstSource]) {
+        for (source, picture) in self.wanted.take_told().into_iter().filter(|(source, _)| bursts.contains(source)) {
+            let shown = match picture {
+                Ok(Thumbnail { width, height, rgb }) => {
+                    let image = ColorImage::from_rgb([width, height], &rgb);
+                    Shown::Picture(ctx.load_texture(&source.name, image, TextureOptions::LINEAR))
+                }
+                Err(error) => Shown::Failed(error),
+            };
+            self.shown.insert(source.name.clone(), shown);
         }
-        let shown = match picture {
-            Ok(Thumbnail { width, height, rgb }) => {
-                let image = ColorImage::from_rgb([width, height], &rgb);
-                Shown::Picture(ctx.load_texture(&source.name, image, TextureOptions::LINEAR))
-            }
-            Err(error) => Shown::Failed(error),
-        };
-        self.shown.insert(source.name.clone(), shown);
+        self.wanted.take();
     }
 }

@@ -38,7 +38,7 @@ fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             .wrap(),
         );
         ui.add_space(12.0);
-        if let Some(running) = model.pair.busy.opening {
+        if let Some(running) = model.slots.b.opening.running() {
             let fraction = running.progress.map_or(0.0, |p| p.fraction);
             ui.add(ProgressBar::new(fraction).desired_width(220.0).text("Opening B…"));
             return;

@@ -1,6 +1,7 @@
 //! The picture of one pane, and another one over it.
 
 use super::widgets::PaneWidgets;
+use crate::requests::Request;
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId};
@@ -120,7 +121,7 @@ pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
 fn problem_of(model: &Model, id: PaneId) -> Option<&str> {
     let wanted = model.wanted(id)?;
     let (request, why) = model.panes.get(id)?.problem.as_ref()?;
-    request.same_picture(&wanted).then_some(why.as_str())
+    request.is_same(&wanted).then_some(why.as_str())
 }
 
 /// The line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.

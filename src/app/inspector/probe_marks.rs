@@ -34,7 +34,7 @@ fn pane_of_a(model: &Model, id: PaneId) -> Option<&Pane> {
 
 /// The frames that are searched.
 fn used(model: &Model) -> Option<std::ops::Range<usize>> {
-    Some(model.usable_params.used_frames(model.burst.as_ref()?.burst.len()))
+    Some(model.slots.a.usable_params.used_frames(model.slots.a.burst.as_ref()?.burst.len()))
 }
 
 /// Draws the marks over what was drawn, and takes the place under the pointer: a click with Shift probes it, any click

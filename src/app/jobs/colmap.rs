@@ -20,7 +20,7 @@ impl BurstscopeApp {
         let bursts = dataset.bursts.clone();
         self.model.datasets.work = Some(Work::Exporting);
         self.model.messages.resolved(Work::Exporting.title());
-        self.engine.datasets.submit(DatasetRequest::Colmap { bursts, request: Box::new(request) });
+        self.model.datasets.wanted.ask(&self.engine, DatasetRequest::Colmap { bursts, request: Box::new(request) });
     }
 
     /// Says what was written, and which bursts were left out.

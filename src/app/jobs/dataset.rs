@@ -23,7 +23,7 @@ impl BurstscopeApp {
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>) {
         self.model.datasets.work = Some(Work::Opening);
         let (params, open) = (self.model.asked(), self.model.calibration.clone());
-        self.engine.datasets.submit(DatasetRequest::Open { source, folder, params, open });
+        self.model.datasets.wanted.ask(&self.engine, DatasetRequest::Open { source, folder, params, open });
     }
 
     /// Opens the dataset of a session, or none.
@@ -56,7 +56,7 @@ impl BurstscopeApp {
 
     /// Asks how the burst that is open is cut into shorter ones.
     pub(in crate::app) fn ask_for_cut(&mut self) {
-        if let Some(open) = &self.model.burst
+        if let Some(open) = &self.model.slots.a.burst
             && let BurstSource::Paths(paths) = &open.source
         {
             self.overlays.cut = Some(CutDialog::new(paths.clone(), open.burst.len(), self.burst_length()));
@@ -65,7 +65,7 @@ impl BurstscopeApp {
 
     /// Frames of each burst when the film that is open is cut with one click; `None` where there is nothing to cut.
     pub(in crate::app) fn offered_cut(&self) -> Option<usize> {
-        let open = self.model.burst.as_ref()?;
+        let open = self.model.slots.a.burst.as_ref()?;
         let in_dataset = self.model.datasets.open.as_ref().is_some_and(|d| d.place_of(Some(open)).is_some());
         let is_film = matches!(open.source, BurstSource::Paths(_)) && open.burst.len() >= FILM_FRAMES;
         let asked = self.overlays.stays_whole == Some(open.id) || self.overlays.cut.is_some();
@@ -74,7 +74,7 @@ impl BurstscopeApp {
 
     /// Cuts the film that is open into bursts of `length` frames, one after another, and opens them as a dataset.
     pub(in crate::app) fn cut_open_burst(&mut self, length: usize) {
-        if let Some(open) = &self.model.burst
+        if let Some(open) = &self.model.slots.a.burst
             && let BurstSource::Paths(paths) = &open.source
         {
             self.open_dataset(DatasetSource { paths: paths.clone(), burst_length: Some(length), burst_step: None });
@@ -83,11 +83,10 @@ impl BurstscopeApp {
 
     /// The film that is open is looked at as one burst: cutting it is not offered any more.
     pub(in crate::app) fn keep_burst_whole(&mut self) {
-        self.overlays.stays_whole = self.model.burst.as_ref().map(|open| open.id);
+        self.overlays.stays_whole = self.model.slots.a.burst.as_ref().map(|open| open.id);
     }
 
     pub(in crate::app) fn close_dataset(&mut self) {
-        self.engine.datasets.cancel();
         self.model.datasets = Default::default();
         self.thumbnails.clear();
     }
@@ -109,7 +108,7 @@ impl BurstscopeApp {
             let bursts = dataset.bursts.clone();
             self.model.datasets.work = Some(Work::Detecting);
             self.model.messages.resolved(Work::Detecting.title());
-            self.engine.datasets.submit(DatasetRequest::Detect { bursts, keeping });
+            self.model.datasets.wanted.ask(&self.engine, DatasetRequest::Detect { bursts, keeping });
         }
     }
 
@@ -135,7 +134,7 @@ impl BurstscopeApp {
             let bursts = dataset.bursts.clone();
             self.model.datasets.work = Some(Work::Matching);
             self.model.messages.resolved(Work::Matching.title());
-            self.engine.datasets.submit(DatasetRequest::Match { bursts, keeping, pairs, matching });
+            self.model.datasets.wanted.ask(&self.engine, DatasetRequest::Match { bursts, keeping, pairs, matching });
         }
     }
 
@@ -144,8 +143,8 @@ impl BurstscopeApp {
         let Some(dataset) = &self.model.datasets.open else { return };
         let [Some(a), Some(b)] = dataset.pair else { return };
         let (Some(source_a), Some(source_b)) = (dataset.source_at(a), dataset.source_at(b)) else { return };
-        let a_is_open = dataset.place_of(self.model.burst.as_ref()) == Some(a);
-        let b_is_open = dataset.place_of(self.model.pair.b.burst.as_ref()) == Some(b);
+        let a_is_open = dataset.place_of(self.model.slots.a.burst.as_ref()) == Some(a);
+        let b_is_open = dataset.place_of(self.model.slots.b.burst.as_ref()) == Some(b);
         if !a_is_open {
             self.open(source_a);
         }
@@ -159,7 +158,7 @@ impl BurstscopeApp {
     pub(in crate::app) fn step_burst(&mut self, by: isize) {
         let Some(dataset) = &self.model.datasets.open else { return };
         let last = dataset.bursts.len() - 1;
-        let next = match dataset.place_of(self.model.burst.as_ref()) {
+        let next = match dataset.place_of(self.model.slots.a.burst.as_ref()) {
             Some(place) => place.saturating_add_signed(by).min(last),
             None => 0,
         };
@@ -168,7 +167,7 @@ impl BurstscopeApp {
 
     pub(in crate::app) fn open_burst_at(&mut self, place: usize) {
         let dataset = self.model.datasets.open.as_ref();
-        let here = dataset.and_then(|d| d.place_of(self.model.burst.as_ref())) == Some(place);
+        let here = dataset.and_then(|d| d.place_of(self.model.slots.a.burst.as_ref())) == Some(place);
         if let Some(source) = dataset.and_then(|d| d.source_at(place)).filter(|_| !here) {
             self.open(source);
         }
@@ -191,7 +190,7 @@ impl BurstscopeApp {
 
     /// Makes the burst that is open in the inspector A (0) or B (1).
     pub(in crate::app) fn choose_open_burst(&mut self, side: usize) {
-        let shown = self.model.burst.as_ref();
+        let shown = self.model.slots.a.burst.as_ref();
         if let Some(dataset) = &mut self.model.datasets.open
             && let Some(place) = dataset.place_of(shown)
         {

@@ -4,31 +4,12 @@ use crate::app::dataset::cut::CutDialog;
 use crate::app::project::datasets::{Dataset, Work};
 use crate::app::window::BurstscopeApp;
 use crate::burst::OpenError;
-use crate::engine::{DatasetUpdate, JobAnswer};
+use crate::engine::Ended;
 use crate::inspect::words::counted;
-use crate::requests::{BurstSource, DatasetAnswer, JobError, OpenDataset};
+use crate::requests::{BurstSource, DatasetAnswer, DatasetRequest, JobError, OpenDataset};
 
 impl BurstscopeApp {
-    pub(in crate::app) fn take_dataset_update(&mut self, ctx: &egui::Context, update: DatasetUpdate) {
-        match update {
-            DatasetUpdate::Event(event) => {
-                if let Some(dataset) = &mut self.model.datasets.open {
-                    dataset.take_event(&event);
-                }
-            }
-            DatasetUpdate::Thumbnail { source, picture } => {
-                if let Some(dataset) = &self.model.datasets.open {
-                    self.thumbnails.take(ctx, &dataset.bursts, &source, picture);
-                }
-            }
-            DatasetUpdate::Ended(answer) => self.take_dataset_answer(answer),
-        }
-    }
-
-    fn take_dataset_answer(&mut self, answer: JobAnswer<DatasetAnswer>) {
-        if answer.is_superseded() {
-            return;
-        }
+    pub(in crate::app) fn take_dataset_answer(&mut self, answer: Ended<DatasetRequest>) {
         let work = self.model.datasets.work.take();
         if let Some(dataset) = &mut self.model.datasets.open {
             dataset.stop();
@@ -100,7 +81,7 @@ impl BurstscopeApp {
         ));
         self.remember_dataset(&dataset.source);
         self.thumbnails.clear();
-        let shown = dataset.place_of(self.model.burst.as_ref());
+        let shown = dataset.place_of(self.model.slots.a.burst.as_ref());
         self.model.datasets.open = Some(dataset);
         self.model.panels.filmstrip = true;
         // A session brings its own burst.

@@ -7,7 +7,6 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::window::BurstscopeApp;
-use crate::engine::BurstJobs;
 use crate::requests::{BurstSource, OpenBurst};
 use crate::teach::{Lesson, lessons_at};
 use std::path::Path;
@@ -18,12 +17,10 @@ impl BurstscopeApp {
     pub fn start_lesson(&mut self, lesson: Arc<Lesson>) {
         self.leave_lesson();
         self.lessons.list_is_open = false;
-        let opening = self.model.busy.opening.and(self.asked.opening.take()).map(|(_, source)| source);
+        let opening = self.model.slots.a.opening.pending().map(|request| request.source.clone());
         let mut model = Model::default();
         (model.theme, model.figure, model.in_lesson) = (self.model.theme, self.model.figure, true);
-        if opening.is_some() {
-            self.engine.cancel(BurstJobs::Open);
-        }
+        self.model.slots.a.opening.forget();
         let mut kept = std::mem::replace(&mut self.model, model);
         hand_over(&mut kept, &mut self.model);
         self.model.messages.forget_note();
@@ -91,7 +88,7 @@ impl BurstscopeApp {
             parts::want(ctx, &[]);
             return;
         };
-        let is_other = self.model.burst.as_ref().is_some_and(|burst| burst.source != open.step().state.burst());
+        let is_other = self.model.slots.a.burst.as_ref().is_some_and(|burst| burst.source != open.step().state.burst());
         if open.is_ready && is_other {
             // What was still being opened for another step has come.
             self.begin_step();
@@ -117,7 +114,8 @@ impl BurstscopeApp {
     /// Begins the open step: asks for its bursts where others are open.
     fn begin_step(&mut self) {
         let Some(open) = &mut self.lessons.open else { return };
-        self.asked.opening = None;
+        // What another step opens is not wanted any more.
+        self.model.slots.a.opening.forget();
         let (first, second) = (open.step().state.burst(), open.step().state.second.clone());
         (open.is_ready, open.opens) = (false, Vec::new());
         open.snr.clear();
@@ -133,7 +131,6 @@ impl BurstscopeApp {
             match (side, self.burst_that_is_kept(&source)) {
                 (Side::A, Some(burst)) => {
                     self.model.take_burst(burst);
-                    self.forget_asked();
                 }
                 (Side::A, None) => self.open(source),
                 (Side::B, _) => self.open_second(source),
@@ -145,7 +142,7 @@ impl BurstscopeApp {
 
     /// The burst, if it was open before the lesson: it need not be opened again.
     fn burst_that_is_kept(&self, source: &BurstSource) -> Option<OpenBurst> {
-        let kept = self.lessons.open.as_ref()?.before().burst.as_ref()?;
+        let kept = self.lessons.open.as_ref()?.before().slots.a.burst.as_ref()?;
         (kept.source == *source).then(|| kept.clone())
     }
 
@@ -159,7 +156,7 @@ impl BurstscopeApp {
             return;
         }
         (open.is_ready, open.selects) = (true, state.select == Some(true));
-        self.forget_probe();
+        self.model.probe.clear();
         setting_up::set_up(&mut self.model, &state);
         self.forget_closed_panes();
         (self.cursors_set, self.history_set) = (true, true);
@@ -169,30 +166,23 @@ impl BurstscopeApp {
     fn leave_for_what_was_opened(&mut self) {
         let Some(open) = &self.lessons.open else { return };
         let is_own = |source: &BurstSource| *source == open.step().state.burst() || open.opens.contains(source);
-        let other = match (&self.asked.opening, self.asked.restoring.is_some()) {
-            (_, true) => true,
-            (Some((_, source)), _) => !is_own(source),
-            (None, _) => false,
-        };
-        if other {
-            let (opening, restoring) = (self.asked.opening.take(), self.asked.restoring.take());
+        let opening = self.model.slots.a.opening.pending();
+        if self.restoring.session.is_some() || opening.is_some_and(|request| !is_own(&request.source)) {
+            let (opening, restoring) = (
+                std::mem::take(&mut self.model.slots.a.opening),
+                std::mem::take(&mut self.restoring),
+            );
             self.leave_lesson();
-            (self.asked.opening, self.asked.restoring) = (opening, restoring);
+            (self.model.slots.a.opening, self.restoring) = (opening, restoring);
         }
     }
 
     /// Forgets what was drawn and asked for: another model is shown from now on.
     fn forget_what_is_drawn(&mut self) {
-        let shown: Vec<_> = self.asked.pictures.keys().copied().collect();
-        shown.into_iter().for_each(|id| self.engine.forget_picture(id.slot()));
-        self.forget_probe();
         self.widgets = Default::default();
         self.pair_panels = Default::default();
         (self.selection, self.probe, self.regions) = Default::default();
-        (self.asked, self.play) = Default::default();
-        (self.pair_asked, self.compare_asked, self.explain_asked) = Default::default();
-        self.coherence_asked = Default::default();
-        (self.against_asked, self.losses_asked) = Default::default();
+        (self.restoring, self.play) = Default::default();
         (self.cursors_set, self.history_set) = (true, true);
     }
 }
@@ -216,4 +206,5 @@ fn hand_over(from: &mut Model, to: &mut Model) {
     std::mem::swap(&mut from.trajectories, &mut to.trajectories);
     std::mem::swap(&mut from.lab, &mut to.lab);
     std::mem::swap(&mut from.messages, &mut to.messages);
+    std::mem::swap(&mut from.figures, &mut to.figures);
 }

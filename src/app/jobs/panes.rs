@@ -6,8 +6,6 @@ use crate::app::pane::{PaneId, Panes};
 use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::window::BurstscopeApp;
-use crate::engine::JobAnswer;
-use crate::requests::{JobError, Picture};
 
 /// Where the cursor in focus was at the beginning of a pass.
 pub(in crate::app) struct CursorBefore {
@@ -56,49 +54,7 @@ impl BurstscopeApp {
     pub(in crate::app) fn forget_closed_panes(&mut self) {
         let panes: &Panes = &self.model.panes;
         self.widgets.retain(|id| panes.get(id).is_some());
-        let engine = &self.engine;
-        self.asked.pictures.retain(|id, _| {
-            let is_there = panes.get(*id).is_some();
-            if !is_there {
-                engine.forget_picture(id.slot());
-            }
-            is_there
-        });
-    }
-
-    /// Takes a pane's picture, or why there is none.
-    pub(in crate::app) fn take_picture(&mut self, id: PaneId, answer: JobAnswer<Picture>) {
-        match answer.result {
-            Ok(picture) => {
-                self.asked.pictures.retain(|asked_id, asked| *asked_id != id || !asked.same_picture(&picture.request));
-                self.model.take_picture(id, picture);
-            }
-            Err(JobError::Superseded) => {}
-            Err(JobError::Cancelled) => {
-                self.asked.pictures.remove(&id);
-            }
-            Err(error) => {
-                if let Some(asked) = self.asked.pictures.remove(&id) {
-                    self.model.take_problem(id, asked, &error);
-                }
-            }
-        }
-    }
-
-    /// Asks for the pictures that panes on the screen want, have not, and were not asked for.
-    pub(in crate::app) fn request_pictures(&mut self) {
-        let focus = self.model.focus();
-        let mut ids = self.model.visible_panes();
-        // The pane in focus comes first.
-        ids.sort_by_key(|id| *id != focus);
-        for id in ids {
-            let Some(wanted) = self.model.wanted(id) else { continue };
-            let is_under_way = self.asked.pictures.get(&id).is_some_and(|asked| asked.same_picture(&wanted));
-            if !is_under_way && !self.model.is_current(id) {
-                self.engine.request_picture(id.slot(), wanted.clone());
-                self.asked.pictures.insert(id, wanted);
-            }
-        }
+        self.model.forget_closed_pictures();
     }
 }
 

@@ -4,7 +4,7 @@ use crate::app::panel::recovery::RecoveryChoice;
 use crate::app::recovery::{KeptIn, Offer, Recovery, WritingEnded};
 use crate::app::session::Session;
 use crate::app::window::BurstscopeApp;
-use crate::engine::{BurstJobs, PairJobs, TaskDone};
+use crate::engine::TaskDone;
 use crate::files::written_by;
 
 /// What it is called in messages.
@@ -33,8 +33,7 @@ impl BurstscopeApp {
     /// Saves the session in the background, if it is time to and something has changed.
     pub(in crate::app) fn keep_session(&mut self, ctx: &egui::Context) {
         // What is being opened would be missing; when it is there another pass comes.
-        let opens = self.engine.running(BurstJobs::Open).is_some();
-        if opens || self.engine.pair().running(PairJobs::Open).is_some() {
+        if self.model.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
         }
         let Some(mut recovery) = self.recovery.take() else { return };

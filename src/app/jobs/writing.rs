@@ -54,7 +54,7 @@ fn text_work(text: String) -> Work {
 }
 
 fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
-    let detection = model.found.as_ref().ok_or("there are no features; press Detect first")?.detection.clone();
+    let detection = model.slots.a.found.as_ref().ok_or("there are no features; press Detect first")?.detection.clone();
     Ok(Box::new(move |path| format.write(path, &detection).map_err(|e| e.to_string())))
 }
 

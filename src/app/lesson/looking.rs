@@ -10,7 +10,7 @@ use crate::teach::{Holds, Layout, Place, Shown, Tab};
 /// What is known of the window now.
 pub(in crate::app) fn seen(model: &Model) -> Holds<'_> {
     let cursor = model.cursor();
-    let current = model.found.is_some() && model.stale().is_none();
+    let current = model.slots.a.found.is_some() && model.stale().is_none();
     let matches = model.pair.matches.as_ref().filter(|_| !model.needs_matches());
     Holds {
         slope: cursor.slope,

@@ -33,8 +33,8 @@ pub(in crate::app) fn set_up(model: &mut Model, state: &State) {
         Tab::Compared => BottomTab::Compared,
     };
     let asked = model.asked();
-    if !model.auto_detect || model.found.as_ref().is_some_and(|found| found.asked != asked) {
-        model.found = None;
+    if !model.auto_detect || model.slots.a.found.as_ref().is_some_and(|found| found.asked != asked) {
+        model.slots.a.found = None;
     }
     (model.selected, model.hovered, model.reselect) = (None, None, None);
     (model.pair.selected, model.playing, model.filter) = (None, false, Default::default());

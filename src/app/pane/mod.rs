@@ -37,7 +37,7 @@ use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use crate::app::view::View;
 use crate::detector::{DetectorParams, Method};
-use crate::requests::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest, PictureSlot};
+use crate::requests::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
 /// Names a pane, for as long as it is open.
@@ -49,11 +49,6 @@ impl PaneId {
     /// The pane that is always there for the burst of `side`.
     pub fn of(side: Side) -> Self {
         Self(side as u32)
-    }
-
-    /// The number under which the engine makes its picture.
-    pub fn slot(self) -> PictureSlot {
-        PictureSlot(self.0)
     }
 }
 

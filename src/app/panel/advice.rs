@@ -7,7 +7,7 @@ use egui::{Label, RichText, Ui};
 
 /// Why there is nothing or little, or most of it at the slope limit, as long as that is so with the present parameters.
 pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let advice = model.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
+    let advice = model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
     if let Some(advice) = advice {
         let text = RichText::new(advice.for_window()).color(crate::app::style::warning(ui));
         ui.horizontal_wrapped(|ui| {

@@ -24,7 +24,7 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
         return;
     };
     let Some(pane) = model.panes.get(id).filter(|pane| pane.side == Side::A) else { return };
-    let Some(found) = model.found.as_ref() else { return };
+    let Some(found) = model.slots.a.found.as_ref() else { return };
     let dt = frames_from_middle(pane.picture.as_ref(), &found.detection).unwrap_or(0.0);
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey().cloned() else {
@@ -116,7 +116,7 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
 /// The data of the candidate that is selected, and what can be done with it.
 pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     let Some(mark) = model.selected_candidate().copied() else { return };
-    let Some(slope) = model.found.as_ref().map(|found| found.detection.slopes.slope(mark.slope_index)) else { return };
+    let Some(slope) = model.slots.a.found.as_ref().map(|found| found.detection.slopes.slope(mark.slope_index)) else { return };
     Frame::group(ui.style()).inner_margin(Margin::symmetric(6, 3)).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
             let text = mark_text(&mark, slope).replace('\n', "  ·  ");

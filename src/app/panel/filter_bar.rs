@@ -10,7 +10,7 @@ use egui::{RichText, Ui};
 pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let (total, listed) = (model.features().len(), model.listed.len());
     if total == 0 {
-        ui.weak(if model.found.is_some() { "No feature was found" } else { "No features yet" });
+        ui.weak(if model.slots.a.found.is_some() { "No feature was found" } else { "No features yet" });
         return;
     }
     let text = if listed == total { format!("{total}") } else { format!("{listed} of {total}") };
@@ -37,7 +37,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 }
 
 fn ranges_ui(ui: &mut Ui, model: &mut Model) {
-    let found = model.found.clone();
+    let found = model.slots.a.found.clone();
     let features: &[Feature] = found.as_ref().map_or(&[], |f| &f.detection.features);
     range_ui(ui, "Slope u", "px/frame", features, |f| f.slope.u, &mut model.filter.slope_u);
     range_ui(ui, "Slope v", "px/frame", features, |f| f.slope.v, &mut model.filter.slope_v);

@@ -21,7 +21,7 @@ const MAP_CELLS: usize = 64;
 
 /// A line of numbers about the noise.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
-    let Some(found) = &model.found else {
+    let Some(found) = &model.slots.a.found else {
         ui.weak("No detection yet");
         return;
     };
@@ -41,7 +41,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 
 /// Draws the warnings, the curve and the map.
 pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
-    let Some(found) = model.found.clone() else {
+    let Some(found) = model.slots.a.found.clone() else {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to see what is known of the noise"));
         return;
     };
@@ -132,7 +132,7 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
 
 /// Where in the picture σ is how large.
 fn map_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel) {
-    let Some(burst) = &model.burst else { return };
+    let Some(burst) = &model.slots.a.burst else { return };
     let (width, height) = burst.burst.size();
     let hover = "σ of a frame's noise by place, at the finest octave: dark is least, bright is most";
     let (rect, painter) = plot_frame(ui, "σ of a frame by place", hover);

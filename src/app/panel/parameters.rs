@@ -26,8 +26,8 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         });
         ui.add_space(4.0);
         let frame_count = model.frame_count();
-        let error = model.param_error.clone();
-        let finding = model.found.as_ref().and_then(|found| found.finding.as_ref()).map(slopes_found_text);
+        let error = model.slots.a.param_error.clone();
+        let finding = model.slots.a.found.as_ref().and_then(|found| found.finding.as_ref()).map(slopes_found_text);
         let (p, choice) = (&mut model.params, &mut model.slopes);
         let given = p.slopes;
         let mut defaults = DetectorParams::default();

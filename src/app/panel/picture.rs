@@ -168,7 +168,7 @@ fn describe_request(request: &PictureRequest) -> String {
 /// Says over a picture that the features on it are not those of what is set now.
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
-    if !model.look.overlay || model.busy.detecting.is_some() {
+    if !model.look.overlay || model.slots.a.detecting.is_pending() {
         return;
     }
     let text = match stale {

@@ -50,7 +50,7 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
         ui.add_space(4.0);
         numbers_ui(ui, index, &feature, model.coherence_text(index));
         ui.add_space(6.0);
-        let descriptor = model.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
+        let descriptor = model.slots.a.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
         if let Some(descriptor) = descriptor {
             ui.label(RichText::new("Descriptor").small().weak());
             let side = ui.available_width().min(200.0);
@@ -97,7 +97,7 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>)
 }
 
 fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &Feature) {
-    let Some(burst) = &model.burst else { return };
+    let Some(burst) = &model.slots.a.burst else { return };
     let display = model.look.ranges.intensity;
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
     let stack = model
@@ -122,7 +122,7 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
         ui.vertical(|ui| {
             ui.set_width(side);
             let t = model.cursor().frame.min(burst.burst.len() - 1);
-            let used = model.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
+            let used = model.slots.a.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
             // Frames move the feature along its slope away from the middle of those used.
             let dt = t as f32 - (used.start + used.end - 1) as f32 / 2.0;
             let (u, v) = (feature.u + dt * feature.slope.u, feature.v + dt * feature.slope.v);

@@ -9,7 +9,7 @@ use egui::{Align, Label, Layout, RichText, Ui};
 /// Draws the status bar.
 pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) {
     ui.horizontal(|ui| {
-        let hint = if model.burst.is_some() { "Point at the picture to read values" } else { "" };
+        let hint = if model.slots.a.burst.is_some() { "Point at the picture to read values" } else { "" };
         let text = readout.unwrap_or(hint);
         let width = if model.panes.are_many() { 460.0 } else { 330.0 };
         ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
@@ -24,22 +24,22 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
         ui.separator();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.label(RichText::new(burst_text(model)).weak());
-            let opening = [("Opening…", model.busy.opening), ("Opening B…", model.pair.busy.opening)];
+            let opening = [("Opening…", model.slots.a.opening.running()), ("Opening B…", model.slots.b.opening.running())];
             if let Some((what, running)) = opening.into_iter().find_map(|(what, busy)| Some((what, busy?))) {
                 let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
-                if model.burst.is_some() && ui.small_button("Cancel opening").clicked() {
+                if model.slots.a.burst.is_some() && ui.small_button("Cancel opening").clicked() {
                     queue.push(ActionId::Cancel);
                 }
                 ui.label(format!("{what} {percent:.0} %"));
             }
-            if let Some(running) = &model.coherence.busy {
+            if let Some(running) = &model.coherence.running() {
                 if ui.small_button("Cancel coherence").clicked() {
                     queue.push(ActionId::Cancel);
                 }
                 let text = format!("Coherence  {}", progress_text(running));
                 ui.label(text).on_hover_text("How evenly the frames answer is computed for each feature");
             }
-            if let Some(running) = &model.busy.figures {
+            if let Some(running) = &model.figures.running() {
                 if ui.small_button("Cancel figures").clicked() {
                     queue.push(ActionId::CancelFigures);
                 }

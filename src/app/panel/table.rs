@@ -46,7 +46,7 @@ impl SortedColumn for Column {
 
 /// Draws the table.
 pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
-    if model.found.is_none() {
+    if model.slots.a.found.is_none() {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to find features"));
         return;
     }

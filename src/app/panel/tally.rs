@@ -8,7 +8,7 @@ use egui::{Rect, RichText, ScrollArea, Sense, Ui, vec2};
 
 /// A line of numbers about the detection.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
-    let Some(found) = &model.found else {
+    let Some(found) = &model.slots.a.found else {
         ui.weak("No detection yet");
         return;
     };
@@ -30,7 +30,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 
 /// Draws the bars. Rows of tests that take candidates are switches: they show these in the picture.
 pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
-    let Some(found) = model.found.clone() else {
+    let Some(found) = model.slots.a.found.clone() else {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to see what each test rejects"));
         return;
     };

@@ -4,6 +4,7 @@ use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_tex
 use crate::app::panel::widgets::progress_text;
 use crate::app::parts::mark;
 use crate::app::project::Model;
+use crate::app::project::side::Side as BurstSide;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair;
 use crate::app::project::workspace::Workspace;
@@ -60,7 +61,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
     let action = ActionId::Detect.action();
     let in_pair = model.workspace == Workspace::Pair;
-    let needed = model.needs_detection() || (in_pair && model.needs_second_detection());
+    let needed = model.needs_detection(BurstSide::A) || (in_pair && model.needs_detection(BurstSide::B));
     let mut text = RichText::new("Detect");
     if needed {
         text = text.color(Color32::WHITE).strong();
@@ -69,7 +70,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if needed {
         button = button.fill(crate::app::style::ACCENT);
     }
-    let tip = match &model.param_error {
+    let tip = match &model.slots.a.param_error {
         Some(error) => format!("{error}"),
         None => tooltip(ui.ctx(), action),
     };
@@ -85,7 +86,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
     if in_pair {
         pair_found_ui(ui, model);
-    } else if let Some(found) = &model.found {
+    } else if let Some(found) = &model.slots.a.found {
         let count = counted(model.features().len(), "feature");
         let text = format!("{count} in {:.2} s", found.elapsed.as_secs_f32());
         let times = &found.detection.times;
@@ -99,12 +100,12 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 /// What runs that takes its time, and for which of two bursts.
 fn activity(model: &Model) -> Option<(&'static str, Running)> {
-    let busy = &model.pair.busy;
+    let [a, b] = model.slots.both().map(|slot| slot.detecting.running());
     if model.workspace != Workspace::Pair {
-        return Some(("", model.busy.detecting?));
+        return Some(("", a?));
     }
-    let in_a = model.busy.detecting.map(|running| ("A: ", running));
-    in_a.or(busy.detecting.map(|running| ("B: ", running))).or(busy.matching.map(|running| ("", running)))
+    let in_a = a.map(|running| ("A: ", running));
+    in_a.or(b.map(|running| ("B: ", running))).or(model.pair.matching.running().map(|running| ("", running)))
 }
 
 /// How many features and matches there are.
@@ -171,13 +172,13 @@ mod tests {
         let mut model = Model::default();
         let told = |model: &Model| activity(model).map(|(who, running)| (who, running.id.0));
         assert_eq!(told(&model), None);
-        model.pair.busy.matching = running(3);
+        model.pair.matching.set_running(running(3));
         assert_eq!(told(&model), None, "matches belong to two bursts");
         model.workspace = Workspace::Pair;
         assert_eq!(told(&model), Some(("", 3)));
-        model.pair.busy.detecting = running(2);
+        model.slots.b.detecting.set_running(running(2));
         assert_eq!(told(&model), Some(("B: ", 2)), "matches wait for the features");
-        model.busy.detecting = running(1);
+        model.slots.a.detecting.set_running(running(1));
         assert_eq!(told(&model), Some(("A: ", 1)));
         model.workspace = Workspace::Inspect;
         assert_eq!(told(&model), Some(("", 1)));

@@ -36,7 +36,7 @@ pub fn welcome_ui(
         ui.label(RichText::new("Burstscope").size(28.0).strong());
         ui.weak("See what a burst of dark, noisy frames shows at every slope and scale");
         ui.add_space(20.0);
-        if let Some(running) = model.busy.opening {
+        if let Some(running) = model.slots.a.opening.running() {
             let fraction = running.progress.map_or(0.0, |p| p.fraction);
             ui.add(ProgressBar::new(fraction).desired_width(280.0).text("Opening…"));
             if ui.button("Cancel").clicked() {

@@ -12,8 +12,10 @@ impl Model {
     /// Takes a newly opened burst in place of the one that was open.
     pub fn take_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
-        self.burst = Some(burst);
-        (self.patch, self.found) = (None, None);
+        let slot = &mut self.slots.a;
+        (slot.burst, slot.found, self.patch) = (Some(burst), None, None);
+        slot.detecting.forget();
+        self.forget_asked_pictures();
         (self.selected, self.hovered, self.playing) = (None, None, false);
         self.look.ranges.forget();
         self.explained.forget();
@@ -41,16 +43,16 @@ impl Model {
     /// Checks the edited parameters against A's burst and brings all cursors into range.
     pub fn check_params(&mut self) {
         let auto = self.slopes.is_auto();
-        self.param_error = checked(self.burst.as_ref(), self.params.clone(), auto, &mut self.usable_params);
+        self.slots.a.param_error = checked(self.slots.a.burst.as_ref(), self.params.clone(), auto, &mut self.slots.a.usable_params);
         self.check_cursors();
     }
 
     /// Checks the parameters of matching, and those of the detector against B.
     pub fn check_pair(&mut self) {
         self.pair.param_error = self.pair.params.validate().err();
-        if self.pair.b.burst.is_some() {
+        if self.slots.b.burst.is_some() {
             let (params, auto) = (self.params_of(Side::B), self.slopes.is_auto());
-            let b = &mut self.pair.b;
+            let b = &mut self.slots.b;
             b.param_error = checked(b.burst.as_ref(), params, auto, &mut b.usable_params);
             self.check_cursors();
         }
@@ -61,7 +63,7 @@ impl Model {
     fn check_cursors(&mut self) {
         let follows = self.panes.followers();
         let bursts =
-            [(self.burst.as_ref(), &self.usable_params), (self.pair.b.burst.as_ref(), &self.pair.b.usable_params)];
+            [(self.slots.a.burst.as_ref(), &self.slots.a.usable_params), (self.slots.b.burst.as_ref(), &self.slots.b.usable_params)];
         for (id, pane) in self.panes.iter_mut() {
             if let (Some(burst), params) = bursts[pane.side as usize]
                 && !follows.contains(&id)

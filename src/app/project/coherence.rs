@@ -1,11 +1,12 @@
 //! How evenly the frames answer for the features of the open bursts, as far as that is known.
 
 use crate::app::project::Model;
-use crate::app::project::pair::Side;
+use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
 use crate::app::view::ColourBy;
 use crate::detector::Detection;
-use crate::requests::{CoherenceRequest, Coherences, DetectionSource, Running};
+use crate::engine::{Engine, Wanted};
+use crate::requests::{CoherenceRequest, Coherences, JobError, Running};
 use std::sync::Arc;
 
 /// What is known.
@@ -13,27 +14,25 @@ use std::sync::Arc;
 pub struct CoherenceState {
     /// Those of the detections of the open bursts.
     known: Vec<Coherences>,
-    /// Of which detections they could not be found or were not waited for, and why.
-    failed: Vec<(Arc<Detection>, String)>,
-    /// What the engine is doing.
-    pub busy: Option<Running>,
+    /// Requests for the features of each burst.
+    pub wanted: Sides<Wanted<CoherenceRequest>>,
 }
 
 impl CoherenceState {
-    /// Takes what was found.
-    pub fn take(&mut self, coherences: Coherences) {
+    /// Keeps the coherences of a detection.
+    fn take(&mut self, coherences: Coherences) {
         self.known.retain(|known| !Arc::ptr_eq(&known.detection, &coherences.detection));
         self.known.push(coherences);
     }
 
-    /// Takes over why nothing was found.
-    pub fn fail(&mut self, detection: Arc<Detection>, why: String) {
-        self.failed.push((detection, why));
+    /// Lets requests that failed or were cancelled be made again.
+    pub fn try_again(&mut self) {
+        self.wanted = Sides::default();
     }
 
-    /// Of what failed or was cancelled, nothing is known: it is asked for again.
-    pub fn try_again(&mut self) {
-        self.failed.clear();
+    /// Progress of the running request.
+    pub fn running(&self) -> Option<Running> {
+        self.wanted.both().into_iter().find_map(Wanted::running)
     }
 
     /// Those of the features of `detection`, if they are known.
@@ -42,51 +41,62 @@ impl CoherenceState {
     }
 
     /// Why those of `detection` are not known.
-    pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&str> {
-        self.failed.iter().find(|(failed, _)| Arc::ptr_eq(failed, detection)).map(|(_, why)| why.as_str())
+    pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
+        let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
+        failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
     }
 
     /// Keeps what is known of these detections alone.
     fn keep_only(&mut self, detections: &[Arc<Detection>]) {
         let is_open = |detection: &Arc<Detection>| detections.iter().any(|open| Arc::ptr_eq(open, detection));
         self.known.retain(|known| is_open(&known.detection));
-        self.failed.retain(|(detection, _)| is_open(detection));
     }
 }
 
 impl Model {
-    /// The features whose coherence is to be shown and not known yet; those of A first.
-    pub fn wanted_coherence(&self) -> Option<CoherenceRequest> {
-        let sides: &[Side] = match self.workspace {
-            _ if self.colour_by != ColourBy::Coherence => &[],
-            Workspace::Pair => &Side::BOTH,
-            Workspace::Inspect if self.look.overlay && self.panes.iter().any(|(_, pane)| pane.side == Side::B) => {
-                &Side::BOTH
-            }
-            Workspace::Inspect if self.look.overlay => &[Side::A],
-            _ => &[],
+    /// The request for the features of `side`, if their coherence is to be shown and not known yet. A running detection
+    /// comes first.
+    pub fn missing_coherence(&self, side: Side) -> Option<CoherenceRequest> {
+        let is_shown = match self.workspace {
+            Workspace::Pair => true,
+            Workspace::Inspect => self.look.overlay && self.panes.iter().any(|(_, pane)| pane.side == side),
+            _ => false,
         };
-        let request = |&side: &Side| {
-            let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
-            let detection = found.detection.clone();
-            let is_open = self.coherence.of(&detection).is_none() && self.coherence.failure_of(&detection).is_none();
-            let (asked, params, finding) = (found.asked.clone(), found.params.clone(), found.finding.clone());
-            let of = DetectionSource { burst, asked, params, finding };
-            is_open.then_some(CoherenceRequest { of, detection })
-        };
-        sides.iter().find_map(request)
+        if self.colour_by != ColourBy::Coherence || !is_shown || self.slots.a.detecting.is_pending() {
+            return None;
+        }
+        let (of, detection) = (self.found_source(side)?, self.found_of(side)?.detection.clone());
+        self.coherence.of(&detection).is_none().then_some(CoherenceRequest { of, detection })
     }
 
-    /// Forgets the coherences of features that are not there any more.
-    pub fn forget_old_coherences(&mut self) {
+    /// Takes the coherences that were found, and forgets those of features that are not there any more.
+    pub(in crate::app) fn take_coherences(&mut self) {
+        for side in Side::BOTH {
+            for ended in self.coherence.wanted[side].take() {
+                match ended.result {
+                    Ok(coherences) => self.coherence.take(coherences),
+                    Err(JobError::Cancelled) => {}
+                    Err(error) => self.messages.error("Coherence", error.to_string()),
+                }
+            }
+        }
+
         let open = Side::BOTH.into_iter().filter_map(|side| Some(self.found_of(side)?.detection.clone()));
         let open: Vec<_> = open.collect();
         self.coherence.keep_only(&open);
     }
 
+    /// Requests the coherences that are missing.
+    pub(in crate::app) fn ask_for_coherences(&mut self, engine: &Engine) {
+        for side in Side::BOTH {
+            let missing = self.missing_coherence(side);
+            self.coherence.wanted[side].want(engine, missing);
+        }
+    }
+
     /// The coherence of a feature of the first burst in words; `None` while it is not known.
     pub fn coherence_text(&self, index: usize) -> Option<String> {
-        let detection = &self.found.as_ref()?.detection;
+        let detection = &self.slots.a.found.as_ref()?.detection;
         Some(coherence_words(*self.coherence.of(detection)?.get(index)?))
     }
 }

@@ -1,11 +1,14 @@
 //! What is known of the detection on show as a whole: its slopes and its candidates.
 
 use crate::app::project::Model;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
 use crate::detector::params::doc;
 use crate::detector::{Method, ParamChange, ParamError, SlopeChoice, Test};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::spectrum::Spectrum;
-use crate::requests::{ExplainQuestion, ExplainRequest, Explained, Explanation};
+use crate::engine::{Engine, Wanted};
+use crate::requests::{ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Request};
 use std::sync::Arc;
 
 /// The slopes of a detection that took longer than this are looked at only when a person asks: that takes nearly as
@@ -27,8 +30,10 @@ pub struct ExplainedState {
     pub selected: Option<usize>,
     /// Whether the slopes of the detection on show are wanted although it took long.
     pub slopes_wanted: bool,
-    /// The questions that could not be answered, and why.
-    failed: Vec<(ExplainRequest, String)>,
+    /// The request for the slopes.
+    pub asked_slopes: Wanted<ExplainRequest>,
+    /// The request for the candidates.
+    pub asked_candidates: Wanted<ExplainRequest>,
 }
 
 impl ExplainedState {
@@ -44,16 +49,6 @@ impl ExplainedState {
         }
     }
 
-    /// Takes over why a question could not be answered.
-    pub fn fail(&mut self, request: ExplainRequest, why: String) {
-        self.failed.push((request, why));
-    }
-
-    /// Why the question could not be answered.
-    pub fn failure_of(&self, request: &ExplainRequest) -> Option<&str> {
-        self.failed.iter().find(|(failed, _)| failed.same_answer(request)).map(|(_, why)| why.as_str())
-    }
-
     /// Forgets everything but what a person wants: another burst is open.
     pub fn forget(&mut self) {
         *self = Self { shown_test: self.shown_test, ..Self::default() };
@@ -61,6 +56,37 @@ impl ExplainedState {
 }
 
 impl Model {
+    /// The slopes of the detection on show, if they are wanted and not known. A running detection comes first.
+    pub fn missing_slopes(&self) -> Option<ExplainRequest> {
+        let is_time = self.workspace == Workspace::Inspect && !self.slots.a.detecting.is_pending();
+        self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
+    }
+
+    /// Likewise the candidates that are to be drawn over the picture.
+    pub fn missing_candidates(&self) -> Option<ExplainRequest> {
+        let is_time = self.workspace == Workspace::Inspect && !self.slots.a.detecting.is_pending();
+        self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
+    }
+
+    /// Takes the answers.
+    pub(in crate::app) fn take_explanations(&mut self) {
+        let ended = self.explained.asked_slopes.take().into_iter().chain(self.explained.asked_candidates.take());
+        for ended in ended.collect::<Vec<_>>() {
+            match ended.result {
+                Ok(explained) => self.explained.take(explained),
+                Err(JobError::Cancelled) => {}
+                Err(error) => self.messages.error("Explanation", error.to_string()),
+            }
+        }
+    }
+
+    /// Requests the slopes and candidates that are missing.
+    pub(in crate::app) fn ask_for_explanations(&mut self, engine: &Engine) {
+        let (slopes, candidates) = (self.missing_slopes(), self.missing_candidates());
+        self.explained.asked_slopes.want(engine, slopes);
+        self.explained.asked_candidates.want(engine, candidates);
+    }
+
     /// Sets what a piece of advice says. A range of slopes that is set so is a range that is given.
     ///
     /// # Errors
@@ -76,20 +102,20 @@ impl Model {
 
     /// What is asked of the detection on show.
     fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
-        Some(ExplainRequest { of: self.found_source()?, question })
+        Some(ExplainRequest { of: self.found_source(Side::A)?, question })
     }
 
     /// The slopes of the detection on show, as far as they are known.
     pub fn spectrum(&self) -> Option<&Arc<Spectrum>> {
         let (request, spectrum) = self.explained.slopes.as_ref()?;
         let wanted = self.explain_request(ExplainQuestion::Slopes)?;
-        request.same_answer(&wanted).then_some(spectrum)
+        request.is_same(&wanted).then_some(spectrum)
     }
 
     /// The candidates of the detection on show that fail the chosen test.
     pub fn survey(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
-        request.same_answer(&self.wanted_candidates()?).then_some(survey)
+        request.is_same(&self.wanted_candidates()?).then_some(survey)
     }
 
     /// The counts of candidates of the detection on show, whichever of them are listed.
@@ -106,12 +132,12 @@ impl Model {
 
     /// Whether the detection on show is so long that its slopes are looked at only when a person asks.
     pub fn slopes_take_long(&self) -> bool {
-        self.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
+        self.slots.a.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
     }
 
     /// The slopes of the detection on show, if they are wanted: unless it took long, always. One frame has none.
     pub fn wanted_slopes(&self) -> Option<ExplainRequest> {
-        let found = self.found.as_ref()?;
+        let found = self.slots.a.found.as_ref()?;
         let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
         let wanted = has_slopes && (self.explained.slopes_wanted || !self.slopes_take_long());
         self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())

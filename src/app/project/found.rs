@@ -63,15 +63,21 @@ pub enum Stale {
 impl Model {
     /// Takes the features, unless they are of another burst. The selection is kept where the same feature was found
     /// again.
-    pub fn take_detection(&mut self, detected: Detected, elapsed: Duration) {
-        let Some(burst) = self.burst.as_ref().filter(|burst| burst.id == detected.burst) else { return };
+    pub fn take_detection(&mut self, side: Side, detected: Detected, elapsed: Duration) {
+        let Some(burst) = self.burst_of(side).filter(|burst| burst.id == detected.burst) else { return };
         let found = FoundFeatures::new(detected, burst, elapsed);
+        if side == Side::B {
+            self.slots.b.found = Some(found);
+            self.check_pair();
+            self.go_to_first_slope(Side::B);
+            return;
+        }
         let keep = self.reselect.take().or_else(|| self.saved_selection());
         if self.slopes.is_auto() && found.asked.slopes == self.slopes {
             self.params.slopes = found.params.slopes;
             self.check_params();
         }
-        self.found = Some(found);
+        self.slots.a.found = Some(found);
         self.explained.slopes_wanted = false;
         self.hovered = None;
         self.selected = keep.and_then(|saved| self.find_again(&saved));
@@ -79,16 +85,16 @@ impl Model {
         self.go_to_first_slope(Side::A);
     }
 
-    /// Which detection the features on show come from.
-    pub fn found_source(&self) -> Option<DetectionSource> {
-        let (burst, found) = (self.burst.clone()?, self.found.as_ref()?);
+    /// The detection from which the features of `side` come.
+    pub fn found_source(&self, side: Side) -> Option<DetectionSource> {
+        let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
         let FoundFeatures { asked, params, finding, .. } = found.clone();
         Some(DetectionSource { burst, asked, params, finding })
     }
 
     /// The features on show; none without a detection.
     pub fn features(&self) -> &[Feature] {
-        self.found.as_ref().map_or(&[], |f| &f.detection.features)
+        self.slots.a.found.as_ref().map_or(&[], |f| &f.detection.features)
     }
 
     /// The selected feature.
@@ -98,10 +104,10 @@ impl Model {
 
     /// Why the features on show are not those of what is set now; `None` when they are.
     pub fn stale(&self) -> Option<Stale> {
-        let found = self.found.as_ref()?;
+        let found = self.slots.a.found.as_ref()?;
         if found.asked == self.asked() {
             None
-        } else if self.param_error.is_some() {
+        } else if self.slots.a.param_error.is_some() {
             Some(Stale::InvalidParameters)
         } else {
             Some(Stale::Parameters)

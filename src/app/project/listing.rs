@@ -18,7 +18,7 @@ pub(crate) struct ListedFor {
 impl Model {
     /// Brings [`Model::listed`] up to date. Cheap when nothing changed.
     pub fn refresh_listed(&mut self) {
-        let Some(found) = &self.found else {
+        let Some(found) = &self.slots.a.found else {
             self.listed.clear();
             self.listed_for = None;
             return;

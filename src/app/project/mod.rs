@@ -1,9 +1,10 @@
 //! What the window shows, as plain values: the bursts, the parameters, the panes, the features, the messages.
 //!
-//! The [`Model`] draws nothing and starts nothing. Panels read and change it; after each pass the window compares what
-//! is wanted with what is there and asks the engine for the difference.
+//! The [`Model`] draws nothing. Panels read and change it; in each pass it takes the engine's answers, and after it
+//! requests what is wanted and not there.
 
 pub mod against;
+mod asking;
 mod checking;
 pub mod coherence;
 pub mod compare;
@@ -21,23 +22,28 @@ pub mod measure;
 pub mod messages;
 pub mod method;
 mod opened;
+mod paper;
 pub mod order;
 pub mod pair;
 mod pictures;
 pub mod probe;
 mod ranges;
 pub mod side;
+pub mod slot;
 pub mod trajectories;
 pub mod workspace;
 
+pub use asking::Effect;
 pub use found::{FoundFeatures, SavedSelection, Stale};
 
-use crate::app::pane::Panes;
+use crate::app::pane::{PaneId, Panes};
 use crate::app::project::history::History;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, ParamError, SearchParams, SlopeChoice};
-use crate::requests::{OpenBurst, Picture, Running};
+use crate::detector::{DetectorParams, SearchParams, SlopeChoice};
+use crate::engine::Wanted;
+use crate::figures::FiguresJob;
+use crate::requests::{Picture, PictureRequest};
 use coherence::CoherenceState;
 use compare::Compare;
 use datasets::Datasets;
@@ -50,7 +56,10 @@ use messages::Messages;
 use order::Order;
 use pair::PairState;
 use probe::ProbeModel;
+use side::{Side, Sides};
+use slot::Slot;
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use trajectories::Trajectories;
 use workspace::Workspace;
 
@@ -95,19 +104,6 @@ pub enum BottomTab {
     Compared,
 }
 
-/// What the engine is doing, as of this pass.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Busy {
-    /// A burst is being opened.
-    pub opening: Option<Running>,
-    /// A detection runs.
-    pub detecting: Option<Running>,
-    /// A picture is being made.
-    pub picture: bool,
-    /// The figures of the paper are being remade.
-    pub figures: Option<Running>,
-}
-
 /// Everything the window shows.
 #[derive(Debug, Default)]
 pub struct Model {
@@ -115,23 +111,21 @@ pub struct Model {
     pub calibration: OpenOptions,
     /// What the window is about.
     pub workspace: Workspace,
-    /// The open burst, if any.
-    pub burst: Option<OpenBurst>,
+    /// The two bursts with what was found in each.
+    pub slots: Sides<Slot>,
     /// The parameters as they are being edited; they may make no sense for the moment. Where slopes are found, theirs
     /// are those found last.
     pub params: DetectorParams,
     /// How the slopes are chosen.
     pub slopes: SlopeChoice,
-    /// Why they make no sense.
-    pub param_error: Option<ParamError>,
-    /// The last parameters that made sense for the burst: pictures are made with these.
-    pub usable_params: DetectorParams,
     /// The panes that show pictures, each with its own cursor.
     pub panes: Panes,
     /// The motion-stack image at the selected feature's slope.
     pub patch: Option<Picture>,
-    /// The features of the open burst.
-    pub found: Option<FoundFeatures>,
+    /// The request for it.
+    pub wanted_patch: Wanted<PictureRequest>,
+    /// Requests for the pictures of panes.
+    pub(in crate::app) wanted_pictures: HashMap<PaneId, Wanted<PictureRequest>>,
     /// Index of the selected feature.
     pub selected: Option<usize>,
     /// Index of the feature under the pointer, in the picture or in the table.
@@ -180,8 +174,8 @@ pub struct Model {
     pub probe: ProbeModel,
     /// Whether a lesson is open, of which all of this is.
     pub in_lesson: bool,
-    /// What the engine is doing.
-    pub busy: Busy,
+    /// The request for the figures of the paper.
+    pub figures: Wanted<FiguresJob>,
     /// Many bursts.
     pub datasets: Datasets,
     /// An estimated and a true trajectory.
@@ -194,17 +188,17 @@ pub struct Model {
 impl Model {
     /// (columns, rows) of the open burst's frames; (0, 0) without one.
     pub fn size(&self) -> (usize, usize) {
-        self.burst.as_ref().map_or((0, 0), |b| b.burst.size())
+        self.slots.a.burst.as_ref().map_or((0, 0), |b| b.burst.size())
     }
 
     /// Frames of the open burst.
     pub fn frame_count(&self) -> usize {
-        self.burst.as_ref().map_or(0, |b| b.burst.len())
+        self.slots.a.burst.as_ref().map_or(0, |b| b.burst.len())
     }
 
     /// What a detection is asked for now. Slopes that are to be found are not part of it.
     pub fn asked(&self) -> SearchParams {
-        self.asked_of(pair::Side::A)
+        self.asked_of(Side::A)
     }
 
     /// Chooses how the slopes are chosen, and for the detector all that `params` say.
@@ -212,11 +206,11 @@ impl Model {
         (self.params, self.slopes) = (params.detector, params.slopes);
     }
 
-    /// Whether a detection with the present parameters is missing and could be made.
-    pub fn needs_detection(&self) -> bool {
-        self.burst.is_some()
-            && self.param_error.is_none()
-            && self.found.as_ref().is_none_or(|f| f.asked != self.asked())
+    /// Whether a detection with the present parameters is missing on `side` and could be made.
+    pub fn needs_detection(&self, side: Side) -> bool {
+        let slot = &self.slots[side];
+        let is_made = |found: &FoundFeatures| found.asked == self.asked_of(side);
+        slot.burst.is_some() && slot.param_error.is_none() && !slot.found.as_ref().is_some_and(is_made)
     }
 }
 

@@ -10,7 +10,7 @@ impl Model {
     /// Parameter and session files are not among them, because what was loaded is changed and saved again.
     pub fn opened_files(&self) -> Vec<PathBuf> {
         let gold = self.compare.gold.iter().flatten();
-        let bursts = self.burst.iter().chain(&self.pair.b.burst).chain(gold);
+        let bursts = self.slots.a.burst.iter().chain(&self.slots.b.burst).chain(gold);
         let mut files: Vec<PathBuf> = bursts.flat_map(|open| files_of(&open.source)).collect();
         for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
             files.extend(files_at(burst.paths.clone()));

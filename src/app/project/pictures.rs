@@ -6,7 +6,8 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{Detection, DetectorParams, Slope};
-use crate::requests::{JobError, OpenBurst, Picture, PictureKind, PictureRequest};
+use crate::engine::Engine;
+use crate::requests::{JobError, OpenBurst, Picture, PictureKind, PictureRequest, Request, Urgency};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -51,18 +52,12 @@ impl Model {
 
     /// The open burst of `side`.
     pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
-        match side {
-            Side::A => self.burst.as_ref(),
-            Side::B => self.pair.b.burst.as_ref(),
-        }
+        self.slots[side].burst.as_ref()
     }
 
     /// The features of `side`.
     pub fn found_of(&self, side: Side) -> Option<&FoundFeatures> {
-        match side {
-            Side::A => self.found.as_ref(),
-            Side::B => self.pair.b.found.as_ref(),
-        }
+        self.slots[side].found.as_ref()
     }
 
     /// Whether the features of `side` are those of what is set now.
@@ -72,10 +67,7 @@ impl Model {
 
     /// The last parameters that made sense for the burst of `side`.
     pub fn usable_params_of(&self, side: Side) -> &DetectorParams {
-        match side {
-            Side::A => &self.usable_params,
-            Side::B => &self.pair.b.usable_params,
-        }
+        &self.slots[side].usable_params
     }
 
     /// The burst that `pane` shows; where methods are compared that may be the gold standard.
@@ -134,9 +126,9 @@ impl Model {
     }
 
     /// The motion-stack image that the selected feature's patch is cut from.
-    pub fn wanted_patch(&self) -> Option<PictureRequest> {
+    pub fn patch_request(&self) -> Option<PictureRequest> {
         let slope = self.selected_feature()?.slope;
-        let (burst, found) = (self.burst.clone()?, self.found.as_ref()?);
+        let (burst, found) = (self.slots.a.burst.clone()?, self.slots.a.found.as_ref()?);
         Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
     }
 
@@ -144,8 +136,8 @@ impl Model {
     pub fn is_current(&self, id: PaneId) -> bool {
         let Some(wanted) = self.wanted(id) else { return true };
         self.panes.get(id).is_some_and(|pane| {
-            let failed = pane.problem.as_ref().is_some_and(|(request, _)| request.same_picture(&wanted));
-            failed || pane.picture.as_ref().is_some_and(|picture| picture.request.same_picture(&wanted))
+            let failed = pane.problem.as_ref().is_some_and(|(request, _)| request.is_same(&wanted));
+            failed || pane.picture.as_ref().is_some_and(|picture| picture.request.is_same(&wanted))
         })
     }
 
@@ -181,6 +173,62 @@ impl Model {
                 Some(slope)
             }
         }
+    }
+
+    /// Takes the pictures of panes, and that of the selected feature's patch.
+    pub(in crate::app) fn take_pictures(&mut self) {
+        let ended: Vec<_> = self
+            .wanted_pictures
+            .iter_mut()
+            .flat_map(|(id, wanted)| wanted.take().into_iter().map(|ended| (*id, ended)))
+            .collect();
+        for (id, ended) in ended {
+            match ended.result {
+                Ok(picture) => self.take_picture(id, picture),
+                Err(JobError::Cancelled) => self.wanted_pictures.entry(id).or_default().forget(),
+                Err(error) => self.take_problem(id, ended.request, &error),
+            }
+        }
+        for ended in self.wanted_patch.take() {
+            match ended.result {
+                Ok(patch) => self.patch = Some(patch),
+                Err(JobError::Cancelled) => {}
+                Err(error) => self.messages.error("Patch", error.to_string()),
+            }
+        }
+    }
+
+    /// Requests the pictures that visible panes want and have not, that of the pane in focus first, and that of the
+    /// selected feature's patch. Pictures that take a search wait for the end of a drag, and for a running detection,
+    /// from which they may be made.
+    pub(in crate::app) fn ask_for_pictures(&mut self, engine: &Engine, dragging: bool) {
+        let (focus, waits) = (self.focus(), dragging || self.slots.a.detecting.is_pending());
+        let mut ids = self.visible_panes();
+        ids.sort_by_key(|id| *id != focus);
+        for id in ids {
+            let Some(wanted) = self.wanted(id).filter(|_| !self.is_current(id)) else { continue };
+            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
+                self.wanted_pictures.entry(id).or_default().want(engine, Some(wanted));
+            }
+        }
+        let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request.is_same(wanted));
+        let missing = self.patch_request().filter(|wanted| !is_there(wanted));
+        if missing.is_some() {
+            self.wanted_patch.want(engine, missing);
+        }
+    }
+
+    /// Cancels the requests of panes that were closed.
+    pub(in crate::app) fn forget_closed_pictures(&mut self) {
+        let panes = &self.panes;
+        self.wanted_pictures.retain(|id, _| panes.get(*id).is_some());
+    }
+
+    /// Cancels the requests for pictures: those that are still wanted are requested again.
+    pub(in crate::app) fn forget_asked_pictures(&mut self) {
+        self.wanted_pictures.clear();
+        self.wanted_patch.forget();
+        self.pair.wanted_patches.forget();
     }
 
     /// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.

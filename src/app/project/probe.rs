@@ -4,9 +4,12 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::detector::params::doc;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
-use crate::inspect::probe::Wanted;
+use crate::inspect::probe::Wanted as Subject;
 use crate::inspect::remedy::nearest_slope;
-use crate::requests::{BurstSource, DetectionSource, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Running, Traced};
+use crate::engine::{Engine, Wanted};
+use crate::requests::{
+    BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Request, Traced,
+};
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
@@ -38,8 +41,10 @@ pub struct ProbeModel {
     pub problem: Option<String>,
     /// The place under the pointer, pixels at mid-burst, as of the last pass.
     pub pointer: Option<[f32; 2]>,
-    /// The trail that is being made.
-    pub tracing: Option<Running>,
+    /// The request for the trail.
+    pub wanted_trail: Wanted<DetectionSource>,
+    /// The request for the answer.
+    pub wanted_answer: Wanted<ProbeRequest>,
 }
 
 impl ProbeModel {
@@ -61,7 +66,7 @@ impl ProbeModel {
     /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.
     pub fn place(&self) -> Option<[f32; 2]> {
         match self.question? {
-            ProbeQuestion::At { place, wanted: Wanted::Feature(_) } => Some(match &self.answer {
+            ProbeQuestion::At { place, wanted: Subject::Feature(_) } => Some(match &self.answer {
                 Some(answer) if self.is_current() => answer.probe.pos_image,
                 _ => place,
             }),
@@ -83,7 +88,7 @@ impl ProbeModel {
     /// Whether the answer is the one to what is asked now.
     pub fn is_current(&self) -> bool {
         let wanted = self.wanted();
-        self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request.same_answer(&wanted))
+        self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request.is_same(&wanted))
     }
 
     /// Takes a trail. What was asked of features and samples of another detection is asked of the place.
@@ -93,8 +98,8 @@ impl ProbeModel {
         let place = self.place();
         if let (Some(ProbeQuestion::At { wanted, .. }), Some(_), Some(place)) = (self.question, &self.traced, place) {
             let wanted = match wanted {
-                Wanted::Candidate(sample) if same_grid => Wanted::Candidate(sample),
-                _ => Wanted::Best,
+                Subject::Candidate(sample) if same_grid => Subject::Candidate(sample),
+                _ => Subject::Best,
             };
             self.question = Some(ProbeQuestion::At { place, wanted });
         }
@@ -105,7 +110,7 @@ impl ProbeModel {
     pub fn take_answer(&mut self, mut answer: Probed) {
         let is_asked = self.question == Some(answer.request.question);
         if answer.request.question == ProbeQuestion::Strongest {
-            let wanted = answer.probe.subject_fate().map_or(Wanted::Best, |f| Wanted::Candidate(f.of_sample()));
+            let wanted = answer.probe.subject_fate().map_or(Subject::Best, |f| Subject::Candidate(f.of_sample()));
             answer.request.question = ProbeQuestion::At { place: answer.probe.pos_image, wanted };
             if is_asked {
                 self.question = Some(answer.request.question);
@@ -115,7 +120,7 @@ impl ProbeModel {
     }
 
     /// Looks more closely at something else at the same place.
-    pub fn look_at(&mut self, wanted: Wanted) {
+    pub fn look_at(&mut self, wanted: Subject) {
         if let Some(place) = self.place() {
             self.question = Some(ProbeQuestion::At { place, wanted });
         }
@@ -123,6 +128,69 @@ impl ProbeModel {
 }
 
 impl Model {
+    /// Takes the trail and the answer, or why there is none.
+    pub(in crate::app) fn take_probed(&mut self) {
+        let open = self.slots.a.burst.as_ref().map(|burst| burst.id);
+        for ended in self.probe.wanted_trail.take() {
+            match ended.result {
+                Ok(traced) if Some(traced.burst) == open => self.probe.take_trail(traced),
+                Ok(_) => {}
+                Err(JobError::Cancelled) => {
+                    self.probe.problem = Some("It was cancelled; probe again to begin anew".to_owned());
+                }
+                Err(error) => self.probe.problem = Some(error.to_string()),
+            }
+        }
+        for ended in self.probe.wanted_answer.take() {
+            match ended.result {
+                Ok(probed) if Some(probed.request.traced.burst) == open => self.probe.take_answer(probed),
+                Ok(_) => {}
+                Err(JobError::Cancelled) => self.probe.wanted_answer.forget(),
+                Err(error) => self.probe.problem = Some(error.to_string()),
+            }
+        }
+    }
+
+    /// Requests the trail and the answer that are missing. A running detection comes first: it leaves its trail.
+    pub(in crate::app) fn ask_for_probed(&mut self, engine: &Engine, dragging: bool) {
+        let probe = &mut self.probe;
+        if let Some(place) = probe.pointer.filter(|_| probe.follows) {
+            probe.question = Some(ProbeQuestion::At { place, wanted: Subject::Best });
+        }
+        if !probe.is_on() {
+            return;
+        }
+        if !dragging && !self.slots.a.detecting.is_pending() && self.probe.problem.is_none() {
+            match self.untraced() {
+                Some(source) => self.probe.wanted_trail.want(engine, Some(source)),
+                None if self.slots.a.found.is_none() && self.wants_detection(Side::A) => {
+                    self.start_detection(Side::A, engine);
+                }
+                None => {}
+            }
+        }
+        let missing = self.probe.wanted().filter(|_| !self.probe.is_current());
+        if missing.is_some() {
+            self.probe.wanted_answer.want(engine, missing);
+        }
+    }
+
+    /// Lets the probe follow the pointer, or not any more.
+    pub(in crate::app) fn follow_with_probe(&mut self) {
+        let probe = &mut self.probe;
+        probe.follows ^= true;
+        if probe.follows {
+            (probe.is_open, probe.problem, self.panels.right) = (true, None, true);
+        }
+    }
+
+    /// Whether the question is answered, or cannot be.
+    pub(in crate::app) fn probe_is_settled(&self) -> bool {
+        let (probe, a) = (&self.probe, &self.slots.a);
+        let can = a.burst.is_some() && (a.found.is_some() || self.wants_detection(Side::A));
+        !probe.is_on() || !can || probe.question.is_none() || probe.problem.is_some() || probe.is_current()
+    }
+
     /// Asks, and shows the panel with the answer.
     pub fn ask_probe(&mut self, question: ProbeQuestion) {
         let inside = match question {
@@ -143,16 +211,16 @@ impl Model {
 
     /// The detection on show, where what answers the probe is not what it left behind.
     pub fn untraced(&self) -> Option<DetectionSource> {
-        let (burst, found) = (self.burst.as_ref()?, self.found.as_ref()?);
+        let (burst, found) = (self.slots.a.burst.as_ref()?, self.slots.a.found.as_ref()?);
         let is_of = |traced: &Traced| {
             traced.burst == burst.id && traced.cache.asked == found.asked && traced.cache.made_with() == found.params
         };
-        if self.probe.traced.as_ref().is_some_and(is_of) { None } else { self.found_source() }
+        if self.probe.traced.as_ref().is_some_and(is_of) { None } else { self.found_source(Side::A) }
     }
 
     /// Asks about a place, pixels at mid-burst.
     pub fn probe_place(&mut self, place: [f32; 2]) {
-        self.ask_probe(ProbeQuestion::At { place, wanted: Wanted::Best });
+        self.ask_probe(ProbeQuestion::At { place, wanted: Subject::Best });
     }
 
     /// Asks about a feature.
@@ -160,7 +228,7 @@ impl Model {
         if let Some(feature) = self.features().get(index) {
             let place = [feature.u, feature.v];
             self.selected = Some(index);
-            self.ask_probe(ProbeQuestion::At { place, wanted: Wanted::Feature(index) });
+            self.ask_probe(ProbeQuestion::At { place, wanted: Subject::Feature(index) });
         }
     }
 
@@ -209,7 +277,7 @@ impl Model {
         {
             self.slopes = SlopeChoice::AUTO;
         }
-        if let Some(OpenBurst { source: BurstSource::Example(example), .. }) = self.burst {
+        if let Some(OpenBurst { source: BurstSource::Example(example), .. }) = self.slots.a.burst {
             if self.slopes.is_auto() {
                 (self.params.slopes, self.slopes) = (grid(example), SlopeChoice::Given);
             }
@@ -222,9 +290,9 @@ impl Model {
                 let wanted = match example.scale() {
                     Some((octave, level)) if has_its_slopes && self.params.first_octave <= octave => {
                         let slope_index = nearest_slope(&self.params.slopes, Slope::new(example.slope_u(), 0.0));
-                        Wanted::Scale { octave, level, slope_index }
+                        Subject::Scale { octave, level, slope_index }
                     }
-                    _ => Wanted::Best,
+                    _ => Subject::Best,
                 };
                 self.ask_probe(ProbeQuestion::At { place: example.place(), wanted });
             }

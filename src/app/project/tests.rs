@@ -72,7 +72,7 @@ fn changed_parameters_make_features_stale_and_undoing_makes_them_good() {
     model.check_params();
     assert_eq!(model.stale(), Some(Stale::InvalidParameters));
     assert!(!model.needs_detection());
-    assert_eq!(model.usable_params.octaves, before.octaves, "pictures go on with what made sense");
+    assert_eq!(model.slots.a.usable_params.octaves, before.octaves, "pictures go on with what made sense");
     model.params = before;
     model.check_params();
     assert_eq!(model.stale(), None);
@@ -97,7 +97,7 @@ fn the_busiest_slope_is_shown_until_a_hand_chooses() {
     assert_eq!(model.cursor().slope, Slope::new(1.0, 0.0));
     let pane = model.focused_mut();
     (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
-    let (burst, params) = (model.burst.clone().expect("open"), model.params.clone());
+    let (burst, params) = (model.slots.a.burst.clone().expect("open"), model.params.clone());
     let grid = params.slopes;
     model.take_detection(detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]), Duration::ZERO);
     assert_eq!(model.cursor().slope, Slope::new(0.25, 0.0));
@@ -107,7 +107,7 @@ fn the_busiest_slope_is_shown_until_a_hand_chooses() {
 fn a_feature_that_is_found_again_stays_selected() {
     let mut model = with_features();
     model.selected = Some(1);
-    let (burst, params) = (model.burst.clone().expect("open"), model.params.clone());
+    let (burst, params) = (model.slots.a.burst.clone().expect("open"), model.params.clone());
     let grid = params.slopes;
     let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
     model.take_detection(detected(&burst, &params, again), Duration::ZERO);
@@ -135,8 +135,8 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     let mut model = with_features();
     model.selected = Some(0);
     model.take_burst(open((40, 40), 1));
-    assert!(model.found.is_none() && model.selected.is_none() && model.picture().is_none());
-    assert_eq!(model.param_error.as_ref().map(|e| e.parameter), Some("frames"));
+    assert!(model.slots.a.found.is_none() && model.selected.is_none() && model.picture().is_none());
+    assert_eq!(model.slots.a.param_error.as_ref().map(|e| e.parameter), Some("frames"));
     let wanted = model.wanted(model.focus()).expect("open");
     assert!(wanted.compute(&Monitor::default()).is_ok());
 }
@@ -227,7 +227,7 @@ fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range(
     model.check_params();
     model.panes.follow_cursor(focus, before);
     model.check_params();
-    let limit = cursor::slope_limit(&model.usable_params.slopes);
+    let limit = cursor::slope_limit(&model.slots.a.usable_params.slopes);
     assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);
     let last = model.panes.shown()[2];
     let PictureKind::Stack { slope } = model.wanted(last).expect("open").kind else { panic!("a stack") };

@@ -2,7 +2,11 @@
 
 use crate::app::view::View;
 use crate::evaluate::poses::{PlaneAxes, PoseReport, PoseStudy, Projection, Trajectory};
-use crate::requests::{ComparedPoses, PosesRequest, Running, TrajectorySource};
+use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
+use crate::app::session::SavedTrajectories;
+use crate::engine::{Engine, Wanted};
+use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -62,20 +66,17 @@ pub struct Trajectories {
     pub selected: Option<usize>,
     /// The label of the camera whose burst was asked for by a second click, until that is seen to.
     pub wanted: Option<String>,
-    /// What is being read, as of this pass.
-    pub running: Option<Running>,
-    /// What was asked for and has not come.
-    asked: Option<PosesRequest>,
+    /// The request to read and compare.
+    pub reading: Wanted<PosesRequest>,
     scene: Option<(Projection, Arc<PlaneScene>)>,
 }
 
 impl Trajectories {
     /// What to ask for when `path` is to be read as `which`; the other one stays, also one that is being read.
-    pub fn request_with(&mut self, which: Which, path: PathBuf) -> PosesRequest {
+    pub fn request_with(&self, which: Which, path: PathBuf) -> PosesRequest {
         let mut request = self.request();
         let slot = if which == Which::Estimate { &mut request.estimate } else { &mut request.truth };
         *slot = Some(TrajectorySource::Path(path));
-        self.asked = Some(request.clone());
         request
     }
 
@@ -84,7 +85,7 @@ impl Trajectories {
         let source = |read: &Option<(PathBuf, Arc<Trajectory>)>| {
             read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory))
         };
-        match &self.asked {
+        match self.reading.pending() {
             Some(asked) => PosesRequest { study: self.study, ..asked.clone() },
             None => PosesRequest {
                 estimate: source(&self.compared.estimate),
@@ -92,11 +93,6 @@ impl Trajectories {
                 study: self.study,
             },
         }
-    }
-
-    /// What was asked for will not come.
-    pub fn fail(&mut self) {
-        self.asked = None;
     }
 
     /// Takes what was read and compared.
@@ -109,12 +105,13 @@ impl Trajectories {
         if !(same(&self.compared.estimate, &compared.estimate) && same(&self.compared.truth, &compared.truth)) {
             self.view = View::fit();
         }
-        (self.compared, self.asked) = (compared, None);
+        self.compared = compared;
         (self.scene, self.hovered, self.selected) = (None, None, None);
     }
 
     /// Forgets both.
     pub fn clear(&mut self) {
+        self.reading.forget();
         self.take(ComparedPoses::default());
     }
 
@@ -142,6 +139,46 @@ impl Trajectories {
                 self.scene = Some((self.projection, scene.clone()));
                 scene
             }
+        }
+    }
+}
+
+impl Model {
+    /// Reads a trajectory, and compares it with the other one.
+    pub(in crate::app) fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
+        let request = self.trajectories.request_with(which, path);
+        self.trajectories.reading.ask(engine, request);
+        self.workspace = Workspace::Trajectories;
+    }
+
+    /// Compares both again, after the study was changed.
+    pub(in crate::app) fn compare_trajectories_again(&mut self, engine: &Engine) {
+        let request = self.trajectories.request();
+        self.trajectories.reading.ask(engine, request);
+    }
+
+    /// Takes the trajectories that were read.
+    pub(in crate::app) fn take_trajectories(&mut self) {
+        const TITLE: &str = "Trajectories";
+        for ended in self.trajectories.reading.take() {
+            match ended.result {
+                Ok(compared) => {
+                    self.messages.resolved(TITLE);
+                    self.trajectories.take(compared);
+                }
+                Err(error) => self.messages.error(TITLE, error.to_string()),
+            }
+        }
+    }
+
+    /// Restores those of a session.
+    pub(in crate::app) fn restore_trajectories(&mut self, saved: Option<SavedTrajectories>, engine: &Engine) {
+        self.trajectories.clear();
+        if let Some(SavedTrajectories { estimate, truth, projection }) = saved {
+            self.trajectories.projection = projection;
+            let study = self.trajectories.study;
+            let (estimate, truth) = (estimate.map(TrajectorySource::Path), truth.map(TrajectorySource::Path));
+            self.trajectories.reading.ask(engine, PosesRequest { estimate, truth, study });
         }
     }
 }

@@ -116,7 +116,7 @@ pub struct Session {
 impl Session {
     /// The session of what is on show; `None` without a burst.
     pub fn of(model: &Model) -> Option<Self> {
-        let (burst, pane) = (model.burst.as_ref()?, model.panes.of(Side::A));
+        let (burst, pane) = (model.slots.a.burst.as_ref()?, model.panes.of(Side::A));
         let [panes, pair_panes, methods_panes] = SavedWorkspaces::of(&model.panes).placed;
         Some(Self {
             version: VERSION,
@@ -124,7 +124,7 @@ impl Session {
             calibration: absolute_calibration(&model.calibration),
             colour_by: model.colour_by,
             bottom_tab: model.bottom_tab,
-            detected: model.found.is_some(),
+            detected: model.slots.a.found.is_some(),
             params: model.asked(),
             scrub: pane.cursor,
             view: pane.view,

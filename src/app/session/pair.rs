@@ -49,7 +49,7 @@ impl PairSession {
     pub(super) fn of(model: &Model) -> Self {
         let (pair, pane) = (&model.pair, model.panes.of(Side::B));
         Self {
-            burst: pair.b.burst.as_ref().map(|open| absolute(&open.source)),
+            burst: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
             gold: gold_source(model, Side::B),
             active: model.panes.get(model.panes.placed_in(Workspace::Pair).1).map_or(Side::A, |pane| pane.side),
             links: model.pair_links(),

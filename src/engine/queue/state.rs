@@ -1,24 +1,22 @@
 //! What waits and what runs, and which of it goes next.
 
-use super::{JobKey, Priority, QueuedJob, Standing};
+use super::{JobKey, Manner, QueuedJob, Standing};
 use crate::monitor::{Monitor, Progress};
-use crate::requests::{JobError, JobId};
+use crate::requests::{JobError, JobId, Urgency};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 pub(super) struct WaitingJob {
     pub(super) key: JobKey,
     pub(super) id: JobId,
-    pub(super) priority: Priority,
-    pub(super) grace: Duration,
+    pub(super) manner: Manner,
     pub(super) job: Box<dyn QueuedJob>,
 }
 
 pub(super) struct RunningJob {
     pub(super) key: JobKey,
     pub(super) id: JobId,
-    pub(super) priority: Priority,
-    pub(super) grace: Duration,
+    pub(super) manner: Manner,
     pub(super) monitor: Monitor,
     pub(super) started: Instant,
     pub(super) standing: Standing,
@@ -28,7 +26,7 @@ pub(super) struct RunningJob {
 impl RunningJob {
     /// Cancels it if it is not the latest and has had its grace.
     pub(super) fn enforce_grace(&self) {
-        if self.standing != Standing::Latest && self.started.elapsed() >= self.grace {
+        if self.standing != Standing::Latest && self.started.elapsed() >= self.manner.grace {
             self.monitor.cancel();
         }
     }
@@ -62,16 +60,16 @@ impl State {
     }
 
     /// Takes out what a thread that takes nothing less urgent than `limit` does next: the most urgent, of those the one
-    /// that has waited longest, of a kind of which nothing runs. One piece of work of a kind at a time has all cores,
+    /// that has waited longest, of a lane of which nothing runs. One piece of work of a lane at a time has all cores,
     /// and its answers come in the order in which their keys asked.
-    pub(super) fn take(&mut self, limit: Priority) -> Option<WaitingJob> {
+    pub(super) fn take(&mut self, limit: Urgency) -> Option<WaitingJob> {
         let is_free = |job: &WaitingJob| {
-            job.priority <= limit
-                && (!self.stop || job.priority == Priority::Write)
-                && !self.running.iter().any(|running| running.key.kind == job.key.kind)
+            job.manner.urgency <= limit
+                && (!self.stop || job.manner.urgency == Urgency::Write)
+                && !self.running.iter().any(|running| running.manner.lane == job.manner.lane || running.key == job.key)
         };
         let free = self.waiting.iter().enumerate().filter(|(_, job)| is_free(job));
-        let index = free.min_by_key(|(index, job)| (job.priority, *index))?.0;
+        let index = free.min_by_key(|(index, job)| (job.manner.urgency, *index))?.0;
         Some(self.waiting.remove(index))
     }
 

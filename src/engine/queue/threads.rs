@@ -1,10 +1,11 @@
 //! What a thread of the queue does: it takes the most urgent work that is free, does it, and publishes its answer.
 
 use super::state::{RunningJob, WaitingJob};
-use super::{Priority, Shared, Standing};
+use super::{Shared, Standing};
 use crate::engine::OnUpdate;
 use crate::engine::fault;
 use crate::monitor::{Monitor, Progress};
+use crate::requests::Urgency;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -13,11 +14,11 @@ use std::time::{Duration, Instant};
 const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 
 /// One thread of the queue.
-pub(super) fn work(shared: &Shared, thread: &str, limit: Priority) {
+pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
     // Made when there is work for it: many a thread never gets any.
     let threads = std::cell::LazyCell::new(|| pool(thread));
     loop {
-        let (WaitingJob { key, id, job, .. }, monitor) = {
+        let (WaitingJob { key, id, manner, job }, monitor) = {
             let mut state = shared.lock();
             loop {
                 if let Some(next) = state.take(limit) {
@@ -26,8 +27,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Priority) {
                     state.running.push(RunningJob {
                         key: next.key,
                         id: next.id,
-                        priority: next.priority,
-                        grace: next.grace,
+                        manner: next.manner,
                         monitor: monitor.clone(),
                         started: Instant::now(),
                         standing: Standing::Latest,
@@ -49,7 +49,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Priority) {
         let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
         publish(standing);
         state.running.retain(|job| job.id != id);
-        let waits = state.waiting.iter().any(|job| job.key.kind == key.kind);
+        let waits = state.waiting.iter().any(|job| job.manner.lane == manner.lane || job.key == key);
         drop(state);
         if waits {
             // It waited for this one to end; another thread may take it.
@@ -72,7 +72,7 @@ fn listening_monitor(progress: Arc<Mutex<Option<Progress>>>, on_update: OnUpdate
 }
 
 /// A name that no other thread of the program has, so that the place of a panic is found.
-pub(super) fn unique_key(limit: Priority) -> String {
+pub(super) fn unique_key(limit: Urgency) -> String {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     format!("{}-{limit:?}", COUNTER.fetch_add(1, Ordering::Relaxed))
 }

@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 use std::path::PathBuf;
 
 /// What is made, and where.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ColmapRequest {
     /// The folder that is written.
     pub out: PathBuf,

@@ -6,7 +6,10 @@
 
 #[cfg(feature = "colmap")]
 mod colmap;
+mod thumbnails;
 mod work;
+
+pub use thumbnails::ThumbnailsRequest;
 
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapDone, ColmapRequest};
@@ -40,7 +43,7 @@ impl Keeping {
 }
 
 /// What is to be done with a dataset.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum DatasetRequest {
     /// Find out which bursts there are, and which of them are finished. Without a folder the dataset's own is taken.
     Open {

@@ -7,16 +7,24 @@ use crate::detector::SearchParams;
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Stage};
 use crate::requests::error::JobError;
+use crate::requests::request::{Request, Urgency, Work};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-impl DatasetRequest {
-    /// Does it. `tell` hears of each burst and each pair as it is finished.
-    ///
-    /// # Errors
-    /// [`JobError::Failed`] for a folder that cannot be read or written, or parameters that make no sense;
-    /// [`JobError::Cancelled`]: what is finished stays finished.
-    pub fn compute(self, tell: &(dyn Fn(DatasetEvent) + Sync), monitor: &Monitor) -> Result<DatasetAnswer, JobError> {
+impl Request for DatasetRequest {
+    type Answer = DatasetAnswer;
+    type Told = DatasetEvent;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Dataset
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn compute(self, work: &Work<'_, DatasetEvent>) -> Result<DatasetAnswer, JobError> {
+        let (tell, monitor) = (work.tell, work.monitor);
         match self {
             Self::Open { source, folder, params, open } => {
                 look(source, folder, params, open, monitor).map(|open| DatasetAnswer::Opened(Box::new(open)))

@@ -31,7 +31,7 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         }
         Some(With::Truth) | None => {}
     }
-    if let Some(running) = &model.against.busy {
+    if let Some(running) = &model.against.wanted.running() {
         let fraction = running.progress.map_or(0.0, |p| p.fraction);
         ui.add(ProgressBar::new(fraction).desired_width(220.0).text(progress_text(running)));
     }
@@ -87,7 +87,7 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
 
 fn what_to_do(model: &Model) -> &'static str {
     match model.against.with {
-        Some(_) if model.found.is_none() => "Press Detect to find features to compare",
+        Some(_) if model.slots.a.found.is_none() => "Press Detect to find features to compare",
         Some(_) => "Comparing…",
         None => "Pin a result, change a parameter and detect again; or open somebody else's features",
     }

@@ -52,11 +52,11 @@ fn question_ui(ui: &mut Ui, lab: &mut Lab) {
 }
 
 fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if let Some(running) = model.lab.running {
+    if let Some(running) = model.lab.wanted.running() {
         let fraction = running.progress.map_or(0.0, |p| p.fraction);
         ui.add(
             ProgressBar::new(fraction)
-                .text(crate::app::panel::widgets::stage_text(running.progress, running.time_left)),
+                .text(crate::app::panel::widgets::stage_text(running.progress, running.time_left())),
         );
         button_ui(ui, model, queue, ActionId::CancelStudy, None);
         return;

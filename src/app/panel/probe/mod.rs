@@ -92,7 +92,7 @@ fn tools_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn busy_ui(ui: &mut Ui, model: &Model) {
     let waits = model.probe.question.is_some() && model.probe.answer.is_none() && model.probe.problem.is_none();
-    match (model.probe.tracing, model.busy.detecting) {
+    match (model.probe.wanted_trail.running(), model.slots.a.detecting.running()) {
         (Some(running), _) | (None, Some(running)) if model.probe.is_on() => {
             let fraction = running.progress.map_or(0.0, |p| p.fraction);
             ui.add(ProgressBar::new(fraction).text(format!("Searching  {:.0} %", 100.0 * fraction)));
@@ -106,7 +106,7 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
 
 /// Says that the answer belongs to other parameters.
 fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if model.probe_is_stale() && model.busy.detecting.is_none() {
+    if model.probe_is_stale() && !model.slots.a.detecting.is_pending() {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Stale: found with other parameters").color(style::warning(ui)));
             if ui.small_button("Detect again").on_hover_text("Search with the parameters as they are now").clicked() {

@@ -20,7 +20,7 @@ const CHART_WIDTH: f32 = 400.0;
 /// A line of numbers about the slopes.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(spectrum) = model.spectrum() else {
-        ui.weak(if model.found.is_some() { "Not looked at yet" } else { "No detection yet" });
+        ui.weak(if model.slots.a.found.is_some() { "Not looked at yet" } else { "No detection yet" });
         return;
     };
     let text = format!(
@@ -55,14 +55,14 @@ pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
 fn waiting_ui(ui: &mut Ui, model: &mut Model) {
     ui.vertical_centered(|ui| {
         ui.add_space(16.0);
-        if model.found.is_none() {
+        if model.slots.a.found.is_none() {
             ui.weak("Press Detect to see which slopes the burst needs");
         } else if model.stale().is_some() {
             ui.weak("The parameters changed: press Detect to see which slopes the burst needs");
-        } else if model.found.as_ref().is_some_and(|found| found.params.method != Method::Buff) {
+        } else if model.slots.a.found.as_ref().is_some_and(|found| found.params.method != Method::Buff) {
             ui.weak("One image has no slopes: choose the method BuFF");
         } else if model.slopes_take_long() && !model.explained.slopes_wanted {
-            let secs = model.found.as_ref().map_or(0.0, |found| found.elapsed.as_secs_f32());
+            let secs = model.slots.a.found.as_ref().map_or(0.0, |found| found.elapsed.as_secs_f32());
             let tip = format!("It takes about as long as the detection did, {secs:.0} s, in the background");
             if ui.button("Look at the slopes").on_hover_text(tip).clicked() {
                 model.explained.slopes_wanted = true;

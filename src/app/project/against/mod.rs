@@ -10,7 +10,8 @@ pub use saved::SavedAgainst;
 use crate::app::project::Model;
 use crate::detector::{Detection, SearchParams};
 use crate::inspect::foreign::ForeignFeature;
-use crate::requests::{Against as Answered, AgainstRequest, BurstId, ComparedWith, Reference, Running};
+use crate::engine::{Engine, Wanted};
+use crate::requests::{Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, Reference, Request};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -120,8 +121,8 @@ pub struct Against {
     pub selected: Option<usize>,
     /// The row under the pointer.
     pub hovered: Option<usize>,
-    /// What the engine is doing.
-    pub busy: Option<Running>,
+    /// The request for the comparison.
+    pub wanted: Wanted<AgainstRequest>,
     /// Why there is no comparison.
     pub problem: Option<String>,
 }
@@ -140,6 +141,7 @@ impl Against {
     pub fn show(&mut self, with: Option<With>) {
         if self.with != with {
             (self.with, self.shown, self.problem) = (with, None, None);
+            self.wanted.forget();
             (self.selected, self.hovered) = (None, None);
             // What is as it was is the ground, not the news.
             self.hidden = if with == Some(With::Pinned) { vec![Kind::Same] } else { Vec::new() };
@@ -155,7 +157,7 @@ impl Against {
 impl Model {
     /// Pins the features on show: what comes later is compared with them.
     pub fn pin_result(&mut self) {
-        if let (Some(burst), Some(found)) = (&self.burst, &self.found) {
+        if let (Some(burst), Some(found)) = (&self.slots.a.burst, &self.slots.a.found) {
             let (asked, detection) = (found.asked.clone(), Some(found.detection.clone()));
             self.against.pinned = Some(Pinned { burst: burst.id, asked, detection });
             // A new pin, a new comparison.
@@ -174,7 +176,7 @@ impl Model {
 
     /// Lays the features of the file at `path` over the burst.
     pub fn lay_over(&mut self, path: PathBuf) {
-        if let Some(burst) = &self.burst {
+        if let Some(burst) = &self.slots.a.burst {
             self.against.file = Some(ForeignFile { burst: burst.id, path, features: None });
             self.against.show(None);
             self.against.show(Some(With::File));
@@ -191,20 +193,42 @@ impl Model {
 
     /// Forgets what belongs to a burst that is not open any more.
     pub fn check_against(&mut self) {
-        let open = self.burst.as_ref().map(|burst| burst.id);
+        let open = self.slots.a.burst.as_ref().map(|burst| burst.id);
         self.against.pinned.take_if(|pinned| Some(pinned.burst) != open);
         self.against.file.take_if(|file| Some(file.burst) != open);
         if self.against.truth.map(|(burst, _)| burst) != open {
-            self.against.truth = self.burst.as_ref().map(|b| (b.id, b.has_truth()));
+            self.against.truth = self.slots.a.burst.as_ref().map(|b| (b.id, b.has_truth()));
         }
         if self.against.with.is_some_and(|with| !self.against.has(with)) {
             self.against.show(None);
         }
     }
 
+    /// Takes the comparison, or why there is none.
+    pub(in crate::app) fn take_comparisons(&mut self) {
+        for ended in self.against.wanted.take() {
+            match ended.result {
+                Ok(compared) => self.take_comparison(compared),
+                Err(JobError::Cancelled) => self.against.problem = Some("Cancelled".to_owned()),
+                Err(error) => self.against.problem = Some(error.to_string()),
+            }
+        }
+    }
+
+    /// Requests the comparison if it is missing.
+    pub(in crate::app) fn ask_for_comparison(&mut self, engine: &Engine) {
+        self.check_against();
+        let is_there = self.shown_comparison().is_some_and(|shown| Some(shown.with) == self.against.with);
+        let missing = self.wanted_comparison().filter(|_| !is_there);
+        if missing.as_ref().is_some_and(|missing| !self.against.wanted.has_failed(missing)) {
+            self.against.problem = None;
+        }
+        self.against.wanted.want(engine, missing);
+    }
+
     /// The comparison that is wanted now.
     pub fn wanted_comparison(&self) -> Option<AgainstRequest> {
-        let (found, burst) = (self.found.as_ref()?, self.burst.as_ref()?);
+        let (found, burst) = (self.slots.a.found.as_ref()?, self.slots.a.burst.as_ref()?);
         let with = match self.against.with? {
             With::Pinned => {
                 let Pinned { asked, detection, .. } = self.against.pinned.clone()?;
@@ -223,7 +247,7 @@ impl Model {
     pub fn take_comparison(&mut self, compared: ComparedWith) {
         let ComparedWith { request, against } = compared;
         let Some(with) = self.against.with else { return };
-        if !self.wanted_comparison().is_some_and(|wanted| wanted.same_comparison(&request)) {
+        if !self.wanted_comparison().is_some_and(|wanted| wanted.is_same(&request)) {
             return;
         }
         if let (Some(pinned), Some(found)) = (&mut self.against.pinned, against.found_again()) {
@@ -247,7 +271,7 @@ impl Model {
 
     /// The comparison that is drawn over the pictures of A: that of the features on show.
     pub fn shown_comparison(&self) -> Option<&Arc<Shown>> {
-        let found = self.found.as_ref()?;
+        let found = self.slots.a.found.as_ref()?;
         self.against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
     }
 }

@@ -36,7 +36,7 @@ impl Model {
     /// it is wanted.
     pub fn restore_against(&mut self, saved: Option<SavedAgainst>) {
         let SavedAgainst { with, file, pinned } = saved.unwrap_or_default();
-        let burst = self.burst.as_ref().map(|burst| burst.id);
+        let burst = self.slots.a.burst.as_ref().map(|burst| burst.id);
         self.against.pinned = burst.zip(pinned).map(|(burst, asked)| Pinned { burst, asked, detection: None });
         self.against.file = burst.zip(file).map(|(burst, path)| ForeignFile { burst, path, features: None });
         self.against.show(None);

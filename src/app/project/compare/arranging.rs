@@ -11,7 +11,7 @@ impl Model {
     /// else a person made of the arrangement stays.
     pub fn refresh_workspace(&mut self) {
         self.panes.turn_to(self.workspace);
-        if self.workspace != Workspace::Methods || self.burst.is_none() {
+        if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
             return;
         }
         let now = self.contenders();

@@ -11,9 +11,15 @@ pub use crate::app::project::method::Contender;
 pub use look::CompareLook;
 
 use crate::app::project::Model;
-use crate::app::project::pair::{Matches, Side};
+use crate::app::project::pair::Matches;
+use crate::app::project::side::{Side, Sides};
+use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, DetectorParams};
-use crate::requests::{BurstId, CompareRequest, DetectRequest, Detected, MatchRequest, OpenBurst, Running};
+use crate::engine::{Engine, Wanted};
+use crate::requests::{
+    BurstId, BurstSource, CompareRequest, Compared, DetectRequest, Detected, JobError, MatchRequest, OpenBurst,
+    OpenRequest, Request, Running,
+};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -28,15 +34,6 @@ pub struct MethodFound {
     pub detection: Arc<Detection>,
     /// How long it took, by the wall clock.
     pub elapsed: Duration,
-}
-
-/// What is done for a method now.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Busy {
-    /// For which method.
-    pub method: Contender,
-    /// How far it is.
-    pub running: Running,
 }
 
 /// A piece of work for one method.
@@ -57,8 +54,12 @@ pub struct Compare {
     pub look: CompareLook,
     /// Sharp images of A's and of B's view, each as a burst of one frame.
     pub gold: [Option<OpenBurst>; 2],
-    /// What runs now.
-    pub busy: Option<Busy>,
+    /// The request for the missing piece of work, one at a time, so that times can be compared.
+    pub wanted: Wanted<CompareRequest>,
+    /// The piece of work that is requested.
+    asked: Option<CompareJob>,
+    /// Requests for the gold standards' images.
+    pub opening_gold: Sides<Wanted<OpenRequest>>,
     /// The methods for which there are panes.
     arranged: Vec<Contender>,
     found: [[Option<MethodFound>; 2]; 5],
@@ -71,6 +72,11 @@ impl Compare {
     /// [`Model::method_found`] answers only what is current.
     fn found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
         self.found[method.index()][side as usize].as_ref()
+    }
+
+    /// The method for which work runs, and its progress.
+    pub fn running(&self) -> Option<(Contender, Running)> {
+        Some((self.asked.as_ref()?.method, self.wanted.running()?))
     }
 
     /// Why the last work for `method` failed, if it did.
@@ -114,6 +120,68 @@ impl MethodFound {
 }
 
 impl Model {
+    /// Opens an image as the gold standard of `side`.
+    pub(in crate::app) fn open_gold(&mut self, side: Side, source: BurstSource, engine: &Engine) {
+        let options = self.calibration.clone();
+        self.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
+    }
+
+    /// Takes the gold standards that were opened, and what a method found.
+    pub(in crate::app) fn take_compared(&mut self) {
+        for side in Side::BOTH {
+            for ended in self.compare.opening_gold[side].take() {
+                match ended.result {
+                    Ok(open) => {
+                        self.messages.resolved("Open gold standard");
+                        let said = open.describe();
+                        self.messages.note(format!("Opened as gold standard of {}: {said}", side.name()));
+                        self.compare.gold[side as usize] = Some(open);
+                    }
+                    Err(JobError::Cancelled) => {}
+                    Err(error) => self.messages.error("Open gold standard", error.to_string()),
+                }
+            }
+        }
+        for ended in self.compare.wanted.take() {
+            let Some(job) = self.compare.asked.take() else { continue };
+            match ended.result {
+                Ok(Compared::Detected(detected)) => {
+                    self.compare.take_found(job.method, job.side, MethodFound::new(detected, ended.elapsed));
+                }
+                Ok(Compared::Matched(matched)) => {
+                    self.compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
+                }
+                Err(error) => {
+                    if error != JobError::Cancelled {
+                        self.messages.error(job.method.label(), error.to_string());
+                    }
+                    self.compare.take_failure(job, error.to_string());
+                }
+            }
+        }
+    }
+
+    /// Requests the next piece of work that is missing, if none runs.
+    pub(in crate::app) fn ask_for_compared(&mut self, engine: &Engine, dragging: bool) {
+        if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
+            return;
+        }
+        self.share_what_is_found();
+        let is_busy = self.compare.wanted.is_pending() || self.compare.opening_gold.both().iter().any(|w| w.is_pending());
+        if dragging || !self.auto_detect || is_busy {
+            return;
+        }
+        if let Some(job) = self.next_compare_job() {
+            self.compare.wanted.ask(engine, job.request.clone());
+            self.compare.asked = Some(job);
+        }
+    }
+
+    /// Whether all pieces of work are there that the open workspace shows.
+    pub(in crate::app) fn comparison_of_methods_is_there(&self) -> bool {
+        self.workspace != Workspace::Methods || !self.auto_detect || self.next_compare_job().is_none()
+    }
+
     /// The burst that `method` looks at on `side`: the open one, or the gold standard's image.
     pub fn method_burst(&self, method: Contender, side: Side) -> Option<&OpenBurst> {
         match method {
@@ -138,7 +206,7 @@ impl Model {
     /// The matches of what `method` found in A with what it found in B, with the present parameters.
     pub fn method_matches(&self, method: Contender) -> Option<&Matches> {
         let wanted = self.wanted_method_matches(method)?;
-        self.compare.matches[method.index()].as_ref().filter(|matches| matches.request.same_matches(&wanted))
+        self.compare.matches[method.index()].as_ref().filter(|matches| matches.request.is_same(&wanted))
     }
 
     fn wanted_method_matches(&self, method: Contender) -> Option<MatchRequest> {
@@ -186,12 +254,8 @@ impl Model {
     }
 
     fn has_failed(&self, job: &CompareJob) -> bool {
-        let same = |other: &CompareJob| match (&job.request, &other.request) {
-            (CompareRequest::Detect(a), CompareRequest::Detect(b)) => a.burst.id == b.burst.id && a.params == b.params,
-            (CompareRequest::Match(a), CompareRequest::Match(b)) => a.same_matches(b),
-            _ => false,
-        };
-        self.compare.failed.iter().any(|(failed, _)| failed.method == job.method && same(failed))
+        let same = |other: &CompareJob| other.method == job.method && other.request.is_same(&job.request);
+        self.compare.failed.iter().any(|(failed, _)| same(failed))
     }
 
     /// Takes over what the other workspaces have found already with the very same parameters, so that it is not done

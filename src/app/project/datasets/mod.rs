@@ -9,7 +9,8 @@ pub use dataset::Dataset;
 pub use state::{BurstState, StateCounts};
 
 use crate::matching::PairSelection;
-use crate::requests::Running;
+use crate::engine::Wanted;
+use crate::requests::DatasetRequest;
 
 /// What is being done with the dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,8 +66,8 @@ pub struct Datasets {
     pub open: Option<Dataset>,
     /// What is being done, as it was asked for.
     pub work: Option<Work>,
-    /// How far that is, as of this pass.
-    pub running: Option<Running>,
+    /// The request for it.
+    pub wanted: Wanted<DatasetRequest>,
     /// Which pairs are matched.
     pub choice: PairChoice,
     /// A and B of the session that the dataset being opened belongs to, if it belongs to one.
@@ -88,7 +89,7 @@ impl Datasets {
     /// The share of the burst being worked on that is done, from the share of the whole.
     pub fn burst_fraction(&self) -> f32 {
         let bursts = self.open.as_ref().map_or(1, |d| d.bursts.len()) as f32;
-        let whole = self.running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
+        let whole = self.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
         // The last burst's end is 1, not 0.
         (bursts * whole).min(bursts - 1e-3).fract()
     }

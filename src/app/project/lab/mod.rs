@@ -6,9 +6,10 @@ pub use question::LabQuestion;
 
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{BurstMethod, ChartOfStudy, ChartStudy, ShownChart, Study, StudyPoint, StudyReport};
-use crate::monitor::Progress;
+use crate::engine::{Engine, Wanted};
+use crate::requests::{JobError, StudyRequest};
 use crate::synth::{ChartParams, NoisyParams};
-use std::time::Duration;
+use crate::app::project::Model;
 
 /// A study and what is known of its answer.
 #[derive(Debug, Clone)]
@@ -19,15 +20,6 @@ pub struct LabResult {
     pub report: StudyReport,
     /// Whether all charts are in it.
     pub is_whole: bool,
-}
-
-/// A study that runs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LabRunning {
-    /// How far it is.
-    pub progress: Option<Progress>,
-    /// How long it still takes, where that can be told.
-    pub time_left: Option<Duration>,
 }
 
 /// Curves that stay for comparison.
@@ -83,7 +75,9 @@ pub struct Lab {
     /// The chart that is looked at.
     pub shown: Option<ShownChart>,
     /// The study that runs.
-    pub running: Option<LabRunning>,
+    pub wanted: Wanted<StudyRequest>,
+    /// The request for the chart that is looked at.
+    pub wanted_chart: Wanted<ChartOfStudy>,
     /// Why there is no result, or no chart.
     pub problem: Option<String>,
     /// How dark a copy of the open burst is to be.
@@ -108,7 +102,8 @@ impl Default for Lab {
             selected_chart: 0,
             all_detected: false,
             shown: None,
-            running: None,
+            wanted: Wanted::default(),
+            wanted_chart: Wanted::default(),
             problem: None,
             dark_copy: NoisyParams::default(),
         }
@@ -151,7 +146,7 @@ impl Lab {
     }
 
     /// The chart that is to be looked at.
-    pub fn wanted_chart(&self) -> Option<ChartOfStudy> {
+    pub fn selected_chart(&self) -> Option<ChartOfStudy> {
         let (set, point) = self.selected?;
         let study = self.result(set)?.study.clone();
         let (first, count) = study.seeds()?;
@@ -161,11 +156,58 @@ impl Lab {
 
     /// The chart that is looked at, if it is the one that is wanted.
     pub fn current_chart(&self) -> Option<&ShownChart> {
-        let wanted = self.wanted_chart()?;
+        let wanted = self.selected_chart()?;
         self.shown.as_ref().filter(|shown| shown.of == wanted)
     }
 }
 
+impl Model {
+    /// Starts the study that is set.
+    pub(in crate::app) fn run_study(&mut self, engine: &Engine) {
+        match self.lab_study() {
+            Ok(study) => {
+                let open = self.slots.a.burst.clone();
+                let lab = &mut self.lab;
+                (lab.problem, lab.current, lab.selected, lab.shown) = (None, None, None, None);
+                lab.wanted.ask(engine, StudyRequest { study, open });
+            }
+            Err(problem) => self.lab.problem = Some(problem),
+        }
+    }
+
+    /// Takes the report of the study so far, its end, and the chart that is looked at.
+    pub(in crate::app) fn take_studies(&mut self) {
+        let lab = &mut self.lab;
+        if let (Some(report), Some(request)) = (lab.wanted.take_told().pop(), lab.wanted.pending()) {
+            lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
+        }
+        for ended in lab.wanted.take() {
+            match ended.result {
+                Ok(report) => {
+                    lab.current = Some(LabResult { study: ended.request.study, report, is_whole: true });
+                    self.messages.note("The study is finished");
+                }
+                Err(JobError::Cancelled) => self.messages.note("The study was cancelled"),
+                Err(error) => lab.problem = Some(error.to_string()),
+            }
+        }
+        for ended in lab.wanted_chart.take() {
+            match ended.result {
+                Ok(shown) => lab.shown = Some(shown),
+                Err(JobError::Cancelled) => {}
+                Err(error) => lab.problem = Some(error.to_string()),
+            }
+        }
+    }
+
+    /// Requests the chart that is looked at, if it is not there.
+    pub(in crate::app) fn ask_for_chart(&mut self, engine: &Engine) {
+        let missing = self.lab.selected_chart().filter(|_| self.lab.current_chart().is_none());
+        if missing.is_some() {
+            self.lab.wanted_chart.want(engine, missing);
+        }
+    }
+}
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -179,9 +179,9 @@ impl Model {
     /// # Errors
     /// What makes no sense, as a sentence.
     pub fn lab_study(&self) -> Result<Study, String> {
-        let bursts = self.burst.as_ref().map(|open| BurstsOfStudy {
+        let bursts = self.slots.a.burst.as_ref().map(|open| BurstsOfStudy {
             burst: open.burst.clone(),
-            second: self.pair.b.burst.as_ref().map(|second| second.burst.clone()),
+            second: self.slots.b.burst.as_ref().map(|second| second.burst.clone()),
             truth: None,
         });
         self.lab.study(&self.asked(), bursts.as_ref())

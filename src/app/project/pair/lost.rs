@@ -4,7 +4,11 @@
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::inspect::unmatched::{Losses, Lost, Unmatched};
-use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, Running};
+use crate::app::project::workspace::Workspace;
+use crate::engine::{Engine, Wanted};
+use crate::requests::{
+    FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest, Request,
+};
 use std::sync::Arc;
 
 /// Candidates of a feature that are listed.
@@ -28,7 +32,10 @@ pub struct LostFeatures {
     /// The pictures from which the patches are cut: A's feature, then its candidates.
     pub pictures: Vec<Picture>,
     /// What the engine is doing.
-    pub busy: Option<Running>,
+    /// The request for all of them.
+    pub wanted: Wanted<LossesRequest>,
+    /// The request for the pictures.
+    pub wanted_pictures: Wanted<PicturesRequest>,
 }
 
 /// Why a feature of A is matched as it is.
@@ -62,6 +69,36 @@ pub fn lost_label(lost: Lost) -> &'static str {
 }
 
 impl Model {
+    /// Takes where features were lost, and the pictures. A request that failed is repeated with the next matches.
+    pub(in crate::app) fn take_losses(&mut self) {
+        let lost = &mut self.pair.lost;
+        let found = lost.wanted.take().into_iter().filter_map(|ended| ended.result.ok()).next_back();
+        lost.found = found.map(Arc::new).or_else(|| lost.found.take());
+        let pictures = lost.wanted_pictures.take().into_iter().filter_map(|ended| ended.result.ok()).next_back();
+        lost.pictures = pictures.unwrap_or_else(|| std::mem::take(&mut lost.pictures));
+    }
+
+    /// Requests, while two bursts are shown, where features were lost, and the pictures of the feature that is asked
+    /// about.
+    pub(in crate::app) fn ask_for_losses(&mut self, engine: &Engine) {
+        if self.workspace != Workspace::Pair {
+            return;
+        }
+        let missing = self.wanted_losses().filter(|_| self.losses().is_none());
+        if missing.is_some() {
+            self.pair.lost.wanted.want(engine, missing);
+        }
+        self.refresh_why();
+        let pictures = self.wanted_candidate_pictures();
+        let is_there = |wanted: &[PictureRequest]| {
+            let shown = &self.pair.lost.pictures;
+            shown.len() == wanted.len() && shown.iter().zip(wanted).all(|(shown, wanted)| shown.request.is_same(wanted))
+        };
+        if !is_there(&pictures) {
+            self.pair.lost.wanted_pictures.want(engine, Some(PicturesRequest(pictures)));
+        }
+    }
+
     /// The pair that can be asked about now.
     pub fn wanted_losses(&self) -> Option<LossesRequest> {
         let matches = self.pair.matches.as_ref()?;
@@ -72,7 +109,7 @@ impl Model {
     /// What is known of the pair on show.
     pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
         let wanted = self.wanted_losses()?;
-        self.pair.lost.found.as_ref().filter(|found| found.request.same_pair(&wanted))
+        self.pair.lost.found.as_ref().filter(|found| found.request.is_same(&wanted))
     }
 
     /// The feature of A that is asked about: that of the match in focus, or the one that was selected.
@@ -95,13 +132,14 @@ impl Model {
     pub fn refresh_why(&mut self) {
         if self.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
-            self.pair.lost = LostFeatures { listed: self.pair.lost.listed, ..LostFeatures::default() };
+            let LostFeatures { listed, wanted, wanted_pictures, .. } = std::mem::take(&mut self.pair.lost);
+            self.pair.lost = LostFeatures { listed, wanted, wanted_pictures, ..LostFeatures::default() };
         }
         let asked = self.asked_feature();
         let why = match (asked, self.losses()) {
             (Some(feature), Some(found)) if feature < found.lost.len() => {
                 let old = self.pair.lost.why.as_ref();
-                if old.is_some_and(|why| why.feature == feature && why.of.same_pair(&found.request)) {
+                if old.is_some_and(|why| why.feature == feature && why.of.is_same(&found.request)) {
                     return;
                 }
                 let losses = Losses::again(found.request.pair(), found.nearest.clone());

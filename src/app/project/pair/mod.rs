@@ -16,43 +16,21 @@ pub use sides::Links;
 use crate::app::pane::{Content, Pane};
 use crate::app::project::cursor::Cursor;
 use crate::app::project::order::Order;
+use crate::app::project::slot::Slot;
+use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
 use crate::matching::MatchParams;
-use crate::requests::{Detected, MatchRequest, OpenBurst, PatchesRequest, PictureKind, PictureRequest, Running};
-use std::time::Duration;
+use crate::engine::{Engine, Wanted};
+use crate::requests::{
+    JobError, MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest, Request,
+};
 
 pub use crate::app::project::side::Side;
-
-/// The second burst with everything that belongs to it alone.
-#[derive(Debug, Default)]
-pub struct SecondBurst {
-    /// The open burst, if any.
-    pub burst: Option<OpenBurst>,
-    /// The last parameters that made sense for it.
-    pub usable_params: DetectorParams,
-    /// Why the parameters as they are edited make no sense for it.
-    pub param_error: Option<ParamError>,
-    /// Its features.
-    pub found: Option<FoundFeatures>,
-}
-
-/// What the engine is doing for the pair, as of this pass.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PairBusy {
-    /// B is being opened.
-    pub opening: Option<Running>,
-    /// B's features are being found.
-    pub detecting: Option<Running>,
-    /// Features are being matched.
-    pub matching: Option<Running>,
-}
 
 /// The second burst and the matches.
 #[derive(Debug, Default)]
 pub struct PairState {
-    /// The second burst.
-    pub b: SecondBurst,
     /// The parameters of matching, as they are being edited.
     pub params: MatchParams,
     /// Why they make no sense.
@@ -73,8 +51,12 @@ pub struct PairState {
     pub hovered: Option<usize>,
     /// To be selected when the next matching ends.
     pub reselect: Option<SavedMatch>,
-    /// What the engine is doing.
-    pub busy: PairBusy,
+    /// The request for the matches.
+    pub matching: Wanted<MatchRequest>,
+    /// The motion-stack images of A and B from which the patches of the focused match are cut.
+    pub patches: Vec<Picture>,
+    /// The request for them.
+    pub wanted_patches: Wanted<PicturesRequest>,
     listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
 
@@ -138,11 +120,8 @@ impl PairState {
 impl Model {
     /// Makes A of B and B of A. The matches are made anew.
     pub fn swap_sides(&mut self) {
-        let b = &mut self.pair.b;
-        std::mem::swap(&mut self.burst, &mut b.burst);
-        std::mem::swap(&mut self.usable_params, &mut b.usable_params);
-        std::mem::swap(&mut self.param_error, &mut b.param_error);
-        std::mem::swap(&mut self.found, &mut b.found);
+        self.slots.swap();
+        self.forget_requests();
         self.panes.swap_sides();
         self.compare.gold.swap(0, 1);
         // Where A alone was looked at, nothing of it is selected any more.
@@ -156,7 +135,7 @@ impl Model {
     /// and a range of frames that B does not have means all of them.
     pub fn params_of(&self, side: Side) -> DetectorParams {
         let mut params = self.params.clone();
-        if let (Side::B, Some(b)) = (side, &self.pair.b.burst) {
+        if let (Side::B, Some(b)) = (side, &self.slots.b.burst) {
             let frames = b.burst.len();
             if params.frames.is_some_and(|range| range.end > frames) {
                 params.frames = None;
@@ -166,7 +145,7 @@ impl Model {
             }
             if self.slopes.is_auto() {
                 // B's slopes are its own.
-                params.slopes = self.pair.b.found.as_ref().map_or(SlopeGrid::default(), |found| found.params.slopes);
+                params.slopes = self.slots.b.found.as_ref().map_or(SlopeGrid::default(), |found| found.params.slopes);
             }
         }
         params
@@ -181,26 +160,11 @@ impl Model {
         SearchParams { detector, slopes: self.slopes }
     }
 
-    /// Whether a detection in B with the present parameters is missing and could be made.
-    pub fn needs_second_detection(&self) -> bool {
-        let b = &self.pair.b;
-        b.burst.is_some()
-            && b.param_error.is_none()
-            && b.found.as_ref().is_none_or(|found| found.asked != self.asked_of(Side::B))
-    }
-
-    /// Takes B's features, unless they are of another burst.
-    pub fn take_second_detection(&mut self, detected: Detected, elapsed: Duration) {
-        let Some(burst) = self.pair.b.burst.as_ref().filter(|open| open.id == detected.burst) else { return };
-        self.pair.b.found = Some(FoundFeatures::new(detected, burst, elapsed));
-        self.check_pair();
-        self.go_to_first_slope(Side::B);
-    }
-
     /// Takes a newly opened burst as B.
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
-        self.pair.b = SecondBurst { burst: Some(burst), ..SecondBurst::default() };
+        let opening = std::mem::take(&mut self.slots.b.opening);
+        self.slots.b = Slot { burst: Some(burst), opening, ..Slot::default() };
         self.pair.forget_matches();
         self.compare.gold[1] = None;
         let Pane { cursor, view, .. } = *self.panes.of(Side::A);
@@ -223,25 +187,121 @@ impl Model {
         if self.pair.param_error.is_some() {
             return None;
         }
-        let (a, b) = (self.found.as_ref()?, self.pair.b.found.as_ref()?);
+        let (a, b) = (self.slots.a.found.as_ref()?, self.slots.b.found.as_ref()?);
         Some(MatchRequest { a: a.detection.clone(), b: b.detection.clone(), params: self.pair.params.clone() })
     }
 
     /// Whether matches are missing that could be made.
     pub fn needs_matches(&self) -> bool {
         self.wanted_matches()
-            .is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request.same_matches(&wanted)))
+            .is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request.is_same(&wanted)))
     }
 
     /// The motion-stack images that the patches of the match in focus are cut from, each at its own feature's slope.
-    pub fn wanted_patches(&self) -> Option<PatchesRequest> {
+    pub fn patches_request(&self) -> Option<PicturesRequest> {
         let matches = self.pair.matches.as_ref()?;
         let row = matches.row(self.pair.focus()?)?;
         let request = |side: Side, slope| {
             let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
             Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
         };
-        Some(PatchesRequest { a: request(Side::A, row.a.slope)?, b: request(Side::B, row.b.slope)? })
+        Some(PicturesRequest(vec![request(Side::A, row.a.slope)?, request(Side::B, row.b.slope)?]))
+    }
+
+    /// The same, unless these pictures are there.
+    fn missing_patches(&self) -> Option<PicturesRequest> {
+        let there = || PicturesRequest(self.pair.patches.iter().map(|picture| picture.request.clone()).collect());
+        self.patches_request().filter(|wanted| !there().is_same(wanted))
+    }
+
+    /// Whether matches are missing, can be made and have not failed already.
+    fn wants_matching(&self) -> bool {
+        self.needs_matches() && !self.wanted_matches().is_some_and(|wanted| self.pair.matching.has_failed(&wanted))
+    }
+
+    /// Matches the features on show.
+    pub(in crate::app) fn start_matching(&mut self, engine: &Engine) {
+        if let Some(wanted) = self.wanted_matches() {
+            self.pair.matching.ask(engine, wanted);
+        }
+    }
+
+    /// Takes the matches, and the pictures of the focused match.
+    pub(in crate::app) fn take_matches(&mut self) {
+        for ended in self.pair.matching.take() {
+            match ended.result {
+                Ok(matched) => {
+                    self.messages.resolved("Matching");
+                    self.pair.take_matches(Matches::new(matched, ended.elapsed));
+                }
+                Err(error) => self.say_failed("Matching", &error),
+            }
+        }
+        for ended in self.pair.wanted_patches.take() {
+            match ended.result {
+                Ok(pictures) => self.pair.patches = pictures,
+                Err(JobError::Cancelled) => {}
+                Err(error) => self.messages.error("Patches", error.to_string()),
+            }
+        }
+    }
+
+    /// Requests, while two bursts are shown, B's features, the matches, and the pictures of the focused match.
+    pub(in crate::app) fn ask_for_pair(&mut self, engine: &Engine, dragging: bool) {
+        if self.workspace != Workspace::Pair || self.slots.b.burst.is_none() {
+            return;
+        }
+        let patches = self.missing_patches();
+        if patches.is_some() {
+            self.pair.wanted_patches.want(engine, patches);
+        }
+        if dragging {
+            return;
+        }
+        if self.auto_detect {
+            self.ask_for_features(Side::B, engine);
+        }
+        // While features are still being found, a matching would be for nothing.
+        let detecting = self.slots.both().into_iter().any(|slot| slot.detecting.is_pending());
+        if !detecting && self.wants_matching() {
+            let wanted = self.wanted_matches();
+            self.pair.matching.want(engine, wanted);
+        }
+    }
+
+    /// Whether everything is there that *Two bursts* shows, or is known to be impossible.
+    pub(in crate::app) fn pair_is_settled(&self) -> bool {
+        if self.workspace != Workspace::Pair || self.slots.both().into_iter().any(|slot| slot.burst.is_none()) {
+            return true;
+        }
+        let patches = self.missing_patches().is_none_or(|missing| self.pair.wanted_patches.has_failed(&missing));
+        patches && !(self.auto_detect && self.wants_detection(Side::B)) && !self.wants_matching()
+    }
+
+    /// Closes the second burst.
+    pub(in crate::app) fn close_second(&mut self) {
+        self.slots.b = Slot::default();
+        self.panes.close_side(Side::B);
+        self.compare.gold[1] = None;
+        self.compare.opening_gold.b.forget();
+        self.pair.forget_matches();
+        self.pair.matching.forget();
+        self.pair.wanted_patches.forget();
+        self.pair.patches.clear();
+    }
+
+    /// Cancels the requests for what is on either side: that is about to be another burst.
+    pub(in crate::app) fn forget_requests(&mut self) {
+        for side in Side::BOTH {
+            let slot = &mut self.slots[side];
+            slot.opening.forget();
+            slot.detecting.forget();
+        }
+        self.pair.matching.forget();
+        self.compare.wanted.cancel();
+        self.against.wanted.forget();
+        self.coherence.try_again();
+        self.forget_asked_pictures();
     }
 
     /// Why the matches on show are not those of what is set now; `None` when they are.

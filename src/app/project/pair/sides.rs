@@ -31,7 +31,7 @@ impl Default for Links {
 impl Model {
     /// Whose slope and scale the cursor moves now.
     pub fn active_side(&self) -> Side {
-        let both = self.workspace == Workspace::Pair && self.pair.b.burst.is_some();
+        let both = self.workspace == Workspace::Pair && self.slots.b.burst.is_some();
         if both { self.focused().side } else { Side::A }
     }
 
@@ -119,3 +119,38 @@ impl Model {
         self.check_pair();
     }
 }
+
+impl Model {
+    /// Shows both features of the selected match, each in the motion stack at its own slope.
+    pub(in crate::app) fn go_to_match(&mut self) {
+        let Some(matches) = self.pair.matches.clone() else { return };
+        let Some(row) = self.pair.selected.and_then(|index| matches.row(index)) else { return };
+        let sigma = row.a.sigma.max(row.b.sigma).max(1.0);
+        // Of each burst the pane in focus, or its first; those that are linked to it come along.
+        let panes = &mut self.panes;
+        let leaders = Side::BOTH.map(|side| {
+            let shown = panes.shown_of(side, None);
+            let leader = shown.iter().find(|id| **id == panes.focus()).or(shown.first());
+            leader.copied().unwrap_or(PaneId::of(side))
+        });
+        let zooms = leaders.map(|id| panes.get(id).map_or(0.0, |pane| pane.view.points_per_pixel()));
+        let zoom = (40.0 / sigma).max(zooms[0]).max(zooms[1]);
+        for ((side, feature), leader) in [(Side::A, row.a), (Side::B, row.b)].into_iter().zip(leaders) {
+            let links = panes.get(leader).map(|pane| pane.links).unwrap_or_default();
+            for id in panes.shown_of(side, None).into_iter().chain([leader]) {
+                let Some(pane) = panes.get_mut(id) else { continue };
+                if id == leader || (links.cursor && pane.links.cursor) {
+                    pane.cursor.slope = feature.slope;
+                }
+                if id == leader {
+                    pane.show_slope();
+                }
+                if id == leader || (links.view && pane.links.view) {
+                    pane.view.look_at(egui::pos2(feature.u, feature.v), zoom);
+                }
+            }
+        }
+        self.playing = false;
+    }
+}
+

@@ -74,7 +74,7 @@ fn a_second_burst_has_the_parameters_as_far_as_it_can_use_them() {
     model.take_second_burst(open((64, 48), 1));
     model.check_pair();
     assert_eq!(model.params_of(Side::B).method, Method::Sift);
-    assert_eq!(model.pair.b.param_error, None, "a single sharp image can be B");
+    assert_eq!(model.slots.b.param_error, None, "a single sharp image can be B");
     assert_eq!(model.params_of(Side::A).method, Method::Buff);
 }
 

@@ -19,9 +19,9 @@ pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<
         }
         ui.checkbox(&mut model.compare.look.features, "Features").on_hover_text("Draw what each method found  (O)");
         gold_ui(ui, model, queue);
-        if let Some(busy) = model.compare.busy {
-            let fraction = busy.running.progress.map_or(0.0, |p| p.fraction);
-            let text = format!("{}: {}", busy.method.label(), progress_text(&busy.running));
+        if let Some((method, running)) = model.compare.running() {
+            let fraction = running.progress.map_or(0.0, |p| p.fraction);
+            let text = format!("{}: {}", method.label(), progress_text(&running));
             ui.add(ProgressBar::new(fraction).text(text));
             button_ui(ui, model, queue, ActionId::Cancel, None);
         } else if Contender::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {

@@ -73,7 +73,7 @@ fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {
     let count = |side| found(side).map(|f| f.detection.features.len().to_string());
     let counts = model.method_matches(method).map(|m| m.result.counts);
     let share = |x: f64| format!("{x:.3}");
-    let state = if model.compare.busy.is_some_and(|busy| busy.method == method) {
+    let state = if model.compare.running().is_some_and(|(running, _)| running == method) {
         Some("…".to_owned())
     } else {
         model.compare.problem(method).map(|_| "failed".to_owned())

@@ -11,17 +11,11 @@ use crate::app::project::Model;
 use crate::app::project::pair::{MatchRow, Matches, Side};
 use crate::detector::Feature;
 use crate::matching::TwoViewModel;
-use crate::requests::{Patches, PictureKind};
+use crate::requests::PictureKind;
 use egui::{RichText, Sense, Ui, Vec2};
 
 /// Draws the section.
-pub fn detail_ui(
-    ui: &mut Ui,
-    model: &Model,
-    patches: Option<&Patches>,
-    textures: &mut [PatchTexture; 2],
-    queue: &mut Queue,
-) {
+pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], queue: &mut Queue) {
     section_ui(ui, "Selected match", |ui| {
         walk_ui(ui, model, queue);
         ui.add_space(4.0);
@@ -39,7 +33,7 @@ pub fn detail_ui(
         }
         ui.add_space(4.0);
         let width = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
-        patches_ui(ui, model, &row, patches, textures, width);
+        patches_ui(ui, model, &row, textures, width);
         descriptors_ui(ui, matches, &row, width);
         ui.add_space(4.0);
         numbers_ui(ui, matches, &row);
@@ -59,18 +53,11 @@ fn verdict_ui(ui: &mut Ui, row: &MatchRow<'_>, only_pointed_at: bool) {
     });
 }
 
-fn patches_ui(
-    ui: &mut Ui,
-    model: &Model,
-    row: &MatchRow<'_>,
-    patches: Option<&Patches>,
-    textures: &mut [PatchTexture; 2],
-    width: f32,
-) {
+fn patches_ui(ui: &mut Ui, model: &Model, row: &MatchRow<'_>, textures: &mut [PatchTexture; 2], width: f32) {
     ui.horizontal(|ui| {
         for ((side, feature), texture) in [(Side::A, *row.a), (Side::B, *row.b)].into_iter().zip(textures) {
             let wanted = PictureKind::Stack { slope: feature.slope };
-            let picture = patches.map(|p| if side == Side::A { &p.a } else { &p.b }).filter(|picture| {
+            let picture = model.pair.patches.get(side as usize).filter(|picture| {
                 let is_open = model.burst_of(side).is_some_and(|open| open.id == picture.request.burst.id);
                 is_open && picture.request.kind == wanted
             });

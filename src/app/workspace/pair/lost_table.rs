@@ -15,7 +15,7 @@ pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
         ui.selectable_value(&mut model.pair.lost.listed, true, "Unmatched features of A")
             .on_hover_text("Features of A that are no inliers, with where they were lost");
         ui.separator();
-        if let Some(running) = &model.pair.lost.busy {
+        if let Some(running) = &model.pair.lost.wanted.running() {
             ui.weak(progress_text(running));
             return;
         }

@@ -18,15 +18,12 @@ use crate::app::panel::patch::PatchTexture;
 use crate::app::parts::mark;
 use crate::app::project::pair::PATCHES;
 use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
-use crate::requests::Patches;
 use crate::teach::Part;
 use egui::{CentralPanel, Frame, Panel, ScrollArea};
 
 /// What the workspace's widgets keep from pass to pass.
 #[derive(Default)]
 pub struct PairPanels {
-    /// The pictures from which the patches are cut.
-    pub patches: Option<Patches>,
     patch_textures: [PatchTexture; 2],
     candidate_textures: [PatchTexture; PATCHES + 1],
     /// The camera as it is being typed.
@@ -51,8 +48,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         Panel::right("pair right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 switches::switches_ui(ui, model);
-                let (patches, textures) = (pair.patches.as_ref(), &mut pair.patch_textures);
-                detail::detail_ui(ui, model, patches, textures, queue);
+                detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
                 why::why_ui(ui, model, &mut pair.candidate_textures, queue);
                 panel::display::ranges_ui(ui, model, widgets);
             });

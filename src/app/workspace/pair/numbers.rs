@@ -70,7 +70,7 @@ fn missing(model: &Model) -> String {
     if let Some(error) = &model.pair.param_error {
         return format!("No matches: {error}");
     }
-    if model.pair.busy.matching.is_some() {
+    if model.pair.matching.is_pending() {
         return "Matching…".into();
     }
     let without: Vec<&str> =

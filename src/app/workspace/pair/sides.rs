@@ -43,7 +43,7 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
                 queue.push(id);
             }
         }
-        if let Some(error) = model.pair.b.param_error.as_ref().filter(|_| model.param_error.is_none()) {
+        if let Some(error) = model.slots.b.param_error.as_ref().filter(|_| model.slots.a.param_error.is_none()) {
             let text = format!("For B the parameters make no sense: {error}");
             let text = egui::RichText::new(text).small().color(ui.visuals().error_fg_color);
             ui.add(egui::Label::new(text).wrap());

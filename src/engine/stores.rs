@@ -1,0 +1,45 @@
+//! Results that all requests of an engine share: pictures and traces of detections.
+
+use super::cache::PictureCache;
+use super::trails::Trails;
+use crate::requests::{Kept, Picture, PictureRequest, PictureStore};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The stores. Cheap to clone.
+#[derive(Debug, Clone)]
+pub(super) struct Stores {
+    pub(super) pictures: Pictures,
+    pub(super) trails: Trails,
+}
+
+impl Stores {
+    pub(super) fn new(cache_bytes: usize) -> Self {
+        let pictures = Pictures(Arc::new(Mutex::new(PictureCache::new(cache_bytes))));
+        Self { pictures, trails: Trails::default() }
+    }
+
+    pub(super) fn kept(&self) -> Kept<'_> {
+        Kept { trails: &self.trails, pictures: &self.pictures }
+    }
+}
+
+/// Pictures, up to a number of bytes.
+#[derive(Debug, Clone)]
+pub(super) struct Pictures(Arc<Mutex<PictureCache>>);
+
+impl Pictures {
+    pub(super) fn lock(&self) -> MutexGuard<'_, PictureCache> {
+        // Whole values go in and out, so a poisoned lock still guards whole values.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl PictureStore for Pictures {
+    fn get(&self, request: &PictureRequest) -> Option<Picture> {
+        self.lock().get(request)
+    }
+
+    fn put(&self, picture: &Picture) {
+        self.lock().insert(picture);
+    }
+}

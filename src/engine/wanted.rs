@@ -1,0 +1,214 @@
+//! What somebody who shows an answer holds: the request, how far it is, and how it ended.
+
+use super::jobs::Jobs;
+use super::queue::{Lane, Manner};
+use super::{Engine, Stores};
+use crate::monitor::Monitor;
+use crate::requests::{JobError, JobId, Request, Running, Urgency, Work};
+use std::any::TypeId;
+use std::fmt;
+use std::time::Duration;
+
+/// Superseded requests for pictures may go on for this long, so that the picture follows a slider; one that takes
+/// longer is cancelled, so that the next does not wait for it.
+const PICTURE_GRACE: Duration = Duration::from_millis(250);
+
+type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Told>;
+
+/// One thing that is wanted of the engine at a time.
+///
+/// In each pass [`Self::want`] is told what is wanted now. It submits a request that is neither running nor the one
+/// that ended last, which supersedes the running one. So a request that failed or was cancelled is not repeated until
+/// something else is wanted, [`Self::ask`] asks for it, or [`Self::forget`] was called. Dropping it cancels the
+/// request.
+pub struct Wanted<R: Request> {
+    /// Made with the first request.
+    jobs: Option<JobsOf<R>>,
+    /// Requests without an answer, the latest last.
+    pending: Vec<(JobId, R)>,
+    /// The request that ended last, and why it failed.
+    ended: Option<(R, Option<JobError>)>,
+    running: Option<Running>,
+}
+
+/// The end of a request.
+#[derive(Debug, Clone)]
+pub struct Ended<R: Request> {
+    /// Which request it was.
+    pub id: JobId,
+    /// The request.
+    pub request: R,
+    /// The answer, or why there is none.
+    pub result: Result<R::Answer, JobError>,
+    /// How long it took by the wall clock; zero for an answer that was kept.
+    pub elapsed: Duration,
+}
+
+impl<R: Request> Default for Wanted<R> {
+    fn default() -> Self {
+        Self { jobs: None, pending: Vec::new(), ended: None, running: None }
+    }
+}
+
+impl<R: Request> fmt::Debug for Wanted<R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Wanted").field("pending", &self.pending.len()).field("running", &self.running).finish()
+    }
+}
+
+impl<R: Request> Drop for Wanted<R> {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+impl<R: Request> Wanted<R> {
+    /// Requests `wanted` unless it is running or ended last. `None` cancels the running request.
+    pub fn want(&mut self, engine: &Engine, wanted: Option<R>) {
+        let Some(wanted) = wanted else {
+            if self.is_pending() {
+                self.forget();
+            }
+            return;
+        };
+        let is_known = match (self.pending(), &self.ended) {
+            (Some(pending), _) => pending.is_same(&wanted),
+            (None, Some((ended, _))) => ended.is_same(&wanted),
+            (None, None) => false,
+        };
+        if !is_known {
+            self.ask(engine, wanted);
+        }
+    }
+
+    /// Requests `request` in any case; a running request is superseded.
+    pub fn ask(&mut self, engine: &Engine, request: R) -> JobId {
+        let jobs = self.jobs.get_or_insert_with(|| jobs(engine));
+        let urgency = request.urgency();
+        let is_picture = matches!(urgency, Urgency::Picture | Urgency::SlowPicture);
+        let id = match request.kept(&engine.stores.kept()) {
+            Some(answer) => jobs.publish_for(0, answer),
+            None if is_picture => {
+                // One picture after the other has all cores.
+                let lane = Lane::Type(TypeId::of::<R>(), urgency);
+                jobs.submit_as(Manner { urgency, grace: PICTURE_GRACE, lane }, 0, request.clone())
+            }
+            None => jobs.submit_as(Manner { urgency, grace: Duration::ZERO, ..jobs.manner() }, 0, request.clone()),
+        };
+        self.pending.push((id, request));
+        self.ended = None;
+        self.running = jobs.running();
+        id
+    }
+
+    /// Takes how requests ended since the last call, oldest first, without those that were superseded. Never waits.
+    pub fn take(&mut self) -> Vec<Ended<R>> {
+        let Some(jobs) = &self.jobs else { return Vec::new() };
+        self.running = jobs.running();
+        let mut taken = Vec::new();
+        for answer in jobs.take_answers() {
+            let Some(place) = self.pending.iter().position(|(id, _)| *id == answer.id) else { continue };
+            let (id, request) = self.pending.remove(place);
+            if !answer.is_superseded() {
+                self.ended = Some((request.clone(), answer.result.as_ref().err().cloned()));
+                taken.push(Ended { id, request, result: answer.result, elapsed: answer.elapsed });
+            }
+        }
+        taken
+    }
+
+    /// Takes what was told before the answer since the last call, oldest first. Call it before [`Self::take`].
+    pub fn take_told(&mut self) -> Vec<R::Told> {
+        self.jobs.as_ref().map_or_else(Vec::new, Jobs::take_told)
+    }
+
+    /// The latest request that has no answer yet.
+    pub fn pending(&self) -> Option<&R> {
+        self.pending.last().map(|(_, request)| request)
+    }
+
+    /// Whether a request has no answer yet.
+    pub fn is_pending(&self) -> bool {
+        !self.pending.is_empty()
+    }
+
+    /// Progress of the running request, as of the last [`Self::take`] or [`Self::ask`].
+    pub fn running(&self) -> Option<Running> {
+        self.running
+    }
+
+    /// Why the request that ended last has no answer.
+    pub fn failure(&self) -> Option<(&R, &JobError)> {
+        let (request, error) = self.ended.as_ref()?;
+        Some((request, error.as_ref()?))
+    }
+
+    /// Whether `request` ended last and failed.
+    pub fn has_failed(&self, request: &R) -> bool {
+        self.failure().is_some_and(|(failed, _)| failed.is_same(request))
+    }
+
+    /// Cancels the running request: it ends with [`JobError::Cancelled`].
+    pub fn cancel(&self) {
+        if let Some(jobs) = self.jobs.as_ref().filter(|_| self.is_pending()) {
+            jobs.cancel();
+        }
+    }
+
+    /// Cancels the running request, whose end is not told, and forgets how the last one ended.
+    pub fn forget(&mut self) {
+        self.cancel();
+        if let Some(jobs) = &self.jobs {
+            drop(jobs.take_news());
+        }
+        self.pending.clear();
+        (self.ended, self.running) = (None, None);
+    }
+
+    /// As if a request ran and were this far.
+    #[cfg(test)]
+    pub(crate) fn set_running(&mut self, running: Option<Running>) {
+        self.running = running;
+    }
+}
+
+fn jobs<R: Request>(engine: &Engine) -> JobsOf<R> {
+    let stores: Stores = engine.stores.clone();
+    let work = move |request: R, tell: &(dyn Fn(R::Told) + Sync), monitor: &Monitor| {
+        request.compute(&Work { kept: stores.kept(), monitor, tell })
+    };
+    Jobs::telling(&engine.queue, Urgency::Search, Duration::ZERO, work)
+}
+
+/// What all [`Wanted`] have in common, for a list of them.
+pub trait Want {
+    /// Whether nothing is running and nothing was requested whose end was not taken.
+    fn is_settled(&self) -> bool;
+
+    /// How urgent the running request is.
+    fn urgency(&self) -> Option<Urgency>;
+
+    /// As [`Wanted::cancel`].
+    fn cancel(&self);
+
+    /// As [`Wanted::forget`].
+    fn forget(&mut self);
+}
+
+impl<R: Request> Want for Wanted<R> {
+    fn is_settled(&self) -> bool {
+        !self.is_pending()
+    }
+
+    fn urgency(&self) -> Option<Urgency> {
+        self.pending().map(Request::urgency)
+    }
+
+    fn cancel(&self) {
+        Wanted::cancel(self);
+    }
+
+    fn forget(&mut self) {
+        Wanted::forget(self);
+    }
+}
