@@ -20,7 +20,7 @@ impl Declared {
     /// Reads the header of the first frame of the burst that `inputs` name, as [`Burst::open_with`] takes them.
     ///
     /// # Errors
-    /// As [`Burst::open_with`], as far as it shows in the first header.
+    /// As [`Burst::open_with`], for errors that the first header shows.
     ///
     /// [`Burst::open_with`]: super::Burst::open_with
     pub fn of(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, OpenError> {

@@ -58,7 +58,7 @@ fn reopened(path: &Path, file: &File) -> Result<File, OpenError> {
     file.try_clone().map_err(|e| OpenError::from_io(path, &e))
 }
 
-/// The largest value of the types whose range is the full scale.
+/// Largest value of the types whose range is the full scale.
 fn range(dtype: Dtype) -> Option<f32> {
     match dtype {
         Dtype::Bool => Some(1.0),
@@ -165,7 +165,7 @@ fn convert(bytes: &[u8], header: &NpyHeader, values: &mut Vec<f32>) {
     }
 }
 
-/// The value of an IEEE 754 half-precision number, exactly.
+/// Exact value of an IEEE 754 half-precision number.
 fn f32_from_half(bits: u16) -> f32 {
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
     let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff));
