@@ -1,4 +1,4 @@
-//! From values of files to fractions of full scale: black level, bias frame, flat frame.
+//! Conversion of file values to fractions of full scale: black level, bias frame, flat frame.
 //!
 //! A frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where there is one
 //! and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Bias and flat frame are
@@ -79,7 +79,7 @@ impl Calibration {
         let (unit, divisor, black) = match frame.scale {
             FileScale::Range(range) => (range, levels.given.unwrap_or(range) - levels.black, levels.black),
             FileScale::Data { .. } => (1.0, levels.full_scale - levels.black, levels.black),
-            // Black and white were taken from the file, or those that are given in their place.
+            // Black and white, of the file or given, have been applied already.
             FileScale::Raw { .. } => (1.0, 1.0, 0.0),
         };
         if unit != divisor {
@@ -112,7 +112,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
         (FileScale::Range(_), FileScale::Range(_)) if levels.given.is_some() => Err(
             "it is of another depth than the frames, and with a full scale of your own nothing says how they belong together; save it with the frames' depth",
         ),
-        // Each as a part of its own range, as frames of both depths are taken.
+        // Each is a fraction of its own range, as for frames of mixed depths.
         (FileScale::Range(a), FileScale::Range(_)) => Ok(a),
         // Fractions of the frames' full scale, as `stack` writes.
         (FileScale::Range(a), FileScale::Data { integer: false, largest }) if largest <= 1.0 => {
@@ -131,7 +131,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
                 _ => Err("its values are in another unit than those of the frames; save both in the same unit"),
             }
         }
-        // Fractions of its range for frames that are fractions; values for frames that are values.
+        // Integer calibration files: fractions of their range for frames in fractions, values in file units for others.
         (FileScale::Data { integer: false, largest }, FileScale::Range(_)) if largest <= LARGEST_UNIT_VALUE => Ok(1.0),
         (FileScale::Data { .. }, FileScale::Range(b)) => Ok(b),
         (FileScale::Raw { .. }, FileScale::Raw { .. }) => Ok(1.0),

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub struct Declared {
     /// Number of frames, at least 1.
     pub frames: usize,
-    /// (columns, rows) of the first frame; the opener refuses others.
+    /// Size (columns, rows) of the first frame; the opener refuses others.
     pub size: (usize, usize),
 }
 

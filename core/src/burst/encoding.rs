@@ -9,7 +9,7 @@ pub enum Encoding {
     /// Proportional to light, as far as the files tell.
     #[default]
     Linear,
-    /// Encoded for screens (sRGB): dark values are spread, bright ones crowded. Colour pictures of 8 bit, JPEG and
-    /// WebP.
+    /// Encoded for screens (sRGB), with more codes for dark values than for bright ones. Colour pictures of 8 bit, JPEG
+    /// and WebP.
     Srgb,
 }

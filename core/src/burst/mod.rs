@@ -33,7 +33,7 @@ use crate::plane::Plane;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Frames of one size in time order. Cheap to clone: the pixels are shared.
+/// A sequence of frames of one size, in time order. Cheap to clone: the pixels are shared.
 #[derive(Debug, Clone)]
 pub struct Burst {
     /// Name for display: the folder's or file's name, or "demo".

@@ -39,7 +39,7 @@ impl Note {
 pub struct Remark {
     /// Index of the frame in the burst.
     pub frame: usize,
-    /// Damage, or a wrong name.
+    /// Damage, or a wrong extension.
     pub kind: RemarkKind,
 }
 

@@ -41,7 +41,8 @@ impl Burst {
     /// **Damaged files.** The sizes that a file announces are compared with its length before it is decoded. Raw files,
     /// and pictures whose decoding takes much memory, are decoded by a [`super::DecodeWorker`] where one is installed.
     ///
-    /// Frames are decoded in parallel; `monitor` is told of every frame and asked for cancellation before each.
+    /// Frames are decoded in parallel; progress is reported to `monitor` for every frame, and cancellation checked
+    /// before each.
     ///
     /// # Errors
     /// See [`OpenError`]. Of several faulty frames the first is named.

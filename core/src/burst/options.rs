@@ -26,7 +26,7 @@ pub struct OpenOptions {
     /// file's own level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub black_level: Option<f32>,
-    /// Whether the sRGB encoding of integer pictures is undone, so that values are proportional to light.
+    /// Whether to undo the sRGB encoding of integer pictures, so that values are proportional to light.
     pub linearise: bool,
     /// Whether JPEG frames whose data is damaged or ends early are accepted as far as they can be decoded; the rest of
     /// such a frame is grey. [`super::Burst::remarks`] lists them.

@@ -140,7 +140,7 @@ struct Cells<'b> {
     start: (f32, f32),
     /// Smallest scale, input pixels.
     sigma_min: f32,
-    /// By scale: grid k holds scales from r^k to r^(k+1) times the smallest, r being [`Cells::class_ratio`].
+    /// Grids by scale: grid k holds scales from r^k to r^(k+1) times the smallest, r being [`Cells::class_ratio`].
     grids: Vec<Grid>,
     /// For each blob, the one inserted before it into its cell.
     before: Vec<u32>,

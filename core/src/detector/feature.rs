@@ -48,9 +48,9 @@ pub type Descriptor = [u8; 128];
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Test {
-    /// |D| below (0.8 of) the peak threshold.
+    /// |D| is below 0.8 times the peak threshold.
     PeakThreshold,
-    /// |D| below the noise gate.
+    /// |D| is below the noise gate.
     NoiseGate,
     /// A neighbour in the image at its own slope and level is as strong.
     SpaceExtremum,
@@ -66,9 +66,9 @@ pub enum Test {
     Edge,
     /// The refined place is outside the image or the refined scale outside the octave.
     Outside,
-    /// The same blob as a stronger keypoint.
+    /// A stronger keypoint shows this blob.
     Duplicate,
-    /// Weaker than the strongest `max_features`.
+    /// The feature is weaker than the strongest `max_features`.
     MaxFeatures,
 }
 
@@ -143,11 +143,11 @@ impl Tally {
 /// time is divided in proportion to the threads' time on each.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct StageTimes {
-    /// Estimating the noise.
+    /// Time for estimating the noise.
     pub noise_secs: f32,
-    /// Stacking, filtering and searching.
+    /// Time for stacking, filtering and searching.
     pub search_secs: f32,
-    /// Orientations and descriptors.
+    /// Time for localising, orientations and descriptors.
     pub describe_secs: f32,
 }
 
@@ -163,7 +163,7 @@ impl StageTimes {
 pub struct Detection {
     /// Features, strongest first (by [`Feature::strength`], ties by place).
     pub features: Vec<Feature>,
-    /// One descriptor for each feature, in the same order.
+    /// One descriptor for each feature, in the features' order.
     pub descriptors: Vec<Descriptor>,
     /// Numbers of samples that each test rejected.
     pub tally: Tally,

@@ -119,7 +119,7 @@ impl Fit {
             (Test::Refinement, !self.offset.iter().any(|d| d.is_nan() || d.abs() >= MAX_OFFSET)),
             (Test::InterpolatedContrast, self.value.abs() as f32 > limits.peak_threshold),
             (Test::Edge, determinant > 0.0 && trace_squared / determinant < (edge + 1.0).powi(2) / edge),
-            // Scales from level −1 to level S+1, as in VLFeat: one step beyond the outermost DoG levels.
+            // Scales from level −1, the outermost DoG level, to level S+1, one step beyond the other end, as in VLFeat.
             (
                 Test::Outside,
                 inside(x, size.0) && inside(y, size.1) && (0.0..=levels as f64).contains(&self.level_refined),
@@ -223,7 +223,8 @@ pub fn peak_offset(before: f32, here: f32, after: f32) -> f32 {
 }
 
 /// Offset of the peak of a two-dimensional bump from the middle of 3×3 equally spaced samples `values[j][i]`, in steps
-/// along (i, j), each within ±1. A quadratic is fitted by least squares (to the logarithm where all samples allow it).
+/// along (i, j), each within ±1. A quadratic is fitted to the logarithms by least squares; where these are undefined,
+/// or the quadratic has no peak, each axis is fitted alone.
 pub fn peak_offset_2d(values: [[f32; 3]; 3]) -> (f32, f32) {
     let separate = || {
         (peak_offset(values[1][0], values[1][1], values[1][2]), peak_offset(values[0][1], values[1][1], values[2][1]))

@@ -67,7 +67,7 @@ pub(super) fn frame(
     let values = size.0 * size.1 * channels;
     let failure = |e: ImageError| failure(path, format, e);
     let ranged = |values, largest, is_byte: bool| {
-        // A byte of a colour picture is encoded for a screen; JPEG and WebP hold nothing else.
+        // 8-bit colour pictures are sRGB-encoded; JPEG and WebP hold nothing else.
         let is_photograph = is_byte && (channels > 2 || matches!(format, ImageFormat::Jpeg | ImageFormat::WebP));
         let encoding = if is_photograph && !options.linearise { Encoding::Srgb } else { Encoding::Linear };
         let plane = turned(Plane::from_vec(size.0, size.1, values), orientation);
@@ -101,7 +101,7 @@ fn orientation(decoder: &mut impl ImageDecoder) -> Orientation {
     decoder.orientation().unwrap_or(Orientation::NoTransforms)
 }
 
-/// All samples of the picture, in the machine's byte order.
+/// Reads all samples of the picture, in the machine's byte order.
 fn read<T: Sample + bytemuck::Pod>(decoder: impl ImageDecoder, count: usize) -> Result<Vec<T>, ImageError> {
     let mut values: Vec<T> = memory::zeroed(count);
     decoder.read_image(bytemuck::cast_slice_mut(&mut values))?;
@@ -124,7 +124,7 @@ fn soundness_of(format: ImageFormat, bytes: &[u8]) -> Soundness {
     if format == ImageFormat::Jpeg { soundness(bytes, &[]) } else { Soundness::Unknown }
 }
 
-/// The whole file of a JPEG, which its decoder and [`soundness`] need at once; empty for other formats.
+/// The whole file of a JPEG, which its decoder and `soundness` need at once; empty for other formats.
 fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>, OpenError> {
     if format != ImageFormat::Jpeg {
         return Ok(Vec::new());

@@ -6,7 +6,7 @@ use std::path::Path;
 /// A kind of file that can be decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A sensor's own values, in one of many formats.
+    /// Values as the sensor gave them, in one of many formats.
     Raw,
     Npy,
     Tiff,
@@ -19,7 +19,7 @@ pub(in crate::burst) const RAW_EXTENSIONS: &[&str] = &[
     "kdc", "dcr", "mrw", "erf", "mef", "mos", "x3f",
 ];
 
-/// Whether the name is one of a raw file.
+/// Whether the extension is one of a raw file.
 pub(super) fn has_raw_extension(path: &Path) -> bool {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     extension.is_some_and(|e| RAW_EXTENSIONS.contains(&&*e))

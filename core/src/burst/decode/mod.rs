@@ -77,9 +77,9 @@ impl FileScale {
 /// One decoded frame.
 #[derive(Debug)]
 pub(super) struct RawFrame {
-    /// The pixels.
+    /// Pixels of the frame.
     pub plane: Plane,
-    /// Their unit.
+    /// Unit of the pixels.
     pub scale: FileScale,
     /// Relation of the pixels to light.
     pub encoding: Encoding,
@@ -114,7 +114,7 @@ pub(super) struct Header {
 pub(super) struct Expected<'a> {
     /// File of the burst's first frame.
     pub first: &'a Path,
-    /// Its (columns, rows).
+    /// Size (columns, rows) of that frame.
     pub size: (usize, usize),
 }
 
@@ -175,7 +175,7 @@ pub(super) fn header(
     })
 }
 
-/// The frame of a file that holds one frame.
+/// Decodes a file that holds one frame.
 pub(super) fn frame(
     path: &Path,
     expected: Option<Expected<'_>>,
@@ -193,7 +193,7 @@ pub(super) fn frame(
     Ok(RawFrame { misnamed, ..frame })
 }
 
-/// All frames of a file that may hold several.
+/// Decodes all frames of a file that may hold several.
 pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
     let input = InputFile::open(path, usize::MAX)?;
     let misnamed = input.misnamed;
@@ -210,7 +210,7 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
     Ok(frames)
 }
 
-/// One page of a TIFF, which is frame `frame` of its burst.
+/// Decodes one page of a TIFF, which is frame `frame` of its burst.
 fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, OpenError> {
     let input = InputFile::open(path, usize::MAX)?;
     guarded(path, Kind::Tiff, || tiff::page(path, input, page, frame, options))

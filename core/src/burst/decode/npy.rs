@@ -53,7 +53,7 @@ pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_
         .collect()
 }
 
-/// A second handle, because the header's reader consumes one.
+/// Second handle of a file, because the header's reader consumes one.
 fn reopened(path: &Path, file: &File) -> Result<File, OpenError> {
     file.try_clone().map_err(|e| OpenError::from_io(path, &e))
 }
@@ -74,7 +74,7 @@ fn is_integer(dtype: Dtype) -> bool {
     !matches!(dtype, Dtype::F16 | Dtype::F32 | Dtype::F64)
 }
 
-/// Frame `t` of an array in C order.
+/// Reads frame `t` of an array in C order.
 fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, OpenError> {
     let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let count = header.width * header.height;
@@ -94,7 +94,7 @@ fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) ->
     Ok(values)
 }
 
-/// All frames of an array in Fortran order, where the frame index runs fastest and the column slowest.
+/// Reads all frames of an array in Fortran order, where the frame index runs fastest and the column slowest.
 fn read_fortran(
     path: &Path,
     mut file: File,

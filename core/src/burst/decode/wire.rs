@@ -18,7 +18,7 @@ const MAX_JSON_BYTES: u32 = 1 << 20;
 /// Part of a file to decode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Part {
-    /// Its only frame.
+    /// The only frame of the file.
     Only,
     /// A page of a TIFF, and the frame of the burst that it is.
     Page {

@@ -60,7 +60,7 @@ impl<'a> Sources<'a> {
 pub struct TileMoments {
     /// Number of pixels.
     pub pixels: usize,
-    /// By level: mean square over that of white noise, and excess kurtosis.
+    /// Mean square relative to that of white noise, and excess kurtosis, by level.
     pub levels: Vec<(f32, f32)>,
 }
 

@@ -31,7 +31,7 @@ pub struct Reading {
 struct Band {
     standing_out: Vec<(usize, usize)>,
     columns: [Vec<f32>; 2],
-    /// By band of columns, one value a row.
+    /// Values by band of columns, one a row.
     rows: [Vec<Vec<f32>>; 2],
 }
 

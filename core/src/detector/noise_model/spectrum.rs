@@ -42,7 +42,7 @@ const MAX_KURTOSIS: f32 = 8.0;
 /// Number of independent values in a tile below which the kurtosis is not measured; it is then derived from the finer
 /// level's.
 const FREE_FOR_KURTOSIS: f32 = 40.0;
-/// Kurtosis, or error of it, that is too small, or too large, to tell it from 0.
+/// Kurtosis up to which it is not distinguished from 0, and largest standard error at which it is measured.
 const LEAST_KURTOSIS: f32 = 0.3;
 /// Kurtosis of one frame relative to that of a combination of frames with weights 1, −2, 1, or 1, −1.
 const OF_ONE_FRAME: f32 = 2.0;

@@ -59,7 +59,7 @@ pub enum DescribeSlope {
 pub enum Distinct {
     /// All keypoints stay.
     Off,
-    /// Of keypoints nearer than this many σ of the stronger one, the stronger one stays; above 0.
+    /// The stronger one of keypoints nearer than this many σ of it stays; above 0.
     Radius(f32),
 }
 
@@ -149,10 +149,10 @@ pub enum Interpolation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Localisation {
-    /// By compactly supported kernels on the pixels, between all samples (see [`crate::detector::localise::place`]).
+    /// Compactly supported kernels on the pixels, continuous in place (see [`crate::detector::localise::place`]).
     #[default]
     Continuous,
-    /// By a quadratic fit to the samples of D around it, as VLFeat and LiFF do.
+    /// Quadratic fit to the samples of D around it, as in VLFeat and LiFF.
     Quadratic,
 }
 

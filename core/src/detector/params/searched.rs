@@ -1,7 +1,7 @@
 //! The detector's parameters together with the choice of the slopes, as commands, parameter files, datasets and the
 //! window hold them.
 //!
-//! [`DetectorParams`] gives the slopes. [`SearchParams`] may instead tell to find them from each burst;
+//! [`DetectorParams`] gives the slopes. [`SearchParams`] may instead request slopes found from each burst;
 //! [`crate::detector::slopes::resolve`] then converts the one into the other, burst by burst, before the detection.
 
 use super::{DetectorParams, ParamError};

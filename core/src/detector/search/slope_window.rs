@@ -14,7 +14,7 @@ use crate::detector::scale_space::octave::DogTile;
 use crate::detector::search::extrema::{Candidate, beats_all_27};
 use std::ops::Range;
 
-/// A candidate that no slope has beaten so far.
+/// Candidate that no slope has beaten so far.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::detector) struct Undecided {
     /// The sample.

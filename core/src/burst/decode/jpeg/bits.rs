@@ -6,7 +6,7 @@ pub(super) struct Bits<'a> {
     bytes: &'a [u8],
     /// Index of the next byte; at the marker once there are no more.
     at: usize,
-    /// The next bits, the first one at the top.
+    /// Next bits, the first one at the top.
     buffer: u64,
     /// Number of bits in the buffer, padding included.
     held: u32,

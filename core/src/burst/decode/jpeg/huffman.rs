@@ -1,6 +1,6 @@
 //! A table of Huffman codes of a JPEG (ITU-T T.81, annexes C and F.2.2.3), used to find the lengths of codes.
 
-/// Codes of up to this many bits are looked up at once.
+/// Length of code, bits, up to which one table look-up is enough.
 const LOOK_BITS: u32 = 10;
 
 /// The codes of one table.

@@ -44,7 +44,7 @@ pub(super) fn soundness(bytes: &[u8], tables: &[u8]) -> Soundness {
 struct Reader {
     dc_tables: [Option<Table>; 4],
     ac_tables: [Option<Table>; 4],
-    /// Minimum coded units between restart markers; 0 for none.
+    /// Number of minimum coded units between restart markers; 0 for none.
     restart_interval: usize,
     frame: Option<Frame>,
     scans: usize,
@@ -52,7 +52,8 @@ struct Reader {
     unknown: bool,
 }
 
-/// Scans beyond which a file is left to the decoder, which refuses it: many scans of few bytes would take long.
+/// Number of scans above which a file is left to the decoder, which refuses it: many scans of few bytes would take
+/// long.
 const MAX_SCANS: usize = 100;
 const TOO_EARLY: &str = "it ends too early";
 

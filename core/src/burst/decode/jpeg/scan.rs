@@ -5,7 +5,7 @@ use super::bits::Bits;
 use super::huffman::Table;
 use crate::plane::memory;
 
-/// Coefficients of a block.
+/// Number of coefficients of a block.
 const BLOCK: usize = 64;
 /// Value of `missing_bits` for a coefficient that no scan has given yet.
 const NEVER: u8 = 255;
@@ -17,7 +17,7 @@ pub(super) struct Component {
     pub id: u8,
     across: usize,
     down: usize,
-    /// Blocks of 8×8 that hold pixels.
+    /// Number of 8×8 blocks (columns, rows) that hold pixels.
     size: (usize, usize),
     /// Blocks in a row of the picture when it is padded to whole coded units.
     stride: usize,
@@ -50,14 +50,14 @@ impl Component {
 /// A picture's components.
 #[derive(Debug)]
 pub(super) struct Frame {
-    /// In the order of the file.
+    /// Components in the order of the file.
     pub components: Vec<Component>,
     /// Coded units (columns, rows) of the picture, when all components are interleaved.
     units: (usize, usize),
     progressive: bool,
 }
 
-/// The header of a scan.
+/// Header of a scan.
 #[derive(Debug)]
 pub(super) struct Scan {
     /// Index of each component, of its DC table and of its AC table.
@@ -66,11 +66,11 @@ pub(super) struct Scan {
     pub first: usize,
     /// Last coefficient.
     pub last: usize,
-    /// Low bits that were still to come before this scan; 0 for the first one of a coefficient.
+    /// Number of low bits that were still to come before this scan; 0 for the first one of a coefficient.
     pub high: u8,
-    /// Low bits that are still to come after it.
+    /// Number of low bits that are still to come after it.
     pub low: u8,
-    /// Coded units between restart markers; 0 for none.
+    /// Number of coded units between restart markers; 0 for none.
     pub restart_interval: usize,
 }
 

@@ -17,7 +17,7 @@ use std::io::{Read, Seek, SeekFrom};
 /// Reads bytes of `file` from `at` on, as many as fill `buffer`.
 ///
 /// # Errors
-/// [`Refusal::Corrupt`] where the file ends before; as [`Refusal::Io`] where it cannot be read.
+/// `Refusal::Io` where the file ends before or cannot be read.
 fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: &mut [u8]) -> Result<(), Refusal> {
     file.seek(SeekFrom::Start(at))?;
     Ok(file.read_exact(buffer)?)

@@ -15,7 +15,7 @@ pub(in crate::burst::decode) enum Refusal {
         /// Largest size allowed, in words.
         limit: String,
     },
-    /// The file could not be read.
+    /// The file ends early or could not be read.
     Io(std::io::Error),
 }
 
@@ -31,7 +31,7 @@ impl Refusal {
         Self::Corrupt(reason.into())
     }
 
-    /// The error about the file `path` of the format `kind`.
+    /// Converts to an error about the file `path` of the format `kind`.
     pub(in crate::burst::decode) fn into_error(self, path: &Path, kind: &'static str) -> OpenError {
         let path = path.to_path_buf();
         match self {
