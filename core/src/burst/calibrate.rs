@@ -1,9 +1,9 @@
-//! From values of files to fractions of full scale: black level, bias frame, flat frame.
+//! Conversion of file values to fractions of full scale: black level, bias frame, flat frame.
 //!
 //! A frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where there is one
 //! and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Bias and flat frame are
 //! measured by the same camera, but their files may be of another kind: their values are converted to the frames' unit,
-//! or refused where nothing says what they mean.
+//! or refused where the unit cannot be told.
 
 use super::decode::{FileScale, RawFrame};
 use super::error::OpenError;
@@ -13,27 +13,27 @@ use std::path::Path;
 /// Float files whose largest magnitude is not above this are taken to be in [0, 1] already. Noise and calibration push
 /// single values of such files above 1; files in other units lie far above it.
 const LARGEST_UNIT_VALUE: f32 = 2.0;
-/// Of the flat frame's mean: a pixel below this is dead, and is left as it is.
+/// Fraction of the flat frame's mean; a pixel below it is dead, and is left as it is.
 const DEAD_GAIN: f32 = 0.05;
-/// The part of dead pixels beyond which a flat frame is none.
+/// Share of dead pixels (0 … 1) above which a flat frame is refused.
 const DEAD_PART: f32 = 0.01;
 
-/// Which values of the frames' files become 0 and 1, in the files' units.
+/// File values that become 0 and 1, in the files' units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Levels {
-    /// What is given as full scale; `None` takes each frame's own.
+    /// Full scale set in the options; `None` takes each frame's own.
     pub given: Option<f32>,
-    /// What becomes 1.0: the given one, or that of the files.
+    /// Value that becomes 1.0: the given one, or that of the files.
     pub full_scale: f32,
-    /// What becomes 0.
+    /// Value that becomes 0.
     pub black: f32,
 }
 
 impl Levels {
-    /// Those of `frames`, if nothing else is given.
+    /// Levels of `frames`, where no others are given.
     ///
     /// # Errors
-    /// A full scale that is no positive number, or a black level that does not lie below it.
+    /// A full scale that is not finite and positive, or a black level that is not finite or not below the full scale.
     pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self, OpenError> {
         if let Some(value) = given.filter(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(OpenError::FullScale { value });
@@ -47,7 +47,7 @@ impl Levels {
     }
 }
 
-/// The file's value that becomes 1.0. Where 8-bit and 16-bit frames come together, it is the larger one; each frame is
+/// File value that becomes 1.0. Where 8-bit and 16-bit frames come together, it is the larger one; each frame is
 /// divided by its own.
 fn natural_full_scale(frames: &[RawFrame]) -> f32 {
     let range = frames.iter().filter_map(|f| match f.scale {
@@ -62,7 +62,7 @@ fn natural_full_scale(frames: &[RawFrame]) -> f32 {
     }
 }
 
-/// What is taken off the frames and what they are divided by, in the frames' unit.
+/// Bias and gain of each pixel: the first is subtracted from a frame, the second divides it. In the frames' unit.
 #[derive(Debug, Default)]
 pub(super) struct Calibration {
     /// The bias frame.
@@ -72,14 +72,14 @@ pub(super) struct Calibration {
 }
 
 impl Calibration {
-    /// The frame in units of full scale, calibrated.
+    /// Calibrates `frame` and converts it to fractions of full scale.
     pub fn apply(&self, frame: RawFrame, levels: Levels) -> Plane {
         let mut plane = frame.plane;
-        // `unit` is what the plane is already divided by, `divisor` what it shall be divided by.
+        // `unit`: the plane is already divided by it; `divisor`: to divide by in the end.
         let (unit, divisor, black) = match frame.scale {
             FileScale::Range(range) => (range, levels.given.unwrap_or(range) - levels.black, levels.black),
             FileScale::Data { .. } => (1.0, levels.full_scale - levels.black, levels.black),
-            // Black and white were taken from the file, or those that are given in their place.
+            // Black and white, of the file or given, have been applied already.
             FileScale::Raw { .. } => (1.0, 1.0, 0.0),
         };
         if unit != divisor {
@@ -100,10 +100,10 @@ impl Calibration {
     }
 }
 
-/// What the values of calibration frames have to be multiplied by to be in the unit of the burst's own files.
+/// Factor that converts the values of calibration frames to the unit of the burst's own files.
 ///
 /// # Errors
-/// Why nothing says how the two belong together, and what would be right.
+/// The reason why the two units cannot be related, and a remedy.
 fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'static str> {
     const ALIKE: &str = "save it with the same program and in the same format as the frames";
     let in_fractions = |full_scale: f32| Ok(full_scale);
@@ -112,9 +112,9 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
         (FileScale::Range(_), FileScale::Range(_)) if levels.given.is_some() => Err(
             "it is of another depth than the frames, and with a full scale of your own nothing says how they belong together; save it with the frames' depth",
         ),
-        // Each as a part of its own range, as frames of both depths are taken.
+        // Each is a fraction of its own range, as for frames of mixed depths.
         (FileScale::Range(a), FileScale::Range(_)) => Ok(a),
-        // What `stack` writes: fractions of the frames' full scale.
+        // Fractions of the frames' full scale, as `stack` writes.
         (FileScale::Range(a), FileScale::Data { integer: false, largest }) if largest <= 1.0 => {
             in_fractions(levels.given.unwrap_or(a))
         }
@@ -131,7 +131,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
                 _ => Err("its values are in another unit than those of the frames; save both in the same unit"),
             }
         }
-        // Fractions of its range for frames that are fractions; values for frames that are values.
+        // Integer calibration files: fractions of their range for frames in fractions, values in file units for others.
         (FileScale::Data { integer: false, largest }, FileScale::Range(_)) if largest <= LARGEST_UNIT_VALUE => Ok(1.0),
         (FileScale::Data { .. }, FileScale::Range(b)) => Ok(b),
         (FileScale::Raw { .. }, FileScale::Raw { .. }) => Ok(1.0),
@@ -179,11 +179,11 @@ pub(super) fn mean_in_unit_of(
     Ok(mean)
 }
 
-/// Whether a bias whose files are `of` another kind than the frames' can be one, once converted: it is not brighter
-/// than all that the frames show.
+/// Checks that a bias whose files are `of` another kind than the frames' is, once converted, not brighter than all
+/// values of the frames.
 ///
 /// # Errors
-/// That it is.
+/// A bias whose mean is above the brightest value of the frames.
 pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<(), OpenError> {
     let is_alike = match (of, frames[0].scale) {
         (FileScale::Range(a), FileScale::Range(b)) => a == b,
@@ -207,7 +207,7 @@ fn mean_of(plane: &Plane) -> f64 {
     plane.data().iter().map(|v| f64::from(*v)).sum::<f64>() / plane.data().len() as f64
 }
 
-/// The gain of each pixel from a flat frame and the bias, or black level, that is in it. Dead pixels have a gain of 1.
+/// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1.
 ///
 /// # Errors
 /// A flat frame that shows no light, or has many dead pixels.

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub struct Declared {
     /// Number of frames, at least 1.
     pub frames: usize,
-    /// (columns, rows) of the first frame; the opener refuses others.
+    /// Size (columns, rows) of the first frame; the opener refuses others.
     pub size: (usize, usize),
 }
 
@@ -20,7 +20,7 @@ impl Declared {
     /// Reads the header of the first frame of the burst that `inputs` name, as [`Burst::open_with`] takes them.
     ///
     /// # Errors
-    /// As [`Burst::open_with`], as far as it shows in the first header.
+    /// As [`Burst::open_with`], for errors that the first header shows.
     ///
     /// [`Burst::open_with`]: super::Burst::open_with
     pub fn of(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, OpenError> {

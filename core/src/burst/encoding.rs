@@ -1,15 +1,15 @@
-//! How the values of a picture follow the light.
+//! Relation of a picture's values to light.
 
 use serde::{Deserialize, Serialize};
 
-/// How the values of a burst's files follow the light.
+/// Relation of the values of a burst's files to light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Encoding {
-    /// In proportion, as far as the files say.
+    /// Proportional to light, as far as the files tell.
     #[default]
     Linear,
-    /// Encoded for screens (sRGB): dark values are spread, bright ones crowded. Colour pictures of 8 bit, JPEG and
-    /// WebP.
+    /// Encoded for screens (sRGB), with more codes for dark values than for bright ones. Colour pictures of 8 bit, JPEG
+    /// and WebP.
     Srgb,
 }

@@ -1,15 +1,15 @@
-//! Why a burst could not be opened: each message names the file, says what is wrong and what would be right.
+//! Errors of opening a burst: each message names the file, says what is wrong and gives a remedy.
 
 use crate::monitor::Cancelled;
 use crate::plane::memory::NoMemory;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-/// Why there is no burst. Nothing else has changed: a burst that was open stays as it is.
+/// Reason why a burst could not be opened. Bursts that are open stay as they are.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
-    /// It was cancelled.
+    /// Opening was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// No input was named.
@@ -18,13 +18,13 @@ pub enum OpenError {
     /// There is no such file or folder.
     #[error("there is no such file or folder; check the spelling: {}", path.display())]
     NotFound {
-        /// What was asked for.
+        /// The named path.
         path: PathBuf,
     },
     /// Neither a regular file nor a folder, such as a device or a pipe.
     #[error("this is neither a regular file nor a folder; save the frames to files first: {}", path.display())]
     NotAFile {
-        /// What was asked for.
+        /// The named path.
         path: PathBuf,
     },
     /// A folder without any picture, and without subfolders that have some.
@@ -36,12 +36,12 @@ pub enum OpenError {
         /// The folder.
         path: PathBuf,
     },
-    /// The system would not let it be read.
+    /// The system could not read it.
     #[error("cannot read this: {reason}: {}", path.display())]
     Read {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
     /// A file of no bytes.
@@ -50,7 +50,7 @@ pub enum OpenError {
         /// The file.
         path: PathBuf,
     },
-    /// The first bytes are those of no kind that can be opened.
+    /// The first bytes match no kind of file that can be opened.
     #[error(
         "this is not a picture of a kind that can be opened ({}); convert it to PNG or TIFF, or remove it: {}",
         super::supported_extensions().join(", "), path.display()
@@ -59,7 +59,7 @@ pub enum OpenError {
         /// The file.
         path: PathBuf,
     },
-    /// The first bytes are those of no kind that can be opened, though the name is that of one.
+    /// The first bytes match no kind of file that can be opened, though the extension does.
     #[error(
         "this file is named as a {named} but does not begin like one: it is damaged or of another kind; copy it again or remove it: {}",
         path.display()
@@ -67,7 +67,7 @@ pub enum OpenError {
     NotAsNamed {
         /// The file.
         path: PathBuf,
-        /// The format that its name says, such as "PNG".
+        /// The format that the extension names, such as "PNG".
         named: &'static str,
     },
     /// The file is of a known kind, but truncated or damaged.
@@ -77,17 +77,17 @@ pub enum OpenError {
         path: PathBuf,
         /// The file format, such as "PNG".
         kind: &'static str,
-        /// What the decoder says.
+        /// The decoder's message.
         reason: String,
     },
-    /// The file is sound, but holds something that cannot be opened.
+    /// The file is sound, but its content cannot be opened.
     #[error("this {kind} file cannot be opened: {reason}: {}", path.display())]
     Unsupported {
         /// The file.
         path: PathBuf,
         /// The file format, such as "TIFF".
         kind: &'static str,
-        /// What it holds, and what would be right.
+        /// The unsupported content, and a remedy.
         reason: String,
     },
     /// Two frames differ in size.
@@ -98,14 +98,14 @@ pub enum OpenError {
     DifferentSizes {
         /// The first frame's file.
         first: PathBuf,
-        /// Its (columns, rows).
+        /// Size (columns, rows) of the first frame.
         first_size: (usize, usize),
         /// The frame that differs.
         path: PathBuf,
-        /// Its (columns, rows).
+        /// Size (columns, rows) of that frame.
         size: (usize, usize),
     },
-    /// The bias or flat frame does not fit the burst.
+    /// The bias or flat frame's size differs from the burst's.
     #[error(
         "the {kind} frame is {}×{}, but the frames are {}×{}; take it with the same camera settings: {}",
         size.0, size.1, frame_size.0, frame_size.1, path.display()
@@ -113,24 +113,24 @@ pub enum OpenError {
     CalibrationSize {
         /// "bias" or "flat".
         kind: &'static str,
-        /// Its file.
+        /// File of the bias or flat frame.
         path: PathBuf,
-        /// Its (columns, rows).
+        /// Size (columns, rows) of the bias or flat frame.
         size: (usize, usize),
-        /// The frames' (columns, rows).
+        /// Size (columns, rows) of the frames.
         frame_size: (usize, usize),
     },
-    /// The values of the bias or flat frame mean nothing for the burst.
+    /// The values of the bias or flat frame cannot be converted to the burst's unit, or are implausible.
     #[error("the {kind} frame does not fit the frames: {reason}: {}", path.display())]
     CalibrationUnit {
         /// "bias" or "flat".
         kind: &'static str,
-        /// Its file.
+        /// File of the bias or flat frame.
         path: PathBuf,
-        /// What is wrong, and what would be right.
+        /// The fault, and a remedy.
         reason: &'static str,
     },
-    /// A film.
+    /// A video.
     #[error(
         "this is a video; make frames of it first: mkdir frames && ffmpeg -i {} frames/frame_%05d.png",
         quoted(path)
@@ -150,7 +150,7 @@ pub enum OpenError {
         /// The frame that differs.
         path: PathBuf,
     },
-    /// Frames of different bits, which nothing says how to compare.
+    /// Frames of different integer types, for which no common full scale is given.
     #[error(
         "this frame has {first_samples}: {}, and this one has {samples}: {}; save all frames alike, or say with a full scale which value is white in all of them",
         first.display(), path.display()
@@ -158,11 +158,11 @@ pub enum OpenError {
     MixedBits {
         /// The first frame's file.
         first: PathBuf,
-        /// Its samples, such as "8 bit".
+        /// Samples of the first frame, such as "8 bit".
         first_samples: &'static str,
         /// The frame that differs.
         path: PathBuf,
-        /// Its samples.
+        /// Samples of the frame that differs.
         samples: &'static str,
     },
     /// A value that is not a number, infinite, or too large for 32-bit float.
@@ -192,12 +192,12 @@ pub enum OpenError {
         /// Rows.
         height: u64,
     },
-    /// An array of the wrong dimensions.
+    /// An array that is not of two or three dimensions, or has no frames.
     #[error("this array has the shape {shape:?}; a stack is [frames, rows, columns], one frame is [rows, columns]: {}", path.display())]
     NpyShape {
         /// The file.
         path: PathBuf,
-        /// Its shape.
+        /// Shape of the array.
         shape: Vec<u64>,
     },
     /// Larger than the [`Limits`](super::Limits).
@@ -205,22 +205,22 @@ pub enum OpenError {
     BeyondLimit {
         /// The file or folder.
         path: PathBuf,
-        /// What it has.
+        /// The size found, in words.
         found: String,
-        /// What is allowed.
+        /// The limit, in words.
         limit: String,
-        /// What to do about it.
+        /// A remedy.
         remedy: Cow<'static, str>,
     },
-    /// Within the [`Limits`](super::Limits), but more than the system gives.
+    /// Within the [`Limits`](super::Limits), but more memory than the system gives.
     #[error("{refused}: {}", path.display())]
     NoMemory {
         /// The file.
         path: PathBuf,
-        /// How much it refused.
+        /// Size of the refused allocation.
         refused: NoMemory,
     },
-    /// Folders and files together.
+    /// Folders and files were named together.
     #[error(
         "open either folders or files, not both: {} is a folder and {} is a file", folder.display(), file.display()
     )]
@@ -230,73 +230,73 @@ pub enum OpenError {
         /// The first file.
         file: PathBuf,
     },
-    /// A picture beside the bursts of a dataset.
+    /// A picture that lies beside the bursts of a dataset.
     #[error("this picture lies beside the bursts of a dataset and belongs to none; move it into one or away: {}", path.display())]
     Stray {
         /// The picture.
         path: PathBuf,
     },
-    /// Several files are the frames of a burst, but one of them is a stack of its own.
+    /// One of several files that are the frames of a burst is itself a stack.
     #[error("several files are taken as the frames of one burst, but this one holds {frames} frames itself; open it alone: {}", path.display())]
     StackAmongFrames {
         /// The stack.
         path: PathBuf,
-        /// How many frames it holds.
+        /// Number of frames that it holds.
         frames: usize,
     },
-    /// One burst was wanted and there are several.
+    /// One burst was expected and there are several.
     #[error("there are {} bursts here, open one of them: {}", names.len(), list_of(names))]
     SeveralBursts {
-        /// Their names, in natural order.
+        /// Names of the bursts, in natural order.
         names: Vec<String>,
     },
-    /// A sequence cannot be cut into bursts of no frames, nor of no distance.
+    /// A sequence was to be cut into bursts of no frames, or with no distance between their starts.
     #[error(
         "a sequence is cut into bursts of 1 or more frames that begin 1 or more frames apart, not {length} frames that begin {step} apart"
     )]
     Cut {
-        /// Frames asked for in a burst.
+        /// Requested number of frames in a burst.
         length: usize,
-        /// Frames asked for from the start of a burst to that of the next.
+        /// Requested number of frames from the start of a burst to that of the next.
         step: usize,
     },
-    /// A sequence of fewer frames than one burst shall have.
+    /// A sequence that has fewer frames than one burst needs.
     #[error("this has {frames} frames, too few for a burst of {length}; cut it into shorter bursts: {}", path.display())]
     TooShort {
         /// The folder, or the first frame.
         path: PathBuf,
-        /// How many frames there are.
+        /// Number of frames in the sequence.
         frames: usize,
-        /// How many frames a burst shall have.
+        /// Requested number of frames in a burst.
         length: usize,
     },
-    /// A stack that was to be cut.
+    /// A stack in one file, which cannot be cut into bursts.
     #[error("a sequence is cut into bursts between its files, but this one file holds {frames} frames; save each frame as a file of its own: {}", path.display())]
     CutStack {
         /// The stack.
         path: PathBuf,
-        /// How many frames it holds.
+        /// Number of frames that it holds.
         frames: usize,
     },
-    /// The value that shall become 0 is not below the one that becomes 1.0.
+    /// The black level is not a number below the full scale.
     #[error(
         "the black level is the file's value that becomes 0; it must be a number below the full scale, {full_scale}, not {value}"
     )]
     BlackLevel {
-        /// What was given.
+        /// The given black level.
         value: f32,
         /// The full scale.
         full_scale: f32,
     },
-    /// The value that shall become 1.0 is not a positive number.
+    /// The full scale is not a positive number.
     #[error("the full scale is the file's value that becomes 1.0; it must be a positive number, not {value}")]
     FullScale {
-        /// What was given.
+        /// The given full scale.
         value: f32,
     },
 }
 
-/// The path as a shell takes it for one word.
+/// The path quoted as one word of a shell command.
 fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
@@ -310,7 +310,7 @@ fn list_of(names: &[String]) -> String {
 }
 
 impl OpenError {
-    /// The error of a file or folder that the system would not let us read.
+    /// Error for a file or folder that the system could not read.
     pub(super) fn from_io(path: &Path, error: &std::io::Error) -> Self {
         match error.kind() {
             std::io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
@@ -318,8 +318,8 @@ impl OpenError {
         }
     }
 
-    /// The error of a decoder's read of a file of the format `kind`: one that ends early is damaged, anything else is
-    /// the system's.
+    /// Error for a decoder's failed read of a file of the format `kind`: damage where the file ends early or the data
+    /// is invalid, the system's error otherwise.
     pub(super) fn from_read(path: &Path, kind: &'static str, error: &std::io::Error) -> Self {
         use std::io::ErrorKind::{InvalidData, InvalidInput, Other, UnexpectedEof};
         let reason = match error.kind() {
@@ -330,7 +330,7 @@ impl OpenError {
         Self::Corrupt { path: path.into(), kind, reason }
     }
 
-    /// Whether it is the user's cancel rather than a failure.
+    /// Whether opening was cancelled, rather than failed.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Cancelled(_))
     }

@@ -1,4 +1,4 @@
-//! How large a burst may be. Declared sizes are checked against this before any pixel is allocated, so that a damaged
+//! Limits of a burst's size. Declared sizes are checked against them before any pixel is allocated, so that a damaged
 //! or hostile file cannot take the machine's memory.
 
 use super::error::OpenError;
@@ -6,7 +6,7 @@ use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Upper bounds for what is opened. The defaults are far above any real burst and below what would stop a workstation.
+/// Upper bounds for opened files. The defaults are far above any real burst and below what would stop a workstation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
     /// Longest side of a frame, pixels. Default 32768.
@@ -15,8 +15,8 @@ pub struct Limits {
     pub max_pixels: u64,
     /// Number of frames. Default 4096.
     pub max_frames: usize,
-    /// Memory of all frames together as `f32`, bytes. Default 16 GiB; what the process may have at most is a limit as
-    /// well.
+    /// Memory of all frames together as `f32`, bytes. Default 16 GiB. The memory that the process may have is a further
+    /// limit.
     pub max_bytes: u64,
 }
 
@@ -27,7 +27,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Checks the declared size of one frame of the file `path`.
+    /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
     pub(super) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), OpenError> {
         if width == 0 || height == 0 {
             return Err(OpenError::ZeroSize { path: path.into(), width, height });
@@ -43,7 +43,7 @@ impl Limits {
         self.check_burst(path, 1, width, height)
     }
 
-    /// Checks how many frames there are, and the memory that they need together.
+    /// Checks the number of frames, and the memory that they need together.
     pub(super) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), OpenError> {
         if frames > self.max_frames as u64 {
             return Err(OpenError::BeyondLimit {

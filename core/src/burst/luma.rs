@@ -1,4 +1,4 @@
-//! From a file's samples to one float value a pixel.
+//! Conversion of a file's samples to one float value a pixel.
 //!
 //! Colour becomes luma: Y' = 0.2126 R' + 0.7152 G' + 0.0722 B', the weights of Rec. ITU-R BT.709, applied to the values
 //! as they are stored, that is, to gamma-encoded values without decoding them, unless the [`Curve`] undoes the encoding
@@ -9,9 +9,9 @@ use std::sync::LazyLock;
 /// Weights of Rec. 709 for red, green and blue. They sum to 1.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// A number that a file can hold.
+/// A numeric sample type of a file.
 pub(super) trait Sample: Copy {
-    /// The nearest `f32`.
+    /// Converts to the nearest `f32`.
     fn to_f32(self) -> f32;
 }
 
@@ -25,23 +25,23 @@ macro_rules! sample {
 }
 sample!(u8 u16 u32 u64 i8 i16 i32 i64 f32 f64);
 
-/// Luma of a colour. Grey (r = g = b) comes out exactly, because only differences are weighted.
+/// Luma of a colour. The luma of grey (r = g = b) is exact, because only differences are weighted.
 #[inline]
 fn luma(r: f32, g: f32, b: f32) -> f32 {
     g + LUMA_WEIGHTS[0] * (r - g) + LUMA_WEIGHTS[2] * (b - g)
 }
 
-/// How stored samples become fractions of full scale.
+/// Conversion of stored samples to fractions of full scale.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Curve {
-    /// They are divided by this.
+    /// Division by this value.
     Linear(f32),
-    /// The sRGB encoding of samples up to this value is undone (IEC 61966-2-1), so that they are proportional to light.
+    /// Inverse of the sRGB encoding (IEC 61966-2-1) of samples up to this value; the result is proportional to light.
     Srgb(f32),
 }
 
 impl Curve {
-    /// That of samples up to `largest`, with the sRGB encoding undone if `linearise` says so.
+    /// Curve for samples up to `largest`; with `linearise`, the inverse of the sRGB encoding.
     pub fn of(largest: f32, linearise: bool) -> Self {
         if linearise { Self::Srgb(largest) } else { Self::Linear(largest) }
     }
@@ -49,25 +49,25 @@ impl Curve {
 
 static BYTES_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|n| linear(n as f64 / 255.0)));
 
-/// Light from an sRGB-encoded value, both 0 … 1.
+/// Linear intensity of an sRGB-encoded value, both 0 … 1.
 fn linear(encoded: f64) -> f32 {
     (if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }) as f32
 }
 
-/// Light from an sRGB-encoded byte.
+/// Linear intensity of an sRGB-encoded byte.
 fn byte_linear<T: Sample>(byte: T) -> f32 {
     BYTES_LINEAR[(byte.to_f32() as usize).min(255)]
 }
 
-/// Light from an sRGB-encoded sample of at most `largest`.
+/// Linear intensity of an sRGB-encoded sample of at most `largest`.
 fn sample_linear<T: Sample>(largest: f32) -> impl Fn(T) -> f32 {
     move |sample| linear(f64::from(sample.to_f32()) / f64::from(largest))
 }
 
-/// One value for each pixel of `samples` (interleaved, `channels` of them: grey, grey + alpha, RGB or RGB + alpha), by
-/// `curve`.
+/// One value for each pixel of `samples` (interleaved, of `channels` channels: grey, grey + alpha, RGB or RGB + alpha),
+/// by `curve`.
 pub(super) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, curve: Curve) -> Vec<f32> {
-    // The curve is chosen here, not for each sample: a loop over pixels without a branch is made of vectors.
+    // The curve is chosen here, not for each sample: a loop over pixels without a branch is vectorised.
     match curve {
         Curve::Linear(divisor) => interleaved(samples, channels, T::to_f32, divisor),
         Curve::Srgb(255.0) => interleaved(samples, channels, byte_linear, 1.0),
@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn the_encoding_is_undone_before_the_weights() {
         let grey = |value: u8| grey_from_interleaved(&[value], 1, Curve::of(255.0, true))[0];
-        // Values of IEC 61966-2-1: the ends, the linear part, and the middle.
+        // Reference values of IEC 61966-2-1: the ends, the linear part, and the middle.
         assert_eq!((grey(0), grey(255)), (0.0, 1.0));
         assert!((grey(10) - 10.0 / 255.0 / 12.92).abs() < 1e-7 && (grey(188) - 0.5029).abs() < 1e-3);
         let wide = grey_from_interleaved(&[188u16 * 257], 1, Curve::of(65535.0, true))[0];

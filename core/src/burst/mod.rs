@@ -1,8 +1,8 @@
 //! A burst: frames of one size, in time order, as `f32` in [0, 1] of the file's full scale.
 //!
-//! Everything that knows file formats is in this room; the detector sees only the frames. [`find_bursts`] says which
-//! bursts an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens one of
-//! them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
+//! All code that knows file formats is in this module; the detector sees only the frames. [`find_bursts`] lists the
+//! bursts that an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens
+//! one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
 
 mod calibrate;
 mod declared;
@@ -33,38 +33,38 @@ use crate::plane::Plane;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Frames of one size in time order. Cheap to clone: the pixels are shared.
+/// A sequence of frames of one size, in time order. Cheap to clone: the pixels are shared.
 #[derive(Debug, Clone)]
 pub struct Burst {
-    /// What a person calls it: the folder's or file's name, or "demo".
+    /// Name for display: the folder's or file's name, or "demo".
     pub name: String,
     /// The frames, in time order (natural file order); all of one size; at least one. Values in [0, 1] of full scale.
     pub frames: Vec<Arc<Plane>>,
-    /// A name for each frame (file name, or page number).
+    /// Name of each frame (file name, or file name and index in a stack).
     pub frame_names: Vec<String>,
-    /// The file's value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest
-    /// magnitude for others.
+    /// File value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest magnitude
+    /// for others, unless set in the options.
     pub full_scale: f32,
-    /// The smallest difference that the files can hold, in [0, 1] units: 1/255 for 8 bit; 0 when unknown (float).
+    /// Smallest difference that the files can hold, in [0, 1] units: 1/255 for 8 bit; 0 when unknown (float).
     pub quantisation_step: f32,
-    /// How the values follow the light.
+    /// Relation of the values to light.
     pub encoding: Encoding,
-    /// Pixels of the sensor along a side of one pixel of the frames: 1 unless a mosaic of colours was binned. Places,
-    /// scales and slopes are in pixels of the frames.
+    /// Sensor pixels along a side of one pixel of the frames: 1 unless a colour mosaic was binned. Places, scales and
+    /// slopes are in pixels of the frames.
     pub binning: usize,
-    /// The largest value of a converter of fewer bits that could have made these 16-bit files: never applied unasked.
+    /// Largest value of a converter of fewer bits that could have made these 16-bit files. Only a suggestion.
     pub suggested_full_scale: Option<f32>,
-    /// Remarks on the files of single frames: damage that was accepted, names of another kind.
+    /// Remarks on the files of single frames: damage that was accepted, file types that contradict the names.
     pub remarks: Vec<Remark>,
-    /// The files or folders it was opened from; empty for synthetic bursts.
+    /// Files or folders that it was opened from; empty for synthetic bursts.
     pub sources: Vec<PathBuf>,
 }
 
 impl Burst {
-    /// A burst from planes in memory.
+    /// Makes a burst from planes in memory.
     ///
     /// # Panics
-    /// When there is no frame or the sizes differ: a mistake of the caller; files are checked by the opener.
+    /// If there is no frame, or the sizes differ. (The opener checks files.)
     pub fn from_planes(name: impl Into<String>, frames: Vec<Plane>) -> Self {
         assert!(!frames.is_empty(), "a burst has at least one frame");
         assert!(frames.iter().all(|f| f.size() == frames[0].size()), "all frames of a burst have one size");
@@ -87,12 +87,12 @@ impl Burst {
         self.frames.len()
     }
 
-    /// Whether there is no frame, which no opener and no constructor allows.
+    /// Whether there is no frame; always false, because every burst has at least one.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// (columns, rows) of each frame.
+    /// Size (columns, rows) of each frame.
     pub fn size(&self) -> (usize, usize) {
         self.frames[0].size()
     }

@@ -1,4 +1,4 @@
-//! What a person should know of how a burst's values were taken, and could change: told, never done unasked.
+//! Notes to the user on how a burst's values were interpreted, and on settings that may suit it better.
 
 use super::Burst;
 use super::decode::{FileScale, RawFrame};
@@ -6,26 +6,26 @@ use super::encoding::Encoding;
 use super::options::OpenOptions;
 use rayon::prelude::*;
 
-/// Something to know of a burst's values, and the option that changes it.
+/// A note on a burst's values, and the option that changes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
-    /// What it is.
+    /// The note, as a clause.
     pub text: String,
-    /// The option's name, as on the command line without the dashes; none where only other files would change it.
+    /// Name of the option, as on the command line without the dashes; `None` where only other files would help.
     pub option: Option<&'static str>,
-    /// What it could be set to; none for a switch.
+    /// Suggested value of the option; `None` for a switch.
     pub value: Option<f32>,
 }
 
 impl Note {
-    /// The sentence for somebody at a command line.
+    /// Text for the command line, with the option.
     pub fn for_command(&self) -> String {
         let Some(option) = self.option else { return self.text.clone() };
         let value = self.value.map_or(String::new(), |value| format!(" {value}"));
         format!("{}; --{option}{value} changes that", self.text)
     }
 
-    /// The sentence for somebody at the window.
+    /// Text for the window, with the menu item.
     pub fn for_window(&self) -> String {
         match self.option {
             Some(_) => format!("{}; see File > Calibration", self.text),
@@ -34,26 +34,26 @@ impl Note {
     }
 }
 
-/// Something to know of the file of one frame.
+/// A remark on the file of one frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Remark {
-    /// The frame's index in the burst.
+    /// Index of the frame in the burst.
     pub frame: usize,
-    /// Damage, or a wrong name.
+    /// Damage, or a wrong extension.
     pub kind: RemarkKind,
 }
 
 /// Kinds of [`Remark`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RemarkKind {
-    /// Its data is damaged, which was accepted, and a part of the frame is made up; why.
+    /// The data is damaged, which was accepted, and a part of the frame is made up; the reason.
     Damaged(String),
-    /// It is of this kind, such as "JPEG", and its name says another.
+    /// The file is of this kind, such as "JPEG", and its extension names another.
     Misnamed(&'static str),
 }
 
 impl Remark {
-    /// The remarks on `frames`.
+    /// Remarks on `frames`, whose damage is taken out of them.
     pub(super) fn of(frames: &mut [RawFrame]) -> Vec<Self> {
         let mut remarks = Vec::new();
         for (frame, raw) in frames.iter_mut().enumerate() {
@@ -67,16 +67,17 @@ impl Remark {
 /// The largest values of converters of 10, 12 and 14 bit.
 const CONVERTERS: [(u32, f32); 3] = [(10, 1023.0), (12, 4095.0), (14, 16383.0)];
 
-/// Values between two looks at whether a converter is ruled out.
+/// Number of values between two checks of whether all converters are ruled out.
 const CHUNK: usize = 4096;
-/// From here to twice as much floats are whole numbers: a small number is rounded by being added to it, and then stands
-/// in the sum's lower bits, which is far faster than rounding each by itself.
+/// Adding a float of this magnitude (up to its double) to a small number rounds that to a whole number, in the sum's
+/// lower bits; far faster than rounding each number by itself.
 const INTEGERS: f32 = (1 << 23) as f32;
-/// The bits of a float's fraction.
+/// Mask of the bits of a float's fraction.
 const MANTISSA: u32 = (1 << 23) - 1;
 
-/// The largest value of the smallest usual converter that could have made these 16-bit frames: `None` where their
-/// values need 16 bits, stand at the top of the word (all are multiples of 2), or a full scale was given.
+/// Largest value of the smallest usual converter that could have made these 16-bit frames. `None` where their values
+/// need 16 bits or are all multiples of 2 (aligned to the top of the word), and where a full scale was given or the
+/// values were linearised.
 pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -> Option<f32> {
     const WORD: f32 = 65535.0;
     if options.full_scale.is_some() || options.linearise {
@@ -90,7 +91,7 @@ pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -
         let mut seen = (0, 0);
         for values in frame.plane.data().chunks(CHUNK) {
             seen = values.iter().fold(seen, |(largest, bits), v| {
-                // Luma of colours is no whole number; rounding keeps what matters here.
+                // The luma of colours is no whole number; rounding keeps enough of it.
                 let value = (v * WORD + INTEGERS).to_bits() & MANTISSA;
                 (value.max(largest), bits | value)
             });
@@ -108,7 +109,7 @@ pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -
 }
 
 impl Burst {
-    /// What a person should know of how its values were taken.
+    /// Notes for the user on how the values were interpreted.
     pub fn notes(&self) -> Vec<Note> {
         let mut notes = Vec::new();
         if self.encoding == Encoding::Srgb {
@@ -125,7 +126,7 @@ impl Burst {
         notes
     }
 
-    /// Name and damage of each frame that is damaged, which was accepted.
+    /// Name and damage of each damaged frame that was accepted.
     pub fn damaged_frames(&self) -> impl Iterator<Item = (&str, &str)> {
         self.remarks.iter().filter_map(|remark| match &remark.kind {
             RemarkKind::Damaged(reason) => Some((&*self.frame_names[remark.frame], &**reason)),
@@ -133,7 +134,7 @@ impl Burst {
         })
     }
 
-    /// Which frames are damaged.
+    /// Note on damaged frames.
     fn note_of_damaged(&self) -> Option<String> {
         let damaged: Vec<String> = self.damaged_frames().map(|(name, reason)| format!("{name} ({reason})")).collect();
         let count = damaged.len();
@@ -142,7 +143,7 @@ impl Burst {
         (count > 0).then_some(text)
     }
 
-    /// Which frames are of another kind than their names say.
+    /// Note on frames of another kind than their extensions name.
     fn note_of_misnamed(&self) -> Option<String> {
         let misnamed: Vec<String> = self
             .remarks
@@ -162,7 +163,7 @@ impl Burst {
     }
 }
 
-/// The first few of `items`.
+/// Text of the first three of `items`.
 fn list(items: &[String]) -> String {
     const FEW: usize = 3;
     let more = if items.len() > FEW { ", …" } else { "" };
@@ -192,7 +193,7 @@ mod tests {
         ] {
             assert_eq!(suggested_full_scale(&[frame(values)], &options), expected, "{values:?}");
         }
-        // One bright frame among dark ones tells.
+        // One bright frame among dark ones is enough.
         assert_eq!(suggested_full_scale(&[frame(&[3.0]), frame(&[40_001.0])], &options), None);
         let given = OpenOptions { full_scale: Some(4095.0), ..options };
         assert_eq!(suggested_full_scale(&[frame(&[3.0])], &given), None);

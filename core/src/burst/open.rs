@@ -1,4 +1,4 @@
-//! Opening a burst: which files, in what order, decoded in parallel, less the bias, in units of full scale.
+//! Opening of a burst: finds the files, decodes them in parallel and calibrates the values to fractions of full scale.
 
 use super::Burst;
 use super::calibrate::{Calibration, Levels, check_bias, gain, mean_in_unit_of};
@@ -19,7 +19,7 @@ impl Burst {
     /// Opens a folder of frames, a picture, a multi-page TIFF or a `.npy` stack with the default options.
     ///
     /// # Errors
-    /// See [`OpenError`]; every message names the file and what to do.
+    /// See [`OpenError`]; every message names the file and a remedy.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
@@ -41,7 +41,8 @@ impl Burst {
     /// **Damaged files.** The sizes that a file announces are compared with its length before it is decoded. Raw files,
     /// and pictures whose decoding takes much memory, are decoded by a [`super::DecodeWorker`] where one is installed.
     ///
-    /// Frames are decoded in parallel; `monitor` hears of every frame and is asked before each.
+    /// Frames are decoded in parallel; progress is reported to `monitor` for every frame, and cancellation checked
+    /// before each.
     ///
     /// # Errors
     /// See [`OpenError`]. Of several faulty frames the first is named.
@@ -80,7 +81,7 @@ impl Burst {
     }
 }
 
-/// The bias and the gain that the options name, in the burst's unit.
+/// Bias and gain from the files that the options name, in the burst's unit.
 fn calibration(
     burst: &RawBurst,
     levels: Levels,
@@ -88,7 +89,7 @@ fn calibration(
     monitor: &Monitor,
 ) -> Result<Calibration, OpenError> {
     let mean = |path: &Path, kind| -> Result<_, OpenError> {
-        // Quiet, because its progress would begin anew after the burst's own.
+        // Quiet, because its progress would begin again after the burst's own.
         let frames = read(&[path.to_path_buf()], options, monitor, &|_| Ticker::quiet(monitor))?;
         Ok((mean_in_unit_of(&burst.frames, levels, &frames.frames, kind, path)?, frames.frames[0].scale))
     };
@@ -107,16 +108,16 @@ fn calibration(
     Ok(Calibration { bias, gain })
 }
 
-/// Frames as they come from the files.
+/// Decoded frames, before calibration.
 struct RawBurst {
     name: String,
     frames: Vec<RawFrame>,
     frame_names: Vec<String>,
-    /// The file of each frame, and its index there.
+    /// File of each frame, and the frame's index in it.
     origins: Vec<(PathBuf, usize)>,
 }
 
-/// `ticker` makes the counter for a number of frames.
+/// Decodes the burst that `inputs` name. `ticker` makes the counter for a number of frames.
 fn read<'a>(
     inputs: &[PathBuf],
     options: &OpenOptions,
@@ -171,7 +172,7 @@ fn read<'a>(
     Ok(RawBurst { name: source.name, frames, frame_names, origins })
 }
 
-/// Whether the frames' values have a unit in common; `path` names a frame.
+/// Checks that the frames' values have a common unit; `path` gives the path of a frame.
 fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<(), OpenError> {
     let Some((first, others)) = frames.split_first() else { return Ok(()) };
     for (t, frame) in others.iter().enumerate() {
@@ -179,7 +180,7 @@ fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize
         if first_kind != kind || first.binning != frame.binning {
             return Err(OpenError::MixedSamples { first: path(0), path: path(t + 1) });
         }
-        // A full scale of one's own is a value of all files alike.
+        // A given full scale is a value of all files alike.
         let (first_samples, samples) = (first.scale.samples(), frame.scale.samples());
         if first_samples != samples && options.full_scale.is_none() {
             return Err(OpenError::MixedBits { first: path(0), first_samples, path: path(t + 1), samples });
@@ -192,7 +193,7 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Fails over the first value that the bias or a tiny full scale has driven out of the range of `f32`.
+/// Fails at the first value that the bias or a tiny full scale has driven out of the range of `f32`.
 fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result<(), OpenError> {
     let bad = frames.par_iter().map(|plane| plane.data().iter().position(|v| !v.is_finite())).collect::<Vec<_>>();
     for ((plane, (path, frame)), index) in frames.iter().zip(origins).zip(bad) {

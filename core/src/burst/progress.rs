@@ -5,7 +5,7 @@ use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Counts frames as they are done, from any thread.
+/// Counter of finished frames, for use from any thread.
 pub(super) struct Ticker<'a> {
     monitor: &'a Monitor,
     done: AtomicUsize,
@@ -14,27 +14,27 @@ pub(super) struct Ticker<'a> {
 }
 
 impl<'a> Ticker<'a> {
-    /// Reports to `monitor` the fraction of `total` frames.
+    /// Counter that reports the finished fraction of `total` frames to `monitor`.
     pub(super) fn new(monitor: &'a Monitor, total: usize) -> Self {
         Self { monitor, done: AtomicUsize::new(0), total, quiet: false }
     }
 
-    /// Hears of cancelling, but reports nothing.
+    /// Counter that checks for cancellation, but reports nothing.
     pub(super) fn quiet(monitor: &'a Monitor) -> Self {
         Self { quiet: true, ..Self::new(monitor, 0) }
     }
 
-    /// The monitor that is asked and told.
+    /// The monitor for cancellation and reports.
     pub(super) fn monitor(&self) -> &'a Monitor {
         self.monitor
     }
 
-    /// Fails once the user cancelled.
+    /// Fails once the user has cancelled.
     pub(super) fn check(&self) -> Result<(), OpenError> {
         Ok(self.monitor.check()?)
     }
 
-    /// One frame more is done.
+    /// Counts one more finished frame.
     pub(super) fn tick(&self) {
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
         if !self.quiet {
@@ -43,8 +43,8 @@ impl<'a> Ticker<'a> {
     }
 }
 
-/// `f(0) … f(count − 1)` in parallel. When several fail, the answer is the failure of the lowest index, whatever the
-/// number of threads, so that a person who mends one file after the other sees them in order.
+/// Computes `f(0) … f(count − 1)` in parallel. When several fail, the error is that of the lowest index, whatever the
+/// number of threads, so that a user who mends one file after the other sees them in order.
 pub(super) fn in_order<T: Send>(
     count: usize,
     f: impl Fn(usize) -> Result<T, OpenError> + Sync,
@@ -64,7 +64,7 @@ pub(super) fn in_order<T: Send>(
             Some(answer)
         })
         .collect();
-    // What was left out lies behind a failure, so `flatten` never skips anything before the first error.
+    // Skipped items come after a failure, so `flatten` never drops one before the first error.
     answers.into_iter().flatten().collect()
 }
 

@@ -1,5 +1,5 @@
-//! A long sequence of frames, cut into bursts: a robot that films all the way has no folders of bursts, but every N
-//! frames of its film are one.
+//! Cutting of a long sequence of frames into bursts: a robot that records all the way has no folders of bursts, but
+//! every N frames of its recording are one.
 //!
 //! The cut is between files, and no pixel is read: each burst lists its own frames and is opened alone.
 
@@ -9,7 +9,7 @@ use super::source::{BurstSource, is_stack, make_names_unique, stem};
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// How a sequence is cut: how many frames a burst has, and how far apart bursts begin.
+/// Lengths of a cut: the frames of a burst, and the distance between the starts of bursts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SequenceCut {
     length: usize,
@@ -18,11 +18,11 @@ pub struct SequenceCut {
 
 impl SequenceCut {
     /// Bursts of `length` frames; each begins `step` frames after the one before. Without a step they follow one
-    /// another: each frame is in one burst. With a smaller one they overlap, with a larger one frames between them are
-    /// left out.
+    /// another: each frame is in one burst. With a step below `length` they overlap, with one above it frames between
+    /// them are left out.
     ///
     /// # Errors
-    /// [`OpenError::Cut`] when either is 0.
+    /// [`OpenError::Cut`] if either is 0.
     pub fn new(length: usize, step: Option<usize>) -> Result<Self, OpenError> {
         let step = step.unwrap_or(length);
         if length == 0 || step == 0 {
@@ -51,12 +51,12 @@ impl SequenceCut {
 
 /// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order.
 ///
-/// A burst is named after its middle frame (of N frames that with index N/2, which is also the frame that SIFT on one
-/// frame looks at), so that what is found in it can be put beside what is known of that frame, such as the camera's
-/// pose. Whoever cuts several sequences tells them apart by [`name_among_several`].
+/// A burst is named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses), so
+/// that its features can be compared with data on that frame, such as the camera's pose. For bursts of several
+/// sequences, [`name_among_several`] makes the names differ.
 ///
 /// # Errors
-/// A folder that cannot be read; a sequence that is shorter than one burst; a stack, whose frames are in one file.
+/// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
 pub fn cut_sequence(sequence: &BurstSource, cut: SequenceCut) -> Result<Vec<BurstSource>, OpenError> {
     let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f)) {
@@ -72,7 +72,7 @@ pub fn cut_sequence(sequence: &BurstSource, cut: SequenceCut) -> Result<Vec<Burs
     Ok(bursts)
 }
 
-/// The name of a burst of one of several sequences.
+/// Name of a burst of one of several sequences.
 pub fn name_among_several(sequence: &str, burst: &str) -> String {
     format!("{sequence}_{burst}")
 }

@@ -1,14 +1,14 @@
-//! What an input names: one burst, or several.
+//! Finding of the bursts that an input names.
 //!
 //! A folder that holds pictures is a burst. A folder that holds none, but has subfolders that do, is a dataset: each of
 //! those subfolders is a burst; so is a folder of bursts beside which fewer pictures lie than it has bursts, such as a
-//! preview. Such stray pictures are told apart. A folder that cannot be read stands in the answer as a burst, whose
-//! opening says what is wrong with it: one bad entry does not hide the others. A multi-page TIFF or a `.npy` stack
-//! alone is a burst; several stacks, given together or lying in one folder, are several bursts. Several single pictures
-//! are the frames of one burst.
+//! preview. Such stray pictures are listed apart. A subfolder that cannot be read is listed as a burst, whose opening
+//! gives the error: one bad entry does not hide the others. A multi-page TIFF or a `.npy` stack alone is a burst;
+//! several stacks, given together or lying in one folder, are several bursts. Several single pictures are the frames of
+//! one burst.
 //!
-//! A folder is read in natural order (`frame_2` before `frame_10`). Files that are named one by one keep the order in
-//! which they are named, so that frames can be put in order by hand.
+//! A folder is read in natural order (`frame_2` before `frame_10`). Files named one by one keep the order in which they
+//! are named, so that frames can be ordered by hand.
 
 use super::decode;
 use super::error::OpenError;
@@ -17,20 +17,20 @@ use std::cmp::Ordering;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// One burst among an input: its name, and the paths to hand to [`Burst::open_with`](super::Burst::open_with).
+/// One burst of an input: its name, and the paths for [`Burst::open_with`](super::Burst::open_with).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BurstSource {
-    /// The folder's or the stack's name without its extension. Unique within one answer of [`find_bursts`].
+    /// Name of the folder, or of the stack without its extension. Unique in one result of [`find_bursts`].
     pub name: String,
     /// A folder, a stack, or the frames in time order.
     pub paths: Vec<PathBuf>,
 }
 
 impl BurstSource {
-    /// The files that hold its frames: those of its folder in natural order, or its paths.
+    /// Files with its frames: those of its folder in natural order, or its paths.
     ///
     /// # Errors
-    /// A folder that cannot be read.
+    /// The folder cannot be read.
     pub fn files(&self) -> Result<Vec<PathBuf>, OpenError> {
         match &self.paths[..] {
             [folder] if folder.is_dir() => pictures_of_folder(folder),
@@ -39,7 +39,7 @@ impl BurstSource {
     }
 }
 
-/// The endings (lower case, without a dot) of files that are taken for pictures in a folder.
+/// Extensions (lower case, without a dot) of files that are taken for pictures in a folder.
 pub fn supported_extensions() -> Vec<&'static str> {
     let raw = if cfg!(feature = "raw") { decode::RAW_EXTENSIONS } else { &[] };
     [PICTURE_EXTENSIONS, raw].concat()
@@ -48,8 +48,8 @@ pub fn supported_extensions() -> Vec<&'static str> {
 const PICTURE_EXTENSIONS: &[&str] =
     &["png", "tif", "tiff", "npy", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"];
 
-/// The bursts that `inputs` name, in natural order (folders and stacks that are named one by one keep their order).
-/// Reads folders and the headers of possible stacks, no pixels.
+/// Bursts that `inputs` name, in natural order (folders and stacks named one by one keep their order). Reads folders
+/// and the headers of possible stacks, no pixels.
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
@@ -57,7 +57,7 @@ pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
     Ok(find_entries(inputs)?.bursts)
 }
 
-/// What an input names.
+/// Bursts and stray pictures of an input.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Entries {
     /// The bursts.
@@ -66,7 +66,7 @@ pub struct Entries {
     pub strays: Vec<PathBuf>,
 }
 
-/// The same as [`find_bursts`], with what belongs to no burst.
+/// Finds bursts as [`find_bursts`], and the pictures that belong to none.
 ///
 /// # Errors
 /// As [`find_bursts`].
@@ -104,7 +104,7 @@ pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
     Ok(entries)
 }
 
-/// The pictures of a folder, in natural order. Hidden files and files of other kinds are left out.
+/// Pictures of a folder, in natural order. Hidden files and files of other kinds are left out.
 fn pictures_of_folder(folder: &Path) -> Result<Vec<PathBuf>, OpenError> {
     Ok(list(folder)?.0)
 }
@@ -119,7 +119,7 @@ fn entries_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Entrie
         for subfolder in &subfolders {
             match entries_of_folder(subfolder, false) {
                 Ok(found) => bursts.extend(found.bursts),
-                // Whoever opens it hears why.
+                // Opening it gives the error.
                 Err(_) => bursts.push(folder_source(subfolder)),
             }
         }
@@ -154,7 +154,7 @@ fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstSource>, OpenError> {
     Ok(vec![BurstSource { name, paths: files }])
 }
 
-/// Whether the file holds more than one frame. A file that cannot be read is none: opening it says what is wrong.
+/// Whether the file holds more than one frame. False for a file that cannot be read: opening it gives the error.
 pub(super) fn is_stack(path: &Path) -> bool {
     decode::frame_count(path).is_ok_and(|frames| frames > 1)
 }
@@ -167,7 +167,7 @@ pub(super) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "burst".into(), |s| path_text(Path::new(s)))
 }
 
-/// The name of a folder, also of `.` or `a/..`.
+/// Name of a folder, also of `.` or `a/..`.
 pub(super) fn folder_name(folder: &Path) -> String {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let named = |p: &Path| p.file_name().map(|s| path_text(Path::new(s)));
@@ -184,7 +184,7 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), OpenError> {
             continue;
         }
         let path = entry.path();
-        // Follows links. A link to nowhere that is named like a picture counts as one, so that opening names it.
+        // Follows links. A broken link with a picture's extension counts as a picture, so that opening names it.
         match std::fs::metadata(&path) {
             Ok(metadata) if metadata.is_dir() => subfolders.push(path),
             _ if has_picture_extension(&path) => pictures.push(path),
@@ -201,15 +201,15 @@ fn has_picture_extension(path: &Path) -> bool {
     extension.is_some_and(|e| supported_extensions().contains(&&*e))
 }
 
-/// Natural order of file names; names that differ only in leading zeros are told apart by their bytes, so that the
-/// order never depends on the file system.
+/// Natural order of file names; names that differ only in leading zeros are ordered by their bytes, so that the order
+/// never depends on the file system.
 pub(super) fn natural_order(a: &Path, b: &Path) -> Ordering {
     let name = |p: &Path| p.file_name().unwrap_or_default().to_os_string();
     alphanumeric_sort::compare_os_str(name(a), name(b)).then_with(|| a.cmp(b))
 }
 
-/// Numbers the second and later bursts of one name, so that their exports do not overwrite each other (letter case does
-/// not tell files apart everywhere).
+/// Numbers the second and later bursts of one name, so that their exports do not overwrite each other. Letter case is
+/// ignored, as some file systems do.
 pub(super) fn make_names_unique(sources: &mut [BurstSource]) {
     let mut taken = HashSet::new();
     for source in sources {
@@ -236,7 +236,7 @@ mod tests {
     }
 
     proptest! {
-        // Sorting may panic, and would depend on the file system, if this were not a total order.
+        // If this were not a total order, sorting could panic, and would depend on the file system.
         #[test]
         fn natural_order_is_total(names in prop::array::uniform3("[0-9a_.é٣\u{ff11}-]{0,6}|[0-9]{15,25}")) {
             let [a, b, c] = names.each_ref().map(Path::new);

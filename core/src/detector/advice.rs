@@ -1,59 +1,60 @@
-//! Why a detection found nothing, or little, or most of it at the limit of the slopes, and the one setting to change.
+//! Advice on a detection with few or no features, or most of them at the slope limit: the reason, and a setting to
+//! change.
 //!
-//! The tally says what each test rejected, but a good detection rejects nearly everything too: most samples are noise,
-//! and of every hundred above it most belong to the flank of some blob. So each test is held against what it usually
-//! takes of the candidates that reach it; the one that took most beyond that is to blame.
+//! The tally counts what each test rejected, but a good detection rejects nearly everything too: most samples are
+//! noise, and of every hundred above it most belong to the flank of some blob. So each test's share of rejected
+//! candidates is compared with its usual one; the test that exceeds it most is to blame.
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, ParamDoc, doc};
 use crate::detector::params::slope_grid::{SlopeAxis, SlopeGrid};
 
-/// What went wrong, in numbers, and the one setting to change.
+/// Reason for a poor detection, and a setting to change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice {
-    /// What happened: a clause without a capital at its start or a full stop at its end.
+    /// The reason: a clause without a capital at its start or a full stop at its end.
     pub problem: String,
-    /// The parameter to change.
+    /// Parameter to change.
     pub parameter: ParamDoc,
-    /// The value to give it, as the command line takes it.
+    /// Its new value, as the command line takes it.
     pub value: String,
 }
 
 impl Advice {
-    /// The sentence for a command: names the option.
+    /// Sentence for the command line, which names the option.
     pub fn for_command(&self) -> String {
         format!("{}; try --{} {}", self.problem, self.parameter.name, self.value)
     }
 
-    /// The sentence for the window: names the parameter as the window does.
+    /// Sentence for the window, which names the parameter by its label.
     pub fn for_window(&self) -> String {
         format!("{}; try {} {}", capitalised(&self.problem), self.parameter.label, self.value)
     }
 }
 
-/// Fewer features than this many in a million pixels are little.
+/// Fewer features than this in a million pixels are too few.
 const LITTLE_PER_MEGAPIXEL: f64 = 50.0;
-/// Fewer features than this are little in an image of any size.
+/// Fewer features than this are too few in an image of any size.
 const LITTLE: usize = 8;
-/// The slope limit is only spoken of when there are this many features at least.
+/// Number of features from which on the slope limit is mentioned.
 const FEATURES_FOR_LIMIT: usize = 10;
-/// At least this share of all features lies at the limit, when the range is said to be too narrow,
+/// The slope range is called too narrow if at least this share of all features lies at the limit,
 const LIMIT_SHARE: f64 = 0.5;
-/// and at least this many times the share of the grid's slopes that are on its rim: many are where the grid is small.
+/// and at least this many times the share of the grid's slopes that are on its rim, which is large for small grids.
 const LIMIT_OVER_CHANCE: f64 = 1.4;
-/// Samples above both thresholds that a feature costs, at least: of 650 to 1000 one became a keypoint wherever
+/// Minimum number of samples above both thresholds for one feature: one of 650 to 1000 became a keypoint wherever
 /// [`usual_share`] was measured.
 const SAMPLES_PER_FEATURE: u64 = 500;
-/// A test that lets less than this part of its usual share pass is to blame.
+/// A test that lets pass less than this fraction of its usual share is to blame.
 const BLAMED_BELOW: f64 = 0.5;
-/// A gate that rejects less than this share of what reaches it has little noise to reject: the peak threshold before it
-/// took that already.
+/// Gate's share of rejected samples below which it had little noise to reject, because the peak threshold before it
+/// took that.
 const GATE_REJECTS_NOISE: f64 = 0.999;
-/// Below this factor the noise gate lets so much noise through that lowering it further is no help.
+/// Gate factor below which so much noise passes that lowering it further does not help.
 const LOWEST_GATE: f32 = 4.0;
 
-/// Why `detection`, found with `params` in images of `size` (columns, rows), has nothing or little in it, or most of it
-/// at the slope limit; `None` where it has enough, or where few were asked for.
+/// Explains why `detection`, found with `params` in images of `size` (columns, rows), has few or no features, or most
+/// of them at the slope limit; `None` where it has enough, or where the parameters ask for few.
 pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usize)) -> Option<Advice> {
     let found = detection.features.len();
     let wanted = LITTLE.max((LITTLE_PER_MEGAPIXEL * 1e-6 * size.0 as f64 * size.1 as f64) as usize);
@@ -71,7 +72,7 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
     little(&what, wanted as u64, &detection.tally, params, detection.noise_gate_factor)
 }
 
-/// The advice where most features lie at the slope limit.
+/// Advice where most features lie at the slope limit.
 fn at_limit(detection: &Detection) -> Option<Advice> {
     // The stronger half: a strong blob beyond the range also leaves weaker smears of itself at all other slopes.
     let (features, grid) = (&detection.features[..detection.features.len().div_ceil(2)], &detection.slopes);
@@ -97,7 +98,7 @@ fn at_limit(detection: &Detection) -> Option<Advice> {
         (doc::SLOPES_V, grid.v, -1.0, at(&|_, j| j == 0)),
         (doc::SLOPES_V, grid.v, 1.0, at(&|_, j| j + 1 == grid.v.count)),
     ];
-    // The last of equals is never chosen by chance: sides are compared in their order.
+    // Of equal counts the first side is taken.
     let (parameter, axis, side, there) =
         sides.into_iter().filter(|(_, axis, ..)| axis.count > 1).reduce(|a, b| if b.3 > a.3 { b } else { a })?;
     let end = if side < 0.0 { axis.min } else { axis.max };
@@ -109,15 +110,15 @@ fn at_limit(detection: &Detection) -> Option<Advice> {
     Some(Advice { problem, parameter, value: widened(axis, side < 0.0, side > 0.0).to_string() })
 }
 
-/// The axis with half its width more below its least slope, above its largest, or both, in whole steps.
+/// Widens the axis by half its width below its smallest slope, above its largest, or both, in whole steps.
 fn widened(axis: SlopeAxis, below: bool, above: bool) -> SlopeAxis {
     let more = axis.count.saturating_sub(1).div_ceil(2).max(1);
     axis.with_more(more * usize::from(below), more * usize::from(above))
 }
 
-/// The share of the candidates that pass a test in a detection that finds enough. Measured without a peak threshold on
-/// a chart, the demo, two trajectories and two real scenes, all dark: they differ by a fifth at most, by a third for
-/// slopes. `None` for the thresholds, which are judged by themselves, and for what only cuts a list.
+/// Usual share of the candidates that pass a test, in a detection that finds enough. Measured without a peak threshold
+/// on a chart, the demo, two trajectories and two real scenes, all dark: they differ by a fifth at most, by a third for
+/// slopes. `None` for the thresholds, which are judged apart, and for the maximum number of features.
 fn usual_share(test: Test) -> Option<f64> {
     match test {
         Test::PeakThreshold | Test::NoiseGate | Test::MaxFeatures => None,
@@ -131,7 +132,7 @@ fn usual_share(test: Test) -> Option<f64> {
     }
 }
 
-/// The advice where there is nothing or little.
+/// Advice where there are few or no features.
 fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate: f32) -> Option<Advice> {
     let advice = |problem: String, parameter: ParamDoc, value: String| Some(Advice { problem, parameter, value });
     if tally.samples == 0 {
@@ -172,7 +173,8 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
     advice(took(test, reached), parameter, value)
 }
 
-/// The test after the thresholds that took most beyond what it usually takes, and how many candidates reached it.
+/// The test after the thresholds whose share of rejections most exceeds the usual one, and how many candidates reached
+/// it.
 fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     let mut reached = tally.samples;
     let mut worst: Option<(f64, Test, u64)> = None;
@@ -189,15 +191,15 @@ fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     worst.map(|(_, test, reached)| (test, reached))
 }
 
-/// What to change when `test` took too much; `None` where no setting would help.
+/// Setting to change where `test` rejected too much; `None` where none would help.
 fn remedy(test: Test, params: &DetectorParams) -> Option<(ParamDoc, String)> {
     match test {
         Test::PeakThreshold | Test::InterpolatedContrast => {
             (params.peak_threshold > 0.0).then(|| (doc::PEAK_THRESHOLD, "0".to_owned()))
         }
         Test::NoiseGate => Some((doc::NOISE_GATE, LOWEST_GATE.to_string())),
-        // More levels make neighbours more alike in scale, fewer tell them apart; what wanders off in the refinement
-        // lies between two.
+        // More levels make neighbours more alike in scale, fewer make them differ; a candidate that moves away in the
+        // refinement lies between two levels.
         Test::ScaleExtremum | Test::Refinement => {
             Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
         }

@@ -4,15 +4,16 @@
 //! neighbouring levels and octaves too. Two keypoints with nearly the same descriptor make each other's matches
 //! ambiguous, so that the ratio test rejects both. So, from the strongest to the weakest: a keypoint stays unless it
 //! lies within [`Rule::radius`] σ of one that stayed, σ being the stronger one's, and their scales differ by at most
-//! [`Rule::scale_ratio`]. What was removed removes nothing. The strongest keypoint of a blob so chooses its slope. Two
-//! blobs that pass each other at one place both stay, if the frames say so: who calls this judges that.
+//! the factor [`Rule::scale_ratio`]. A removed keypoint removes no other. So the strongest keypoint of a blob
+//! determines its slope. Two blobs that pass each other at one place both stay if the frames show two motions; the
+//! caller decides that.
 
 use super::keypoint::Keypoint;
 use crate::detector::scale_space::levels::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
-/// When a weaker keypoint is taken for the same blob as a stronger one.
+/// Rule by which a weaker keypoint is taken for the same blob as a stronger one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
     /// Largest distance in σ of the stronger one; above 0.
@@ -21,7 +22,7 @@ pub struct Rule {
     pub scale_ratio: f32,
 }
 
-/// A keypoint as this step sees it.
+/// Place, scale and rank of a keypoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blob {
     /// Column, input pixels.
@@ -30,17 +31,17 @@ pub struct Blob {
     pub v: f32,
     /// Scale, input pixels; above 0.
     pub sigma: f32,
-    /// The larger the stronger.
+    /// Rank; a stronger keypoint has a larger one.
     pub rank: f32,
 }
 
 impl Blob {
-    /// A keypoint of a search over the scales of `space`.
+    /// Blob of a keypoint of a search over the scales of `space`.
     ///
     /// It is ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies
-    /// between them at little loss to either (docs/MEASUREMENTS.md). The noise is that at the refined scale, as 1/σ
-    /// from the level's: by the level's own, a smear whose best sample is one level coarser would win over the sharp
-    /// blob, because noise falls from level to level. Without noise it is ranked by |D|.
+    /// between them at little loss to either (docs/MEASUREMENTS.md). The noise is that at the refined scale, scaled as
+    /// 1/σ from the level's: with the level's own, a smear whose best sample is one level coarser would win over the
+    /// sharp blob, because noise falls from level to level. Without noise it is ranked by |D|.
     pub fn of(keypoint: &Keypoint, space: &ScaleSpace) -> Self {
         let (u, v, sigma) = keypoint.in_image();
         let magnitude = keypoint.value.abs();
@@ -60,9 +61,8 @@ impl Blob {
     }
 }
 
-/// Of the blobs that `stay`, the strongest that would remove `blob`, which is none of them: what [`covered_by`] would
-/// answer for it if its place in the order were after all that are at least as strong. `both_stay` as there, of the
-/// stronger one.
+/// Strongest of the blobs `stay` that would remove `blob`, which is none of them: the result of [`covered_by`] if
+/// `blob` came after all blobs that are at least as strong. `both_stay`, called with the stronger one, is as there.
 pub fn would_cover(
     blob: &Blob,
     stay: impl Iterator<Item = (usize, Blob)>,
@@ -74,17 +74,17 @@ pub fn would_cover(
         .map(|(index, _)| index)
 }
 
-/// So many blobs are asked at once whether those before them cover them.
+/// Number of blobs that are compared in parallel with the blobs before them.
 const BLOCK: usize = 512;
 
 /// For each blob the index of the strongest one that stayed and covers it; `None` for those that stay. Of equally
-/// strong blobs the first one goes first. `both_stay(stronger, weaker)` is asked whether two that lie so near are
-/// different things all the same.
+/// strong blobs the first one goes first. `both_stay(stronger, weaker)` tells whether two that lie so near are separate
+/// structures all the same.
 ///
 /// Time grows in proportion to the number of blobs: those that stayed are kept in cells by scale and place. Blobs are
-/// taken in blocks. What stayed of earlier blocks is stronger than a whole block, so that all of the block can be held
-/// against it at once, on all threads; only who is covered by none of those is held against its own block, one after the
-/// other. The answer is that of one after the other throughout.
+/// taken in blocks. Those that stayed of earlier blocks are stronger than a whole block, so all of the block is
+/// compared with them in parallel; only blobs that none of those covers are compared with their own block, one after
+/// the other. The result is that of comparing one after the other throughout.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -115,41 +115,41 @@ pub fn covered_by(
     Ok(out)
 }
 
-/// No blob.
+/// Marker for no blob.
 const NONE: u32 = u32::MAX;
 
-/// Smallest ratio of the scales that one grid holds.
+/// Smallest ratio between the ends of a grid's range of scales.
 const MIN_CLASS_RATIO: f32 = 1.2;
 
-/// The blobs of one range of scales that stayed, in square cells at least as wide as the farthest that one of them
-/// covers.
+/// Blobs of one range of scales that stayed, in square cells at least as wide as the largest distance at which one of
+/// them covers another.
 struct Grid {
     /// Side of a cell, input pixels.
     side: f32,
     columns: usize,
     rows: usize,
-    /// The last blob inserted into each cell; empty until one is.
+    /// The last blob inserted into each cell; empty before the first insertion.
     last: Vec<u32>,
 }
 
-/// The blobs that stayed.
+/// The blobs that stayed, by scale and place.
 struct Cells<'b> {
     blobs: &'b [Blob],
     rule: Rule,
-    /// Place of the first cell.
+    /// Position of the first cell, input pixels.
     start: (f32, f32),
-    /// The smallest scale.
+    /// Smallest scale, input pixels.
     sigma_min: f32,
-    /// By scale: grid k holds scales from r^k to r^(k+1) times the smallest, r being [`Cells::class_ratio`].
+    /// Grids by scale: grid k holds scales from r^k to r^(k+1) times the smallest, r being [`Cells::class_ratio`].
     grids: Vec<Grid>,
-    /// The blob that was inserted before into the same cell.
+    /// For each blob, the one inserted before it into its cell.
     before: Vec<u32>,
-    /// The place of each blob in the order of strength, in which they are inserted: 0 for the strongest.
+    /// Position of each blob in the order of strength, in which they are inserted: 0 for the strongest.
     place: Vec<u32>,
 }
 
 impl<'b> Cells<'b> {
-    /// No blob yet; they come in `order`.
+    /// Empty cells for blobs that will be inserted in `order`.
     fn new(blobs: &'b [Blob], rule: Rule, order: &[usize]) -> Self {
         let range = |of: fn(&Blob) -> f32| {
             blobs.iter().map(of).fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)))
@@ -167,7 +167,7 @@ impl<'b> Cells<'b> {
         let (width, height) = (u1 - u0, v1 - v0);
         for (k, blobs_of_class) in population.into_iter().enumerate() {
             let reach = rule.radius * s0 * cells.class_ratio().powi(k as i32 + 1);
-            // Cells may be wider than that: about one a blob, however small the radius.
+            // Cells may be wider than the reach: about one a blob, however small the radius.
             let cells_of_class = blobs_of_class.max(1) as f32;
             let one_a_blob = (width * height / cells_of_class).sqrt().max(width.max(height) / cells_of_class);
             let side = reach.max(one_a_blob);
@@ -177,13 +177,13 @@ impl<'b> Cells<'b> {
         cells
     }
 
-    /// Ratio of the largest to the smallest scale of a class: that of the rule, or a larger one, so that there are few
-    /// classes also where the rule's ratio is close to 1.
+    /// Ratio of the largest to the smallest scale of a class: the rule's ratio, or a larger one, so that there are few
+    /// classes even where the rule's ratio is close to 1.
     fn class_ratio(&self) -> f32 {
         self.rule.scale_ratio.max(MIN_CLASS_RATIO)
     }
 
-    /// Which grid holds scale `sigma`.
+    /// Index of the grid for scale `sigma`.
     fn scale_class(&self, sigma: f32) -> usize {
         ((sigma / self.sigma_min).ln() / self.class_ratio().ln()).max(0.0) as usize
     }
@@ -204,11 +204,11 @@ impl<'b> Cells<'b> {
         self.before[index] = std::mem::replace(last, index as u32);
     }
 
-    /// Of the blobs that stayed and have at least place `from` in the order, the strongest that covers blob `index`.
+    /// Strongest blob that covers blob `index`, of those that stayed and have at least position `from` in the order.
     fn covering(&self, index: usize, from: usize, both_stay: &impl Fn(usize, usize) -> bool) -> Option<usize> {
         let blob = &self.blobs[index];
         let class = self.scale_class(blob.sigma);
-        // Scales within the ratio lie at most one class away; one more on each side allows for rounding.
+        // Scales within the ratio are at most one class away; one more on each side allows for rounding.
         let classes = class.saturating_sub(2)..(class + 3).min(self.grids.len());
         let mut near: Vec<u32> = Vec::new();
         for grid in self.grids[classes].iter().filter(|grid| !grid.last.is_empty()) {
@@ -226,7 +226,7 @@ impl<'b> Cells<'b> {
                 }
             }
         }
-        // Whether two are different things takes long to say, so the strongest are asked first.
+        // `both_stay` is slow, so the strongest are tested first.
         near.sort_unstable_by_key(|&other| self.place[other as usize]);
         near.into_iter().map(|other| other as usize).find(|&other| !both_stay(other, index))
     }
@@ -247,7 +247,7 @@ mod tests {
         super::covered_by(blobs, rule, both_stay, &Monitor::default()).expect("nobody cancels it")
     }
 
-    /// The definition: from the strongest to the weakest, every one that stayed is asked.
+    /// The definition: from the strongest to the weakest, each is compared with all that stayed.
     fn by_definition(blobs: &[Blob], rule: Rule, both_stay: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
         let mut order: Vec<usize> = (0..blobs.len()).collect();
         order.sort_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn different_things_at_one_place_both_stay_and_each_removes_its_own() {
         let at = |rank| blob(10.0, 20.0, 4.0, rank);
-        // Even and odd ones are different things.
+        // Even and odd ones are separate structures.
         let differ = |a: usize, b: usize| a % 2 != b % 2;
         let all = [at(9.0), at(8.0), at(7.0), at(6.0)];
         assert_eq!(covered_by(&all, RULE, differ), [None, None, Some(0), Some(1)]);

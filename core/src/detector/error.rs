@@ -1,15 +1,15 @@
-//! Why a detection gives no answer.
+//! Errors of a detection.
 
 use super::params::ParamError;
 use crate::monitor::Cancelled;
 
-/// Why there is no detection.
+/// Reason why there is no detection.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DetectError {
     /// A parameter makes no sense for this burst.
     #[error(transparent)]
     Param(#[from] ParamError),
-    /// It was cancelled.
+    /// The detection was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

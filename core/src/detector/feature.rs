@@ -1,4 +1,4 @@
-//! What the detector answers: features, their descriptors, and the tally of what was rejected where.
+//! Results of the detector: features, their descriptors, and the tally of rejected samples.
 
 use super::keypoint::strength;
 use super::noise_model::NoiseModel;
@@ -14,13 +14,14 @@ pub struct Feature {
     pub v: f32,
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Radians, from +u towards +v, in (−π, π].
+    /// Orientation in radians, from +u towards +v, in (−π, π].
     pub orientation: f32,
     /// Apparent motion, pixels per frame, refined between the grid's slopes.
     pub slope: Slope,
     /// The interpolated DoG value with its sign, fraction of full scale; bright blobs are negative.
     pub response: f32,
-    /// |response| over the standard deviation of the noise in D at its octave and level; infinite for a noiseless burst.
+    /// |response| divided by the standard deviation of the noise in D at its octave and level; infinite for a noiseless
+    /// burst.
     pub snr: f32,
     /// Octave in which it was found; −1 is the doubled image.
     pub octave: i32,
@@ -34,7 +35,7 @@ pub struct Feature {
 }
 
 impl Feature {
-    /// By how much it stands out, for ranking: see [`strength`].
+    /// Strength for ranking: see [`strength`].
     pub fn strength(&self) -> f32 {
         strength(self.response, self.snr)
     }
@@ -44,13 +45,13 @@ impl Feature {
 /// orientations, L1-root normalised, ×512, clamped to 255, in UBC/COLMAP's order.
 pub type Descriptor = [u8; 128];
 
-/// The tests a sample of D goes through, in order.
+/// Tests of a sample of D, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Test {
-    /// |D| below (0.8 of) the peak threshold.
+    /// |D| is below 0.8 times the peak threshold.
     PeakThreshold,
-    /// |D| below the noise gate.
+    /// |D| is below the noise gate.
     NoiseGate,
     /// A neighbour in the image at its own slope and level is as strong.
     SpaceExtremum,
@@ -58,7 +59,7 @@ pub enum Test {
     ScaleExtremum,
     /// A neighbour at another slope is as strong.
     SlopeExtremum,
-    /// The quadratic fit did not settle.
+    /// The quadratic fit did not converge.
     Refinement,
     /// The interpolated |D| is below the peak threshold.
     InterpolatedContrast,
@@ -66,9 +67,9 @@ pub enum Test {
     Edge,
     /// The refined place is outside the image or the refined scale outside the octave.
     Outside,
-    /// The same blob as a stronger keypoint.
+    /// A stronger keypoint shows this blob.
     Duplicate,
-    /// Weaker than the strongest `max_features`.
+    /// The feature is weaker than the strongest `max_features`.
     MaxFeatures,
 }
 
@@ -88,7 +89,7 @@ impl Test {
         Self::MaxFeatures,
     ];
 
-    /// Why a sample failed this test, as a person would say it.
+    /// Reason why a sample failed this test, in words.
     pub fn reason(self) -> &'static str {
         match self {
             Self::PeakThreshold => "below the peak threshold",
@@ -106,20 +107,20 @@ impl Test {
     }
 }
 
-/// How many samples each test rejected.
+/// Numbers of samples that each test rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tally {
-    /// Samples of D that were examined: over all octaves the pixels (but for the outermost of each border, which have
-    /// no neighbours) × the levels that have one above and one below × the slopes.
+    /// Number of samples of D that were examined: over all octaves the pixels (except the outermost of each border,
+    /// which lack neighbours) × the levels that have one above and one below × the slopes.
     pub samples: u64,
-    /// Samples that each test rejected, in the order of [`Test::ALL`].
+    /// Number of samples that each test rejected, in the order of [`Test::ALL`].
     pub rejected: [u64; 11],
-    /// Keypoints that passed every test (before they were split by orientation).
+    /// Number of keypoints that passed every test (before they were split by orientation).
     pub kept: u64,
 }
 
 impl Tally {
-    /// Samples that `test` rejected.
+    /// Number of samples that `test` rejected.
     pub fn rejected_by(&self, test: Test) -> u64 {
         self.rejected[test as usize]
     }
@@ -139,41 +140,41 @@ impl Tally {
     }
 }
 
-/// Seconds spent in each stage of a detection, by the wall clock. Where threads search and describe at the same time,
-/// the time that passes is divided in proportion to what they spend on each.
+/// Wall-clock time spent in each stage of a detection, seconds. Where threads search and describe at once, the elapsed
+/// time is divided in proportion to the threads' time on each.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct StageTimes {
-    /// Estimating the noise.
+    /// Time for estimating the noise.
     pub noise_secs: f32,
-    /// Stacking, filtering and searching.
+    /// Time for stacking, filtering and searching.
     pub search_secs: f32,
-    /// Orientations and descriptors.
+    /// Time for localising, orientations and descriptors.
     pub describe_secs: f32,
 }
 
 impl StageTimes {
-    /// All stages together.
+    /// Sum over all stages.
     pub fn total_secs(&self) -> f32 {
         self.noise_secs + self.search_secs + self.describe_secs
     }
 }
 
-/// The answer of the detector.
+/// Result of the detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detection {
     /// Features, strongest first (by [`Feature::strength`], ties by place).
     pub features: Vec<Feature>,
-    /// One descriptor for each feature, in the same order.
+    /// One descriptor for each feature, in the features' order.
     pub descriptors: Vec<Descriptor>,
-    /// What was rejected where.
+    /// Numbers of samples that each test rejected.
     pub tally: Tally,
     /// Standard deviation of one frame's noise, fraction of full scale.
     pub frame_noise: f32,
-    /// What is known of the noise.
+    /// Noise model.
     pub noise: Arc<NoiseModel>,
-    /// The noise gate's factor that was used (derived, if it was automatic).
+    /// Noise gate's factor that was used (derived, if it was automatic).
     pub noise_gate_factor: f32,
-    /// The slopes that were searched.
+    /// Slopes that were searched.
     pub slopes: SlopeGrid,
     /// Indices of the frames that took part.
     pub frames_used: std::ops::Range<usize>,

@@ -1,4 +1,4 @@
-//! A keypoint: what the search finds, before it is localised, oriented and described.
+//! Keypoint: an extremum that the search found, before it is localised, oriented and described.
 
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::levels::octave_pixel;
@@ -21,9 +21,9 @@ pub struct Keypoint {
     pub sample: [u32; 2],
     /// Index in the slope grid.
     pub slope_index: usize,
-    /// The slope between those of the grid.
+    /// Slope, refined between those of the grid; pixels per frame.
     pub slope: Slope,
-    /// D.
+    /// D at the keypoint, fraction of full scale.
     pub value: f32,
     /// |D| over its noise; infinite for a noiseless burst.
     pub snr: f32,
@@ -36,17 +36,17 @@ impl Keypoint {
         (self.x * pixel, self.y * pixel, self.sigma_octave * pixel)
     }
 
-    /// By how much it stands out: see [`strength`].
+    /// Strength for ranking: see [`strength`].
     pub fn strength(&self) -> f32 {
         strength(self.value, self.snr)
     }
 }
 
-/// By how much a response stands out, for ranking: |response|·√snr, or |response| where the burst has no noise.
+/// Strength of a response for ranking: |response|·√snr, or |response| where the burst has no noise.
 ///
 /// Response alone puts noise at fine scales above large faint blobs; signal-to-noise alone puts the weak hollows
-/// between large blobs above everything. Their mix found most discs of the charts among 10 % of false features, over
-/// powers 0, ½, 1 and 2 of the snr.
+/// between large blobs above everything. Their product found most discs of the charts among 10 % of false features,
+/// over powers 0, ½, 1 and 2 of the snr.
 pub fn strength(response: f32, snr: f32) -> f32 {
     response.abs() * if snr.is_finite() { snr.sqrt() } else { 1.0 }
 }

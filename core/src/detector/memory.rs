@@ -1,9 +1,9 @@
-//! How much memory a search may take: what it needs is estimated before it starts, and one that would take more is done
-//! in groups of slopes, or refused where even that does not help.
+//! Memory limit of a search: its need is estimated before it starts, and a search that would take more is done in
+//! groups of slopes, or refused where even that takes too much.
 //!
-//! What grows with the search is what is held for every slope: the first level of each octave after the first, from
-//! which the next one is made and keypoints are described. Beside it there are the frames, as the noise model leaves
-//! them and at each octave's resolution, and the threads' windows of slopes, which have a bound of their own.
+//! The part that grows with the search is held for every slope: the first level of each octave after the first, from
+//! which the next one is made and keypoints are described. Besides, there are the frames, cleaned by the noise model
+//! and at each octave's resolution, and the threads' windows of slopes, which have a bound of their own.
 
 mod account;
 mod plan;
@@ -18,23 +18,23 @@ use super::scale_space::levels::{octave_size, searched_octaves};
 use crate::kernel::machine::{WINDOW_BYTES, WINDOWS_BYTES};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The part of the machine's memory that a search may take unless told otherwise.
+/// Part of the machine's memory that searches may take by default.
 pub const DEFAULT_PART: f64 = 0.75;
 
-/// The budget's name on the command line.
+/// Name of the budget on the command line.
 pub const OPTION: &str = "memory";
 
-/// Bytes; 0 for the default.
+/// Budget in bytes; 0 for the default.
 static BUDGET: AtomicU64 = AtomicU64::new(0);
 
-/// From now on the searches of this process may take `bytes` together; `None` is [`DEFAULT_PART`] of the machine's
-/// memory. Results do not depend on it: a search that would take more is done in groups of slopes, one after the other,
-/// or refused where even that takes more.
+/// Sets the memory that all searches of this process may take together, bytes; `None` is [`DEFAULT_PART`] of the
+/// machine's memory. Results do not depend on it: a search that would take more is done in groups of slopes, one after
+/// the other, or refused where even that takes more.
 pub fn set_budget(bytes: Option<u64>) {
     BUDGET.store(bytes.map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
 }
 
-/// What a search may take, bytes; `None` where nothing was set and the system does not say how much there is.
+/// Memory that searches may take, bytes; `None` where none was set and the machine's memory is not known.
 pub fn budget() -> Option<u64> {
     match BUDGET.load(Ordering::Relaxed) {
         0 => machine_bytes().map(|bytes| (bytes as f64 * DEFAULT_PART) as u64),
@@ -42,34 +42,34 @@ pub fn budget() -> Option<u64> {
     }
 }
 
-/// The part of the budget that is left to what detections leave behind for those who ask why, at most [`KEPT_BYTES`].
+/// Part of the budget for data that detections keep to explain their results, at most [`KEPT_BYTES`].
 const KEPT_PART: f64 = 0.125;
-/// As much as that is kept of at most, whatever the budget.
+/// Maximum of that data, whatever the budget, bytes.
 const KEPT_BYTES: u64 = 512 << 20;
 
-/// How much may be kept of what detections leave behind, bytes. A search that leaves something has the rest of the
-/// budget.
+/// Memory for data that detections keep to explain their results, bytes. A search that keeps such data has the rest of
+/// the budget.
 pub fn kept_bytes() -> u64 {
     budget().map_or(KEPT_BYTES, |budget| ((budget as f64 * KEPT_PART) as u64).min(KEPT_BYTES))
 }
 
-/// Checks before a burst is opened that the search of it will be possible: `frames` frames of `size` (columns, rows),
-/// of which `params` may leave some out, searched within [`budget`]. Where the slopes are to be found from the burst, a
-/// single slope is assumed, which is the least that a search holds.
+/// Checks, before a burst is opened, that its search will be possible: `frames` frames of `size` (columns, rows), of
+/// which `params` may leave some out, searched within [`budget`]. Where the slopes are to be found from the burst, a
+/// single slope is assumed, the fewest that a search holds.
 ///
 /// # Errors
-/// As the search itself: how much memory it needs at least, and what would make it less.
+/// As the search itself: the error gives the memory that it needs at least, and settings that need less.
 pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, usize)) -> Result<(), ParamError> {
     let mut detector = params.detector.clone();
     if params.slopes.is_auto() {
         detector.slopes = SlopeGrid::single(Slope::default());
     }
-    // A merge is one image by the time it is searched.
+    // A merge is a single image when it is searched.
     let frames = if detector.method == Method::Merge { 1 } else { detector.used_frames(frames).len() };
     Plan::new(&detector, frames, size, budget()).map(|_| ())
 }
 
-/// What a search with `params` needs beyond the burst itself if it is done for all slopes at once, about, in bytes:
+/// Estimates the memory that a search with `params` needs besides the burst if all slopes are searched at once, bytes;
 /// `frames` frames of `size` (columns, rows) take part.
 pub fn estimate(params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
     estimate_on(rayon::current_num_threads(), params, frames, size)
@@ -81,15 +81,15 @@ fn estimate_on(threads: usize, params: &DetectorParams, frames: usize, size: (us
     slopes.saturating_mul(bytes_of_slope(params, size)).saturating_add(bytes_beside_slopes(threads, frames, size))
 }
 
-/// Bytes that a search on `threads` threads needs however many slopes there are.
+/// Memory that a search on `threads` threads needs, whatever the number of slopes; bytes.
 fn bytes_beside_slopes(threads: usize, frames: usize, size: (usize, usize)) -> u64 {
     let windows = threads.saturating_mul(WINDOW_BYTES).min(WINDOWS_BYTES);
-    // The frames less their noise's patterns, and all their octaves together.
+    // The cleaned frames, and their octaves together.
     let of_frames = (frames as u64).saturating_mul(plane_bytes(size)).saturating_mul(7) / 3;
     of_frames.saturating_add(windows as u64)
 }
 
-/// What is held for one slope, bytes.
+/// Memory held for one slope, bytes.
 fn bytes_of_slope(params: &DetectorParams, size: (usize, usize)) -> u64 {
     searched_octaves(params, size).skip(1).map(|octave| plane_bytes(octave_size(size, octave))).sum()
 }

@@ -1,15 +1,15 @@
-//! The core: from the frames of a burst to features.
+//! The detector: computes features from the frames of a burst.
 //!
-//! The way of the data is one line, and each step is a folder or a file, in the order of the paper: frames →
-//! [`stack`] (shift by a slope and average) → [`scale_space`] (Gaussian levels and their differences D, tile by tile)
-//! → [`search`] (extrema over place and scale, at each slope for itself or jointly over slope) → [`refine`] (between
-//! the samples) → [`distinct`] (one [`keypoint`] for one blob) → [`localise`] (place on a compactly supported kernel,
-//! scale, slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`feature`].
+//! Data flows through steps, each a folder or a file, in the order of the paper: frames → [`stack`] (shift by a slope
+//! and average) → [`scale_space`] (Gaussian levels and their differences D, tile by tile) → [`search`] (extrema over
+//! place and scale, at each slope for itself or jointly over slope) → [`refine`] (between the samples) → [`distinct`]
+//! (one [`keypoint`] for one blob) → [`localise`] (place on a compactly supported kernel, scale, slope) → [`orient`]
+//! and [`describe`] (on the pixels around the feature) → [`feature`].
 //!
-//! Beside the line: [`params`] with the grid of slopes; [`noise`], how noisy a frame is and how large D must be, and
-//! [`noise_model`], the same where noise is not white; [`slopes`], which slopes a burst needs, found before all that;
-//! [`view`], single steps as pictures; [`advice`], why there is nothing. [`pipeline`] puts the steps together.
-//! Everything here is a function from values to values; what takes the time is in [`crate::kernel`].
+//! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
+//! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
+//! [`view`], single steps as pictures; [`advice`], reasons for poor results. [`pipeline`] puts the steps together.
+//! Everything here is a function from values to values; the costly inner loops are in [`crate::kernel`].
 
 pub mod advice;
 pub mod describe;

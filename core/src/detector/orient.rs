@@ -1,4 +1,4 @@
-//! Orientations: the directions in which the image mostly rises around a feature.
+//! Orientations: the main directions of the gradient around a feature.
 //!
 //! As in VLFeat: a histogram of 36 gradient directions within 4.5σ, weighted by a Gaussian of 1.5σ, smoothed six times,
 //! whose peaks of at least 0.8 of the highest give the orientations, interpolated by a parabola.
@@ -9,24 +9,24 @@ use multiversion::multiversion;
 use std::f32::consts::TAU;
 
 const BINS: usize = 36;
-/// Histograms that take turns, so that a sum needn't wait for the one before it.
+/// Number of independent histograms, so that an addition need not wait for the one before it.
 const TURNS: usize = 4;
 
-/// Space for the windows; reused from feature to feature.
+/// Buffers for the windows; reused from feature to feature.
 #[derive(Debug, Default)]
 pub struct OrientationScratch {
     along_u: Vec<f32>,
     along_v: Vec<f32>,
 }
 
-/// How far around the pixel of a feature of scale `sigma` its orientation looks, octave pixels.
+/// Radius of the pixels that the orientation of a feature of scale `sigma` depends on, octave pixels.
 fn radius(sigma: f32) -> i64 {
     (4.5 * sigma).floor().max(1.0) as i64
 }
 
-/// The orientations of a feature at (x, y), scale `sigma`, in octave pixels: radians in [0, 2π), strongest first, at
-/// most `max` (1 … 4). `level` is the Gaussian level around it, reaching a pixel farther than 4.5σ, of an octave of
-/// `size`. Without any gradient the only orientation is 0.
+/// Computes the orientations of a feature at (x, y), scale `sigma`, in octave pixels: radians in [0, 2π), strongest
+/// first, at most `max` (1 … 4). `level` is the Gaussian level around it, reaching a pixel farther than 4.5σ, of an
+/// octave of `size`. Without any gradient the only orientation is 0.
 pub fn orientations(
     level: &Patch,
     size: (usize, usize),
@@ -53,7 +53,7 @@ pub fn orientations(
     if peaks.is_empty() { vec![0.0] } else { peaks.into_iter().map(|(_, angle)| angle.rem_euclid(TAU)).collect() }
 }
 
-/// Each bin's mean with its two neighbours.
+/// Mean of each bin and its two neighbours.
 fn smoothed(histogram: &[f32; BINS]) -> [f32; BINS] {
     let mut padded = [0.0; BINS + 2];
     padded[1..=BINS].copy_from_slice(histogram);
@@ -61,7 +61,7 @@ fn smoothed(histogram: &[f32; BINS]) -> [f32; BINS] {
     std::array::from_fn(|i| (padded[i] + padded[i + 1] + padded[i + 2]) / 3.0)
 }
 
-/// The weighted histogram of directions; bin `i` is centred on (i + ½)·10°.
+/// Weighted histogram of directions; bin `i` is centred on (i + ½)·10°.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn histogram(
     level: &Patch,
@@ -76,7 +76,7 @@ fn histogram(
     let OrientationScratch { along_u, along_v } = scratch;
     window(columns.clone(), x, spread, along_u);
     window(rows.clone(), y, spread, along_v);
-    // Entry i + 1 is bin i; the entries beyond both ends are the same bins as at the other end.
+    // Entry i + 1 is bin i; the entries beyond each end belong to the bins at the other end.
     let mut entries = [[0.0f32; BINS + 4]; TURNS];
     for (v, &weight_v) in rows.zip(along_v.iter()) {
         let dv = v as f32 - y;

@@ -1,5 +1,4 @@
-//! Refinement: where between the samples the extremum lies, in place and scale, then in slope; and the tests that need
-//! it.
+//! Refinement of an extremum between the samples, in place and scale, then in slope; and the tests that need it.
 //!
 //! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to four moves of a pixel while the fitted
 //! offset exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. Slope: no published
@@ -27,17 +26,17 @@ pub struct Refined {
     pub value: f32,
 }
 
-/// What the accepted extremum must satisfy.
+/// Limits for an accepted extremum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Least |D| after interpolation.
+    /// Lower limit of |D| after interpolation.
     pub peak_threshold: f32,
-    /// Largest ratio of principal curvatures.
+    /// Upper limit of the ratio of principal curvatures.
     pub edge_threshold: f32,
 }
 
-/// Fits at most; between them the sample moves, so at most one time fewer. The tile holds this many pixels and one more
-/// on each side.
+/// Maximum number of fits; the sample moves between them, so at most one time fewer. The tile must hold this many
+/// pixels and one more on each side.
 pub const MAX_MOVES: usize = 5;
 
 /// Solves the symmetric 3×3 system `a·x = −g` by elimination with pivoting; `None` when it is singular.
@@ -72,7 +71,7 @@ pub struct Fit {
     pub x: usize,
     /// Row of the sample after the moves.
     pub y: usize,
-    /// From that sample to the extremum: octave pixels along u and v, and DoG levels.
+    /// Offset from that sample to the extremum: octave pixels along u and v, and DoG levels.
     pub offset: [f64; 3],
     /// DoG level index of the extremum.
     pub level_refined: f64,
@@ -82,23 +81,23 @@ pub struct Fit {
     pub curvature: [f64; 3],
 }
 
-/// Offsets of an accepted fit are smaller than this.
+/// Upper limit of the offsets of an accepted fit.
 pub const MAX_OFFSET: f64 = 1.5;
 
 impl Fit {
-    /// The largest offset in magnitude, which must stay below [`MAX_OFFSET`]. Infinite where an offset is no number.
+    /// Largest offset in magnitude, which must stay below [`MAX_OFFSET`]. Infinite where an offset is NaN.
     pub fn largest_offset(&self) -> f64 {
         self.offset.iter().map(|d| if d.is_nan() { f64::INFINITY } else { d.abs() }).fold(0.0, f64::max)
     }
 
-    /// (trace², determinant) of the second derivatives in the image. What the edge test compares is their ratio.
+    /// Squared trace and determinant of the second derivatives in the image. The edge test compares their ratio.
     fn trace_and_determinant(&self) -> (f64, f64) {
         let [xx, xy, yy] = self.curvature;
         let (trace, determinant) = (xx + yy, xx * yy - xy * xy);
         (trace * trace, determinant)
     }
 
-    /// The ratio of the principal curvatures, 1 or more; infinite where they differ in sign, as on a saddle.
+    /// Ratio of the principal curvatures, 1 or more; infinite where they differ in sign, as on a saddle.
     pub fn curvature_ratio(&self) -> f64 {
         let (trace_squared, determinant) = self.trace_and_determinant();
         if determinant <= 0.0 || determinant.is_nan() {
@@ -109,8 +108,8 @@ impl Fit {
         0.5 * (sum + (sum * sum - 4.0).sqrt())
     }
 
-    /// The tests that follow the fit, each by itself, in their order: whether it passes. `size` is the octave's,
-    /// `levels` the number of DoG levels.
+    /// Applies the tests that follow the fit, each independently, in their order; true where it passes. `size` is the
+    /// octave's, `levels` the number of DoG levels.
     pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 4] {
         let (trace_squared, determinant) = self.trace_and_determinant();
         let edge = f64::from(limits.edge_threshold);
@@ -120,7 +119,7 @@ impl Fit {
             (Test::Refinement, !self.offset.iter().any(|d| d.is_nan() || d.abs() >= MAX_OFFSET)),
             (Test::InterpolatedContrast, self.value.abs() as f32 > limits.peak_threshold),
             (Test::Edge, determinant > 0.0 && trace_squared / determinant < (edge + 1.0).powi(2) / edge),
-            // Scales from level −1 to level S+1, as in VLFeat: one step beyond the outermost DoG levels.
+            // Scales from level −1, the outermost DoG level, to level S+1, one step beyond the other end, as in VLFeat.
             (
                 Test::Outside,
                 inside(x, size.0) && inside(y, size.1) && (0.0..=levels as f64).contains(&self.level_refined),
@@ -128,7 +127,7 @@ impl Fit {
         ]
     }
 
-    /// (column, row) of the extremum.
+    /// Place (column, row) of the extremum, octave pixels.
     pub fn place(&self) -> (f64, f64) {
         (self.x as f64 + self.offset[0], self.y as f64 + self.offset[1])
     }
@@ -161,8 +160,8 @@ pub fn refine(
     }
 }
 
-/// The quadratic fit in place and scale around (x, y, level index), after up to [`MAX_MOVES`] − 1 moves of a pixel;
-/// `None` where D has no quadratic. `size` is the octave's.
+/// Quadratic fit in place and scale around (x, y, level index), after up to [`MAX_MOVES`] − 1 moves of a pixel; `None`
+/// where its equations have no unique solution. `size` is the octave's.
 pub fn fit(
     dog: &DogTile,
     (mut x, mut y): (usize, usize),
@@ -224,7 +223,8 @@ pub fn peak_offset(before: f32, here: f32, after: f32) -> f32 {
 }
 
 /// Offset of the peak of a two-dimensional bump from the middle of 3×3 equally spaced samples `values[j][i]`, in steps
-/// along (i, j), each within ±1. A quadratic is fitted by least squares (to the logarithm where all samples allow it).
+/// along (i, j), each within ±1. A quadratic is fitted to the logarithms by least squares; where these are undefined,
+/// or the quadratic has no peak, each axis is fitted alone.
 pub fn peak_offset_2d(values: [[f32; 3]; 3]) -> (f32, f32) {
     let separate = || {
         (peak_offset(values[1][0], values[1][1], values[1][2]), peak_offset(values[0][1], values[1][1], values[2][1]))
@@ -261,7 +261,7 @@ mod tests {
     use super::*;
     use crate::plane::tile::{Region, Tile};
 
-    /// A tile whose D is a Gaussian bump of the given centre, in three levels.
+    /// Tile whose D is a Gaussian bump of the given centre, in three levels.
     fn bump(centre: (f64, f64, f64), amplitude: f64) -> DogTile {
         let levels = (0..5)
             .map(|s| {

@@ -1,13 +1,12 @@
-//! Which detector it was: a number that changes whenever the bits of features do.
+//! Revision of the detector: a number that changes whenever the bits of features do.
 //!
-//! Features are kept in files beside a dataset and taken from there the next time. Those that an older detector found
-//! lie a little elsewhere, or have other descriptors, and match new ones less well; mixed, they would spoil a
-//! reconstruction without a word. So whatever keeps features writes this number beside them, and takes only those with
-//! the same number.
+//! Features are stored in files beside a dataset and reused. Those of an older detector are a little displaced, or have
+//! other descriptors, and match new ones less well; mixed, they would degrade a reconstruction without a message. So
+//! code that stores features writes this number beside them, and reuses only those with an equal number.
 
-/// The detector's revision. It goes up by one with every change after which the same burst and parameters give other
-/// bits of any feature or descriptor; not with new parameters whose defaults change nothing (parameters are compared by
-/// themselves).
+/// Revision of the detector. It goes up by one with every change after which an unchanged burst and unchanged
+/// parameters give other bits of any feature or descriptor; not with new parameters whose defaults change nothing
+/// (parameters are compared separately).
 pub const REVISION: u32 = 4;
 
 #[cfg(test)]
@@ -17,7 +16,7 @@ mod tests {
     use crate::monitor::Monitor;
     use crate::synth::{ChartParams, Motion, synth_chart};
 
-    /// What this revision finds on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³;
+    /// Results of this revision on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³;
     /// mean of the descriptors' values. Sums, with a tolerance, because processors round the last bit differently.
     const FOUND: (u32, usize, [f64; 6]) =
         (4, 144, [12458.099422, 13128.652863, 529.047963, 116.715769, 90.589541, 33.617405]);

@@ -1,5 +1,5 @@
-//! Pictures of what the search sees: the motion-stack image and the DoG response at any slope, octave and level, and
-//! the noise by place.
+//! Pictures of the search's steps: the motion-stack image and the DoG response at any slope, octave and level, and the
+//! noise by place.
 
 use super::error::DetectError;
 use super::noise::gate::gate_factor;
@@ -19,8 +19,8 @@ use crate::plane::Plane;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use.
-/// Input-pixel size, [0, 1] unit.
+/// Motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use. Input-pixel
+/// size, [0, 1] unit.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -30,11 +30,11 @@ pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor:
     motion_stack(&frames, slope, params.interpolation, monitor)
 }
 
-/// The DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel
-/// (i, j) lies at (i·2^octave, j·2^octave) of the input image. Levels −1 … levels are held; features come from 0 …
-/// levels−1. Unit: fraction of full scale. Where `slope` is on the grid these are the very numbers that the search
-/// compares, unless it searched cleaned frames (the local noise model leaves frames out and takes stripes, hot pixels
-/// and flicker off): the picture is of the frames as they are.
+/// DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i,
+/// j) lies at (i·2^octave, j·2^octave) of the input image. Levels −1 … levels exist; features come from 0 … levels−1.
+/// Unit: fraction of full scale. Where `slope` is on the grid the values are bitwise those that the search compares,
+/// unless it searched cleaned frames (the local noise model leaves frames out and removes stripes, hot pixels and
+/// flicker): the picture is of the frames as they are.
 ///
 /// # Errors
 /// [`DetectError::Param`] for an octave or level that the parameters do not have, [`DetectError::Cancelled`] once
@@ -64,8 +64,7 @@ pub fn dog_view(
     Ok(dog_plane(&base, &space, size, (level + 1) as usize, monitor)?)
 }
 
-/// The octaves of the search in images of `size` (columns, rows), among which `octave` is, as `level` is among the
-/// levels.
+/// Checks that the search has `octave` and `level`, and returns all its octaves in images of `size` (columns, rows).
 ///
 /// # Errors
 /// An octave or level that the parameters do not have.
@@ -93,9 +92,8 @@ pub fn check_level(
     Ok(octaves)
 }
 
-/// Where the noise is how strong: σ of the noise of one frame at each pixel of the image, fraction of full scale, as
-/// the search of `params` takes it at its finest octave (see [`super::noise_model`]). The same everywhere for white
-/// noise.
+/// Noise by place: σ of the noise of one frame at each pixel of the image, fraction of full scale, as the search of
+/// `params` uses it at its finest octave (see [`super::noise_model`]). Uniform for white noise.
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
@@ -109,9 +107,9 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
     Ok(Plane::from_fn(width, height, at))
 }
 
-/// σ of the noise in D at each pixel of an octave, as the noise gate takes it: of the motion-stack image at any `slope`
-/// (px/frame, on the grid or between) at `octave` and `level` (−1 … levels). A candidate must be as many times as large
-/// as the gate's factor says. On the pixels of `octave`, as [`dog_view`]; fraction of full scale.
+/// σ of the noise in D at each pixel of an octave, as the noise gate uses it: of the motion-stack image at any `slope`
+/// (px/frame, on the grid or between) at `octave` and `level` (−1 … levels). A candidate must reach the gate's factor
+/// times this. On the pixels of `octave`, as [`dog_view`]; fraction of full scale.
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst and for an octave or level that they do not
@@ -132,8 +130,8 @@ pub fn gate_noise_map(
     Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
 }
 
-/// The share (0 … 1) of the frames that take part in the search that see each pixel of the image at `slope` (px/frame,
-/// on the grid or between). Where fewer do, the mean over them is noisier.
+/// Share (0 … 1) of the frames that take part in the search that cover each pixel of the image at `slope` (px/frame, on
+/// the grid or between). Where fewer do, the mean over them is noisier.
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
@@ -150,13 +148,13 @@ pub fn coverage_view(
     Ok(plane_of(size, share, monitor)?)
 }
 
-/// Where the frames that take part are read at `slope`.
+/// Offsets of the frames that take part at `slope`.
 fn offsets_of(inputs: &Inputs, slope: Slope) -> Vec<FrameOffset> {
     let times = &inputs.times;
     times.of(frame_offsets(times.frame_count, slope, inputs.params.interpolation))
 }
 
-/// The plane of `size` with the value `at` each (column, row); rows in parallel.
+/// Plane of `size` with the value of `at` at each (column, row); rows in parallel.
 fn plane_of(
     size: (usize, usize),
     at: impl Fn(usize, usize) -> f32 + Sync,
@@ -171,8 +169,8 @@ fn plane_of(
     Ok(plane)
 }
 
-/// Side of the squares between whose middles a map of the noise is interpolated, pixels: the finest squares whose
-/// brightness the gate looks up.
+/// Side of the squares between whose centres a map of the noise is interpolated, pixels: the finest squares whose
+/// brightness the gate reads.
 const NOISE_CELL_PX: f32 = 8.0;
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! Decoding in a process of its own, where a decoder that is not ours can do no harm.
+//! Decoding in a separate process, so that a faulty third-party decoder cannot end the program.
 //!
 //! A decoder that asks for more memory than there is ends its whole process, and nothing can catch that. So raw files,
 //! and pictures whose decoding takes much memory, are decoded by a child process: the same program, with a limit of
-//! memory and of time, which sends the pixels back. What ends the child is an error about the file. The library does
-//! not know which program that is; the program says so once, by [`DecodeWorker::install`].
+//! memory and of time, which sends the pixels back. A failure of the child is an error about the file. The library does
+//! not know which program that is; the program sets it once, by [`DecodeWorker::install`].
 
 use super::wire::{DecodeRequest, Part, receive_reply, send};
 use super::{Expected, RawFrame};
@@ -19,7 +19,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
-/// The program that decodes files in a process of its own, and the arguments that tell it to.
+/// The program that decodes files in a separate process, and the arguments that make it do so.
 ///
 /// It is started with the arguments and the path of a file, and must call [`serve_decoding`](super::serve_decoding)
 /// with that path. Without one, all files are decoded in the calling process; sizes that a file announces are compared
@@ -28,33 +28,34 @@ use std::time::{Duration, Instant};
 pub struct DecodeWorker {
     /// The program.
     pub program: PathBuf,
-    /// Its arguments before the path.
+    /// Arguments before the path.
     pub arguments: Vec<OsString>,
 }
 
 static WORKER: OnceLock<DecodeWorker> = OnceLock::new();
 
 impl DecodeWorker {
-    /// Has it decode files from now on, for the whole process. Answers whether it does: the first one stays.
+    /// Sets this program as the decoder of files for the whole process. False if one was set already: the first one
+    /// stays.
     pub fn install(self) -> bool {
         WORKER.set(self).is_ok()
     }
 }
 
-/// Decoding that takes no more memory than this is done in the calling process, unless the file is raw; bytes.
+/// Memory above which decoding is done in a child process, bytes. Raw files are decoded there in any case.
 const LARGE_BYTES: u64 = 512 << 20;
-/// Memory that a process addresses before it decodes anything: its own code, libraries and stacks; bytes.
+/// Address space of a process before it decodes anything (code, libraries, stacks), bytes.
 const BASE_BYTES: u64 = 512 << 20;
-/// Time of a processor that a file may take for each of these, seconds: far more than it does.
+/// Processor time allowed for any file, seconds. The two rates below add to it. Far more than decoding takes.
 const BASE_SECONDS: u64 = 10;
 const PIXELS_A_SECOND: u64 = 250_000;
 const FILE_BYTES_A_SECOND: u64 = 1_000_000;
-/// The clock may show so many times what a processor may take: machines are busy.
+/// Wall-clock time allowed, as a multiple of the allowed processor time: machines are busy.
 const CLOCK_FACTOR: u64 = 4;
-/// How often cancelling is looked for.
+/// Interval between two checks for cancellation.
 const POLL: Duration = Duration::from_millis(10);
 
-/// Memory and time that the decoding of a file may take.
+/// Memory and time allowed for decoding a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Budget {
     memory_bytes: u64,
@@ -62,7 +63,7 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// That of a file of `file_bytes` with `pixels`, for whose decoding `decoder_bytes` should be enough.
+    /// Budget for a file of `file_bytes` with `pixels`, for whose decoding `decoder_bytes` should be enough.
     pub(super) fn new(file_bytes: u64, pixels: u64, decoder_bytes: u64) -> Self {
         Self {
             memory_bytes: BASE_BYTES.saturating_add(decoder_bytes).saturating_add(file_bytes.saturating_mul(4)),
@@ -71,20 +72,20 @@ impl Budget {
     }
 }
 
-/// Whether decoding that takes `bytes` belongs into a process of its own, and there is a program for it.
+/// Whether decoding that takes `bytes` is to be done in a child process, and a program for it is set.
 pub(super) fn takes(bytes: u64) -> bool {
     bytes > LARGE_BYTES && is_installed()
 }
 
-/// Whether there is a program that decodes.
+/// Whether a program that decodes is set.
 pub(super) fn is_installed() -> bool {
     WORKER.get().is_some()
 }
 
-/// Has `part` of the file `path`, of the format `kind`, decoded in a process of its own.
+/// Decodes `part` of the file `path`, of the format `kind`, in a child process.
 ///
 /// # Errors
-/// The other process's error about the file; [`OpenError::Corrupt`] where that process ended without an answer.
+/// The child's error about the file; [`OpenError::Corrupt`] where the child ended without an answer.
 pub(super) fn decode(
     path: &Path,
     kind: &'static str,
@@ -114,12 +115,12 @@ pub(super) fn decode(
         let watching = std::thread::Builder::new().spawn_scoped(scope, || watch.until_done());
         let watching = watching.map_err(|e| failed(path, format!("a thread could not be started: {e}")))?;
         let _over = Over { done: &watch.done, thread: watching.thread().clone() };
-        // A child that is gone already cannot be written to; what it says last is read below.
+        // Writing to a child that has already ended fails; its last output is read below.
         Ok::<_, OpenError>(
             send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, kind, first, &options.limits)),
         )
     })?;
-    // The child ends when nobody holds the other end of its input any more.
+    // The child ends when its input is closed.
     drop(stdin);
     monitor.check()?;
     let is_overdue = Instant::now() >= watch.until;
@@ -132,12 +133,12 @@ pub(super) fn decode(
     }
 }
 
-/// The error of a process that could not be started.
+/// The error of a child process that could not be started.
 fn failed(path: &Path, reason: String) -> OpenError {
     OpenError::Read { path: path.into(), reason }
 }
 
-/// A child, which does not outlive this.
+/// A child process, killed when this is dropped.
 struct Running {
     child: Mutex<Child>,
 }
@@ -147,16 +148,16 @@ impl Running {
         let mut command = Command::new(&worker.program);
         command.args(&worker.arguments).arg(path);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        // One thread, and one arena of the allocator: each more would take address space that the file is to have.
+        // One thread, and one arena of the allocator: more would take address space that the file needs.
         command.env("RAYON_NUM_THREADS", "1").env("MALLOC_ARENA_MAX", "1").env("RUST_BACKTRACE", "0");
         #[cfg(unix)]
         {
-            // What the terminal sends (Ctrl-C) is for the program, which ends its children itself.
+            // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
             std::os::unix::process::CommandExt::process_group(&mut command, 0);
         }
         #[cfg(windows)]
         {
-            // A program without a console would else show one for each file.
+            // Without it a program that has no console would show one for each file.
             const CREATE_NO_WINDOW: u32 = 0x0800_0000;
             std::os::windows::process::CommandExt::creation_flags(&mut command, CREATE_NO_WINDOW);
         }
@@ -166,7 +167,7 @@ impl Running {
         Ok(Self { child: Mutex::new(child) })
     }
 
-    /// Its ends of the pipes, once.
+    /// The child's ends of the pipes; can be called once.
     fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
         const ASKED_FOR: &str = "it was started with this pipe, and nobody took it";
@@ -177,10 +178,10 @@ impl Running {
         )
     }
 
-    /// Why there is no answer, as the end of a sentence about the file.
+    /// The reason why there is no answer, as the end of a sentence about the file.
     fn last_words(&mut self, error: &io::Error, stderr: ChildStderr, is_overdue: bool, budget: Budget) -> String {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // It is ending by itself, or sent what is no answer and shall end.
+        // The child is ending by itself, or it sent something else than an answer and is killed.
         if error.kind() != io::ErrorKind::UnexpectedEof && error.kind() != io::ErrorKind::BrokenPipe {
             let _ = child.kill();
         }
@@ -190,7 +191,7 @@ impl Running {
         if is_overdue || status.as_ref().is_ok_and(is_out_of_time) {
             return format!("its decoder was not done after {} seconds", budget.cpu_seconds);
         }
-        // The standard library says so before it gives up.
+        // The standard library prints this before it aborts.
         let refused = words.split("memory allocation of ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
         if let Some(bytes) = refused {
             let bytes: u64 = bytes;
@@ -210,13 +211,13 @@ impl Running {
 impl Drop for Running {
     fn drop(&mut self) {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // Of a child that has ended nothing is left to kill.
+        // Fails for a child that has ended.
         let _ = child.kill();
         let _ = child.wait();
     }
 }
 
-/// Whether the system ended it for taking too much time.
+/// Whether the system ended the process for using too much processor time.
 fn is_out_of_time(status: &ExitStatus) -> bool {
     #[cfg(unix)]
     {
@@ -250,7 +251,7 @@ impl Watch<'_> {
     }
 }
 
-/// Tells the watch that there is nothing to watch any more, also when the reading unwinds.
+/// Ends the watch, also when the reading unwinds.
 struct Over<'a> {
     done: &'a AtomicBool,
     thread: Thread,

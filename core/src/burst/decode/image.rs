@@ -20,7 +20,7 @@ use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
-/// Memory that a decoder may take besides the pixels, bytes.
+/// Memory that a decoder may take beyond the pixels, bytes.
 const BESIDES_BYTES: u64 = 1 << 26;
 
 pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, OpenError> {
@@ -67,7 +67,7 @@ pub(super) fn frame(
     let values = size.0 * size.1 * channels;
     let failure = |e: ImageError| failure(path, format, e);
     let ranged = |values, largest, is_byte: bool| {
-        // A byte of a colour picture is encoded for a screen; JPEG and WebP hold nothing else.
+        // 8-bit colour pictures are sRGB-encoded; JPEG and WebP hold nothing else.
         let is_photograph = is_byte && (channels > 2 || matches!(format, ImageFormat::Jpeg | ImageFormat::WebP));
         let encoding = if is_photograph && !options.linearise { Encoding::Srgb } else { Encoding::Linear };
         let plane = turned(Plane::from_vec(size.0, size.1, values), orientation);
@@ -96,22 +96,22 @@ pub(super) fn frame(
     }
 }
 
-/// How the camera was held. A note that cannot be read is none.
+/// How the camera was held; no turn where the tag cannot be read.
 fn orientation(decoder: &mut impl ImageDecoder) -> Orientation {
     decoder.orientation().unwrap_or(Orientation::NoTransforms)
 }
 
-/// All samples of the picture, in the machine's byte order.
+/// Reads all samples of the picture, in the machine's byte order.
 fn read<T: Sample + bytemuck::Pod>(decoder: impl ImageDecoder, count: usize) -> Result<Vec<T>, ImageError> {
     let mut values: Vec<T> = memory::zeroed(count);
     decoder.read_image(bytemuck::cast_slice_mut(&mut values))?;
     Ok(values)
 }
 
-/// Bytes that decoding takes for a pixel, at most: the samples, the value that they become, and what the decoder keeps.
+/// Bytes per pixel that decoding takes, at most: the samples, the value that they become, and the decoder's own data.
 fn bytes_per_pixel(format: ImageFormat, color: ColorType) -> u64 {
     let kept = match format {
-        // Coefficients of 16 bit of a progressive picture.
+        // 16-bit coefficients of a progressive picture.
         ImageFormat::Jpeg => 2 * u64::from(color.channel_count()),
         ImageFormat::WebP => 4,
         _ => 0,
@@ -119,22 +119,22 @@ fn bytes_per_pixel(format: ImageFormat, color: ColorType) -> u64 {
     u64::from(color.bytes_per_pixel()) + size_of::<f32>() as u64 + kept
 }
 
-/// Whether the picture's data is all there, where its decoder would not say.
+/// Whether the picture's data is complete, for formats whose decoder would not say.
 fn soundness_of(format: ImageFormat, bytes: &[u8]) -> Soundness {
     if format == ImageFormat::Jpeg { soundness(bytes, &[]) } else { Soundness::Unknown }
 }
 
-/// The whole file of a JPEG, which its decoder needs at once, and which is looked through; nothing of others.
+/// The whole file of a JPEG, which its decoder and `soundness` need at once; empty for other formats.
 fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>, OpenError> {
     if format != ImageFormat::Jpeg {
         return Ok(Vec::new());
     }
-    // Films and second pictures may follow a picture.
+    // Other data, as films and second pictures, may follow a picture.
     let most = limits.max_pixels.saturating_mul(4).saturating_add(BESIDES_BYTES);
     read_bytes(path, most).map_err(|e| OpenError::from_io(path, &e))
 }
 
-/// The decoder of a file, or of `bytes`, which are those of a JPEG.
+/// The decoder of a file, or of `bytes` if it is a JPEG.
 fn decoder<'a>(
     path: &Path,
     file: File,
@@ -143,8 +143,8 @@ fn decoder<'a>(
     limits: &Limits,
 ) -> Result<Box<dyn ImageDecoder + 'a>, OpenError> {
     let file = BufReader::with_capacity(1 << 16, file);
-    // Sizes are checked by `Limits` before pixels are read; this bounds what a decoder takes besides: at most four
-    // channels of four bytes.
+    // `Limits` checks sizes before pixels are read; this bounds the decoder's other memory: at most four channels of
+    // four bytes.
     let max_bytes = limits.max_pixels.saturating_mul(16).saturating_add(BESIDES_BYTES);
     let mut own = image::Limits::no_limits();
     own.max_alloc = Some(max_bytes);

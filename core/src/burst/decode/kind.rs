@@ -1,4 +1,4 @@
-//! Which kind of file one is: told by its first bytes, and of raw files also by their names.
+//! Kind of a file: told by its first bytes, and for raw files also by their names.
 
 use crate::burst::error::OpenError;
 use std::path::Path;
@@ -6,26 +6,26 @@ use std::path::Path;
 /// A kind of file that can be decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A sensor's own values, in one of many formats.
+    /// Values as the sensor gave them, in one of many formats.
     Raw,
     Npy,
     Tiff,
     Picture(::image::ImageFormat),
 }
 
-/// The endings (lower case) of raw files; what is in them is told by the decoder.
+/// Extensions (lower case) of raw files; the decoder tells what they contain.
 pub(in crate::burst) const RAW_EXTENSIONS: &[&str] = &[
     "dng", "nef", "nrw", "cr2", "cr3", "crw", "arw", "raf", "orf", "rw2", "rwl", "pef", "srw", "3fr", "fff", "iiq",
     "kdc", "dcr", "mrw", "erf", "mef", "mos", "x3f",
 ];
 
-/// Whether the name is one of a raw file.
+/// Whether the extension is one of a raw file.
 pub(super) fn has_raw_extension(path: &Path) -> bool {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     extension.is_some_and(|e| RAW_EXTENSIONS.contains(&&*e))
 }
 
-/// Whether a file that begins like this is a film: MP4 and QuickTime (but not HEIF, which is a picture in the same
+/// Whether a file that begins with `start` is a video: MP4 and QuickTime (but not HEIF, which is a picture in the same
 /// container), Matroska and WebM, AVI, MPEG, Flash, Windows Media, GIF.
 pub(super) fn is_video(start: &[u8]) -> bool {
     let at = |place: usize, magic: &[u8]| start.get(place..).is_some_and(|rest| rest.starts_with(magic));
@@ -45,7 +45,7 @@ pub(super) fn is_video(start: &[u8]) -> bool {
         .any(|magic| at(0, magic))
 }
 
-/// The name of the kind that a file's name says, as [`Kind::name`] says it; `None` where it says none.
+/// Kind that a file's extension stands for, as [`Kind::name`] names it; `None` for other extensions.
 pub(super) fn named_kind(path: &Path) -> Option<&'static str> {
     if has_raw_extension(path) {
         return Some(Kind::Raw.name());
@@ -62,10 +62,10 @@ pub(super) fn named_kind(path: &Path) -> Option<&'static str> {
     })
 }
 
-/// The error of a file that begins with `start`, as no kind does that can be decoded.
+/// Error for a file that begins with `start`, which is no kind that can be decoded.
 pub(super) fn unknown(path: &Path, start: &[u8]) -> OpenError {
     let path = path.to_path_buf();
-    // The signature of a PNG is made so that this can be told: a transfer as text changes it.
+    // A PNG's signature is made to show a transfer as text, which changes it.
     if start.get(1..4) == Some(b"PNG") {
         let reason = "its first bytes are changed, as by a transfer as text or of seven bits".to_owned();
         return OpenError::Corrupt { path, kind: "PNG", reason };
@@ -76,7 +76,7 @@ pub(super) fn unknown(path: &Path, start: &[u8]) -> OpenError {
     }
 }
 
-/// The kind that the first bytes tell; `None` for what cannot be decoded.
+/// Kind that the first bytes show; `None` for files that cannot be decoded.
 pub(super) fn kind_of(start: &[u8]) -> Option<Kind> {
     use ::image::ImageFormat::{Bmp, Jpeg, Png, Pnm, WebP};
     if start.starts_with(b"\x93NUMPY") {
@@ -92,7 +92,7 @@ pub(super) fn kind_of(start: &[u8]) -> Option<Kind> {
 }
 
 impl Kind {
-    /// What it is called in messages.
+    /// Name in messages.
     pub(super) fn name(self) -> &'static str {
         use ::image::ImageFormat::{Bmp, Jpeg, Png, Pnm, WebP};
         match self {

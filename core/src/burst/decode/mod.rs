@@ -1,7 +1,7 @@
-//! From one file to float frames. The kind of a file is told by its first bytes, not by its name.
+//! Decoding of one file to float frames. The kind of a file is told by its first bytes, not by its name.
 //!
-//! A [`look`] at the sizes that the file declares comes before every decoder. Decoders that are not ours run in a
-//! process of their own ([`child`]) where they could take much memory, and always for raw files.
+//! Before any decoder runs, the sizes that the file declares are checked ([`look`]). Third-party decoders run in a
+//! child process ([`child`]) where they could take much memory, and always for raw files.
 
 mod child;
 mod image;
@@ -37,30 +37,29 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// What a file's values mean.
+/// Unit of a file's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum FileScale {
-    /// Integers of 8 or 16 bit: the largest value that the type can hold. The plane is already divided by it.
+    /// Integers of 8 or 16 bit: the largest value of the type. The plane is already divided by it.
     Range(f32),
-    /// A sensor's own values: the plane is a fraction of the range from black to white.
+    /// Values as the sensor gave them: the plane is a fraction of the range from black to white.
     #[cfg_attr(not(feature = "raw"), allow(dead_code))] // only raw frames are of this kind
     Raw {
-        /// The file's value that became 1.0.
+        /// File value that became 1.0.
         white: f32,
     },
-    /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units, and its largest
-    /// magnitude is this.
+    /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units.
     Data {
         /// Whether the file holds integers.
         integer: bool,
-        /// The largest magnitude in this frame.
+        /// Largest magnitude in this frame.
         largest: f32,
     },
 }
 
 impl FileScale {
-    /// Name of the file's samples; frames whose samples differ are not in one unit. A raw file says for itself what
-    /// is white in it.
+    /// Name of the file's samples; frames whose samples differ are not in one unit. A raw file declares its own white
+    /// level.
     pub(super) fn samples(self) -> &'static str {
         match self {
             Self::Range(1.0) => "1 bit",
@@ -78,49 +77,49 @@ impl FileScale {
 /// One decoded frame.
 #[derive(Debug)]
 pub(super) struct RawFrame {
-    /// The pixels.
+    /// Pixels of the frame.
     pub plane: Plane,
-    /// Their unit.
+    /// Unit of the pixels.
     pub scale: FileScale,
-    /// How they follow the light.
+    /// Relation of the pixels to light.
     pub encoding: Encoding,
-    /// Pixels of the sensor along a side of one pixel of the plane: 1 unless a mosaic of colours was binned.
+    /// Sensor pixels along a side of one pixel of the plane: 1 unless a colour mosaic was binned.
     pub binning: usize,
-    /// Why a part of it is made up, which was accepted.
+    /// Reason why a part of the picture is made up; set only where damage was accepted.
     pub damage: Option<String>,
-    /// The kind of its file, where the name says another.
+    /// The kind of its file, where the extension names another.
     pub misnamed: Option<&'static str>,
 }
 
 impl RawFrame {
-    /// Values that are proportional to light, as far as the file says.
+    /// Frame whose values are proportional to light, as far as the file tells.
     pub(super) fn linear(plane: Plane, scale: FileScale) -> Self {
         Self { plane, scale, encoding: Encoding::Linear, binning: 1, damage: None, misnamed: None }
     }
 }
 
-/// The sizes that a file declares, before any pixel is read.
+/// Sizes that a file declares, before any pixel is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Header {
     /// Columns.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// How many frames the file holds.
+    /// Number of frames in the file.
     pub frames: usize,
 }
 
-/// The size that a frame shall have, and the file that it comes from.
+/// Size that a frame must have, and the file that it comes from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expected<'a> {
-    /// The burst's first frame.
+    /// File of the burst's first frame.
     pub first: &'a Path,
-    /// Its (columns, rows).
+    /// Size (columns, rows) of that frame.
     pub size: (usize, usize),
 }
 
 impl Expected<'_> {
-    /// Whether the file `path` has the size that is expected, if any is.
+    /// Checks that the file `path` has the expected size, if there is one.
     fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<(), OpenError> {
         match expected {
             Some(Self { first, size: first_size }) if size != first_size => {
@@ -131,9 +130,9 @@ impl Expected<'_> {
     }
 }
 
-/// How many frames the file holds; reads as little as possible.
+/// Number of frames in the file, for a TIFF at most 2; reads as little as possible.
 pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
-    // Told by their names first, because this is asked of every picture of a folder.
+    // Extensions are tried first, because this is called for every picture of a folder.
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if RAW_EXTENSIONS.contains(&&*extension) {
         return Ok(1);
@@ -141,7 +140,7 @@ pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
     if ["png", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"].contains(&&*extension) {
         return Ok(1);
     }
-    // A thumbnail may stand between two pages.
+    // A thumbnail may lie between two pages.
     const PAGES: usize = 3;
     let input = InputFile::open(path, PAGES)?;
     guarded(path, input.kind, || match input.kind {
@@ -151,8 +150,8 @@ pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
     })
 }
 
-/// Size and number of frames that the file declares, checked against the limits. A raw file says little before it is
-/// decoded: of it the frame is answered too.
+/// Size and number of frames that the file declares, checked against the limits. A raw file declares little before it
+/// is decoded: for it the frame is returned too.
 pub(super) fn header(
     path: &Path,
     options: &OpenOptions,
@@ -176,7 +175,7 @@ pub(super) fn header(
     })
 }
 
-/// The frame of a file that holds one frame.
+/// Decodes a file that holds one frame.
 pub(super) fn frame(
     path: &Path,
     expected: Option<Expected<'_>>,
@@ -194,7 +193,7 @@ pub(super) fn frame(
     Ok(RawFrame { misnamed, ..frame })
 }
 
-/// All frames of a file that may hold several.
+/// Decodes all frames of a file that may hold several.
 pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
     let input = InputFile::open(path, usize::MAX)?;
     let misnamed = input.misnamed;
@@ -211,13 +210,13 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
     Ok(frames)
 }
 
-/// One page of a TIFF, which is frame `frame` of its burst.
+/// Decodes one page of a TIFF, which is frame `frame` of its burst.
 fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, OpenError> {
     let input = InputFile::open(path, usize::MAX)?;
     guarded(path, Kind::Tiff, || tiff::page(path, input, page, frame, options))
 }
 
-/// The frame of a raw file, decoded in a process of its own where there is one.
+/// The frame of a raw file, decoded in a child process where one is installed.
 fn raw_frame(
     path: &Path,
     input: &InputFile,
@@ -229,7 +228,7 @@ fn raw_frame(
         return Err(without_raw(path));
     }
     if child::is_installed() {
-        // Two pixels a byte are more than any camera packs; a directory says how many there are.
+        // Two pixels a byte are more than any camera packs; a directory gives their number.
         let packed = input.length.saturating_mul(2);
         let pixels = input.directories.as_ref().map_or(packed, Directories::pixels).min(options.limits.max_pixels);
         const DECODER_BYTES_PER_PIXEL: u64 = 32;
@@ -243,22 +242,22 @@ fn raw_frame(
     frame
 }
 
-/// A file that was looked at.
+/// A file whose declared sizes have been checked.
 struct InputFile {
-    /// It stands at its start.
+    /// Positioned at its start.
     file: File,
-    /// Bytes.
+    /// Length, bytes.
     length: u64,
     kind: Kind,
-    /// The name of its kind, where its own name says another.
+    /// The name of its kind, where its extension names another.
     misnamed: Option<&'static str>,
     /// Directories of a TIFF, and of raw files that are TIFFs.
     directories: Option<Directories>,
 }
 
 impl InputFile {
-    /// Opens a regular file that is not empty, tells its kind and looks at what it declares; at no more than the first
-    /// `pages` pages of a TIFF.
+    /// Opens a regular file that is not empty, tells its kind and checks the sizes that it declares; of a TIFF, the
+    /// first `pages` pages only.
     fn open(path: &Path, pages: usize) -> Result<Self, OpenError> {
         let read_error = |e: std::io::Error| OpenError::from_io(path, &e);
         let metadata = std::fs::metadata(path).map_err(read_error)?;
@@ -272,13 +271,13 @@ impl InputFile {
         let mut file = File::open(path).map_err(read_error)?;
         let mut start = Vec::with_capacity(32);
         (&mut file).take(32).read_to_end(&mut start).map_err(read_error)?;
-        // A raw file may lie in a film's container.
+        // A raw file may use a video container.
         let is_raw = has_raw_extension(path);
         if is_video(&start) && !is_raw {
             return Err(OpenError::Video { path: path.into() });
         }
         let mut kind = match kind_of(&start) {
-            // What the program that wrote it calls raw; a DNG is one by whatever name.
+            // Unknown bytes with a raw extension are raw; a DNG is raw whatever its extension.
             None if is_raw => Kind::Raw,
             Some(Kind::Tiff) if is_raw => Kind::Raw,
             Some(kind) => kind,
@@ -307,7 +306,7 @@ impl InputFile {
     }
 }
 
-/// Error of raw files where nothing reads them.
+/// Error for raw files where the feature to read them is missing.
 fn without_raw(path: &Path) -> OpenError {
     OpenError::Unsupported {
         path: path.into(),
@@ -316,8 +315,7 @@ fn without_raw(path: &Path) -> OpenError {
     }
 }
 
-/// Runs a decoder. Should it panic over a file that nobody thought of, that is an error about the file, and the program
-/// lives on; so is memory that the system refuses it.
+/// Runs a decoder. A panic in it, and memory that the system refuses it, become errors about the file.
 fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, OpenError>) -> Result<T, OpenError> {
     let decode =
         || memory::refusable(decode).unwrap_or_else(|refused| Err(OpenError::NoMemory { path: path.into(), refused }));
@@ -330,7 +328,7 @@ fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, OpenEr
     })
 }
 
-/// Makes a frame of values in file units whose scale the data tells. Fails over the first value that is not finite.
+/// Makes a frame of values in file units. Fails at the first value that is not finite.
 fn frame_from_data(
     path: &Path,
     frame: usize,
@@ -338,7 +336,7 @@ fn frame_from_data(
     values: Vec<f32>,
     integer: bool,
 ) -> Result<RawFrame, OpenError> {
-    // The bits of magnitudes are in the order of the magnitudes, infinity and NaN above all; integers are compared many
+    // The bits of magnitudes are ordered as the magnitudes, with infinity and NaN above all; integers are compared many
     // at a time.
     let largest = values.iter().fold(0, |largest, v| (v.to_bits() & 0x7fff_ffff).max(largest));
     let largest = f32::from_bits(largest);

@@ -53,12 +53,12 @@ pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_
         .collect()
 }
 
-/// A second handle, because the header's reader consumes one.
+/// Second handle of a file, because the header's reader consumes one.
 fn reopened(path: &Path, file: &File) -> Result<File, OpenError> {
     file.try_clone().map_err(|e| OpenError::from_io(path, &e))
 }
 
-/// The largest value of the types whose range is the full scale.
+/// Largest value of the types whose range is the full scale.
 fn range(dtype: Dtype) -> Option<f32> {
     match dtype {
         Dtype::Bool => Some(1.0),
@@ -74,7 +74,7 @@ fn is_integer(dtype: Dtype) -> bool {
     !matches!(dtype, Dtype::F16 | Dtype::F32 | Dtype::F64)
 }
 
-/// Frame `t` of an array in C order.
+/// Reads frame `t` of an array in C order.
 fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, OpenError> {
     let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let count = header.width * header.height;
@@ -94,7 +94,7 @@ fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) ->
     Ok(values)
 }
 
-/// All frames of an array in Fortran order, where the frame index runs fastest and the column slowest.
+/// Reads all frames of an array in Fortran order, where the frame index runs fastest and the column slowest.
 fn read_fortran(
     path: &Path,
     mut file: File,
@@ -165,7 +165,7 @@ fn convert(bytes: &[u8], header: &NpyHeader, values: &mut Vec<f32>) {
     }
 }
 
-/// The value of an IEEE 754 half-precision number, exactly.
+/// Exact value of an IEEE 754 half-precision number.
 fn f32_from_half(bits: u16) -> f32 {
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
     let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff));

@@ -10,10 +10,10 @@ use crate::burst::limits::Limits;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// Longer headers are of structured arrays, which are no pictures.
+/// Largest header allowed, bytes. Longer ones are of structured arrays, which are no pictures.
 const MAX_HEADER_BYTES: usize = 4096;
 
-/// The type of an array's values.
+/// Type of an array's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dtype {
     Bool,
@@ -60,7 +60,7 @@ impl Dtype {
     }
 }
 
-/// What a `.npy` file says about its array.
+/// Type, order and shape of a `.npy` file's array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct NpyHeader {
     pub dtype: Dtype,
@@ -70,7 +70,7 @@ pub(super) struct NpyHeader {
     pub frames: usize,
     pub height: usize,
     pub width: usize,
-    /// Where the values begin in the file.
+    /// Position of the first value in the file, bytes.
     pub data_offset: u64,
 }
 
@@ -123,7 +123,7 @@ pub(super) fn read(path: &Path, mut file: std::fs::File, limits: &Limits) -> Res
     limits.check_frame(path, width, height)?;
     limits.check_burst(path, frames, width, height)?;
     let data_offset = data_offset + header_bytes as u64;
-    // Cannot overflow: the limits passed.
+    // Cannot overflow: the limits have been checked.
     let wanted = frames * height * width * dtype.size() as u64;
     let there = file_bytes.saturating_sub(data_offset);
     if there < wanted {
@@ -149,7 +149,7 @@ fn parse(text: &str) -> Option<(String, bool, Vec<u64>)> {
         rest = after.trim_start().strip_prefix(':')?.trim_start();
         match key {
             "descr" => {
-                // A structured type is a list: not a picture, but worth naming.
+                // A structured type is a list: not a picture, but named in the error.
                 let (value, after) = if rest.starts_with('[') { (rest, "}") } else { quoted(rest)? };
                 (descr, rest) = (Some(value.trim().to_owned()), after);
                 if value.starts_with('[') {
@@ -177,7 +177,7 @@ fn parse(text: &str) -> Option<(String, bool, Vec<u64>)> {
     Some((descr?, fortran_order?, shape?))
 }
 
-/// A quoted word and what follows it.
+/// A quoted word and the text after it.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let quote = text.chars().next().filter(|c| *c == '\'' || *c == '"')?;
     text[1..].split_once(quote)

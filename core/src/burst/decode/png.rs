@@ -1,5 +1,5 @@
-//! PNG, as the picture library reads it, but for what stands beside the pixels: colour profiles and texts are passed
-//! over without being unpacked. A few bytes of them unpack to thousands of millions.
+//! PNG, as the picture library reads it, except that colour profiles and texts are skipped without being unpacked. A
+//! few bytes of them can unpack to thousands of millions.
 
 use image::error::{DecodingError, ImageFormatHint, LimitError, LimitErrorKind};
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageResult};
@@ -13,7 +13,7 @@ pub(super) struct PngPicture<R: BufRead + Seek> {
 }
 
 impl<R: BufRead + Seek> PngPicture<R> {
-    /// Reads all up to the pixels. The decoder may take `max_bytes` besides them.
+    /// Reads the file up to the pixels. The decoder may take `max_bytes` besides them.
     pub(super) fn new(file: R, max_bytes: u64) -> ImageResult<Self> {
         let mut options = DecodeOptions::default();
         options.set_ignore_iccp_chunk(true);
@@ -54,7 +54,7 @@ impl<R: BufRead + Seek> ImageDecoder for PngPicture<R> {
 
     fn read_image(mut self, buffer: &mut [u8]) -> ImageResult<()> {
         self.reader.next_frame(buffer).map_err(failure)?;
-        // All pixels are there; so must be the end of the file.
+        // The file's end must follow the pixels.
         self.reader.finish().map_err(failure)?;
         if self.color.bytes_per_pixel() == 2 * self.color.channel_count() {
             for bytes in buffer.as_chunks_mut::<2>().0 {

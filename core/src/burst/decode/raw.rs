@@ -1,10 +1,11 @@
-//! Raw frames: a sensor's own values, by `rawler` (DNG, and what else it knows).
+//! Raw frames: a sensor's own values, by `rawler` (DNG, and the other formats that it knows).
 //!
 //! A colour sensor has one colour at each pixel, in a mosaic of 2×2. Filling in the other two (demosaicing) would make
-//! noise that neighbours share, which every later step would have to know. So the colours are kept apart: the four
+//! noise that neighbours share, which every later step would have to model. So the colours are kept apart: the four
 //! pixels of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken. Places, scales and
-//! slopes are then in binned pixels. Black and white are those of the file; values under black stay negative; nothing
-//! is stretched, balanced or clipped. The active area is taken, not the crop that the camera recommends.
+//! slopes are then in binned pixels. Black and white are those of the file unless given; values under black stay
+//! negative; nothing is stretched, balanced or clipped. The active area is taken, not the crop that the camera
+//! recommends.
 
 use super::raw_levels::{BlackSteps, RawLevels};
 use super::turned::turned;
@@ -22,17 +23,17 @@ use rawler::tags::TiffCommonTag;
 use rawler::{RawImage, RawImageData};
 use std::path::Path;
 
-/// Bytes of a file for each pixel that is allowed, at most: float values, and what else stands in it.
+/// Largest file per allowed pixel, bytes: float values, and the file's other data.
 const BYTES_PER_PIXEL: u64 = 8;
 
-/// The frame of a file that holds one.
+/// The frame of a file that holds one frame.
 pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame, OpenError> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| OpenError::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
     let corrupt = |e: rawler::RawlerError| OpenError::Corrupt { path: path.into(), kind: "raw", reason: e.to_string() };
     let decoder = rawler::get_decoder(&source).map_err(corrupt)?;
-    // What is announced is checked before it is decoded.
+    // The declared size is checked before anything is decoded.
     let (mut width, mut height) = (0, 0);
     let mut black_steps = BlackSteps::default();
     if let Some(directory) = decoder.ifd(WellKnownIFD::Raw).map_err(corrupt)? {
@@ -64,7 +65,7 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white() }) })
 }
 
-/// The part of the sensor that sees light.
+/// Part of the sensor that sees light.
 struct Area {
     left: usize,
     top: usize,
@@ -73,7 +74,7 @@ struct Area {
 }
 
 impl Area {
-    /// `None` where the values do not fill what is announced.
+    /// Active area of `raw`; `None` where it is empty or exceeds the declared size, or where values are missing.
     fn of(raw: &RawImage) -> Option<Self> {
         let count = match &raw.data {
             RawImageData::Integer(values) => values.len(),
@@ -93,9 +94,9 @@ impl Area {
     }
 }
 
-/// One value for each pixel, or each square of 2×2, and the side of that square.
+/// One value for each pixel, or each square of 2×2, with the side of that square in pixels (1 or 2).
 fn plane_of(raw: &RawImage, area: &Area, levels: &RawLevels, colour: RawColour) -> Result<(Plane, usize), String> {
-    // A pixel of the active area as a fraction.
+    // Value of a pixel of the active area, as a fraction.
     let at = |u: usize, v: usize, c: usize| {
         let index = ((area.top + v) * raw.width + area.left + u) * raw.cpp + c;
         let value = match &raw.data {

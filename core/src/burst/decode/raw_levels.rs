@@ -1,8 +1,8 @@
-//! Which values of a raw frame become 0 and 1: black and white, as the file has them or as they are given.
+//! Black and white levels of a raw frame, as in the file or as given: the values that become 0 and 1.
 //!
-//! Black may differ from colour to colour, and by a little from column to column and from row to row (what DNG calls
+//! Black may differ from colour to colour, and by a little from column to column and from row to row (DNG's
 //! `BlackLevelDeltaH` and `BlackLevelDeltaV`): stripes that the sensor has in the dark, and that would stay in every
-//! frame at the same place.
+//! frame at one place.
 
 use crate::burst::options::OpenOptions;
 use rawler::RawImage;
@@ -10,7 +10,7 @@ use rawler::formats::tiff::IFD;
 use rawler::rawimage::BlackLevel;
 use rawler::tags::DngTag;
 
-/// How much the black of each column and row is above the level of its colour. Empty where the file says nothing.
+/// Black of each column and row above the level of its colour. Empty where the file gives none.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct BlackSteps {
     columns: Vec<f32>,
@@ -18,7 +18,7 @@ pub(super) struct BlackSteps {
 }
 
 impl BlackSteps {
-    /// What a directory says.
+    /// Reads the steps of a directory.
     pub(super) fn of(directory: &IFD) -> Self {
         let steps = |tag: DngTag| {
             let value = directory.get_entry(tag).map(|entry| &entry.value);
@@ -29,7 +29,7 @@ impl BlackSteps {
         Self { columns: steps(DngTag::BlackLevelDeltaH), rows: steps(DngTag::BlackLevelDeltaV) }
     }
 
-    /// Whether there is one for each column and row of an area of `size` (columns, rows), or none.
+    /// Whether there is one finite step for each column and row of an area of `size` (columns, rows), or none.
     fn fits(&self, size: (usize, usize)) -> bool {
         let fits =
             |steps: &[f32], count| steps.is_empty() || (steps.len() == count && steps.iter().all(|s| s.is_finite()));
@@ -46,9 +46,9 @@ impl BlackSteps {
     }
 }
 
-/// Which values become 0 and 1.
+/// Values that become 0 and 1.
 pub(super) struct RawLevels {
-    /// Of a pattern of columns and rows, each with its samples, that begins at the active area.
+    /// Levels of a pattern of columns and rows, each with its samples, that begins at the active area's corner.
     black: Vec<f32>,
     black_size: (usize, usize),
     black_steps: BlackSteps,
@@ -57,10 +57,10 @@ pub(super) struct RawLevels {
 }
 
 impl RawLevels {
-    /// Those of `raw`, whose active area has `size` (columns, rows), or those that `options` gives.
+    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives.
     ///
     /// # Errors
-    /// What is wrong with them, as the end of a sentence about the file.
+    /// The fault of the levels, as the end of a sentence about the file.
     pub(super) fn of(
         raw: &RawImage,
         size: (usize, usize),
@@ -102,13 +102,13 @@ impl RawLevels {
         Err(format!("its black level is not below its white level, {darkest}; give both by full scale and black level"))
     }
 
-    /// The value that becomes 1, of the first sample of a pixel.
+    /// Value of the first sample of a pixel that becomes 1.
     pub(super) fn white(&self) -> f32 {
         self.white[0]
     }
 
-    /// Sample `c` of the pixel in column `u` and row `v` of the active area, as a fraction of the way from black to
-    /// white.
+    /// Sample `c` of the pixel in column `u` and row `v` of the active area, scaled so that black becomes 0 and white
+    /// 1.
     pub(super) fn fraction(&self, value: f32, (u, v): (usize, usize), c: usize) -> f32 {
         let (width, height) = self.black_size;
         let level = self.black[((v % height) * width + u % width) * self.samples + c];

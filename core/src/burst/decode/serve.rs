@@ -1,4 +1,4 @@
-//! The other side of [`child`](super::child): the process that decodes one file and sends its pixels.
+//! Counterpart of [`child`](super::child): the process that decodes one file and sends its pixels.
 
 use super::wire::{DecodeRequest, Part, receive, send_reply};
 use super::{Expected, RawFrame, frame, page};
@@ -9,15 +9,15 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Decodes the file `path` as the standard input asks, and sends it to the standard output: what a program does that
-/// was started as a [`DecodeWorker`](super::DecodeWorker). The process takes limits of memory and time on itself, and
+/// Decodes the file `path` as the request on standard input says, and writes it to standard output: the main function
+/// of a program started as a [`DecodeWorker`](super::DecodeWorker). The process limits its own memory and time, and
 /// ends when its input does.
 pub fn serve_decoding(path: &Path) -> ExitCode {
-    // A panic becomes an error about the file, which is sent; its message would be nobody's.
+    // A panic becomes an error about the file, which is sent; its message is dropped.
     std::panic::set_hook(Box::new(|_| {}));
     match serve(path) {
         Ok(()) => ExitCode::SUCCESS,
-        // Nobody hears the answer, or nobody asked.
+        // There was no request, or the answer could not be sent.
         Err(_) => ExitCode::FAILURE,
     }
 }
@@ -25,10 +25,10 @@ pub fn serve_decoding(path: &Path) -> ExitCode {
 fn serve(path: &Path) -> io::Result<()> {
     let request: DecodeRequest = receive(&mut io::stdin().lock())?;
     limit(request.memory_bytes, request.cpu_seconds);
-    // Decoders that work in parallel do so on this thread alone; others would take address space of their own.
+    // Decoders that work in parallel use this thread alone; others would take address space of their own.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     std::thread::Builder::new().stack_size(64 << 10).spawn(|| {
-        // Nothing more comes. When the input ends, whoever asked is gone.
+        // No more input is expected. When it ends, the requesting process is gone.
         let _ = io::stdin().lock().read(&mut [0]);
         std::process::exit(1);
     })?;
@@ -52,11 +52,11 @@ fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame, OpenError> {
     }
 }
 
-/// Takes limits on this process: memory that it may address (bytes) and time of a processor (seconds).
+/// Limits this process: memory that it may address (bytes) and processor time (seconds).
 #[cfg(unix)]
 fn limit(memory_bytes: u64, cpu_seconds: u64) {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-    // The first limit of time is a signal that says so, the second one just an end.
+    // The soft limit of time sends a signal that tells the cause, the hard one kills.
     let limits = [
         (Resource::As, memory_bytes, memory_bytes),
         (Resource::Cpu, cpu_seconds, cpu_seconds.saturating_add(5)),
@@ -66,11 +66,11 @@ fn limit(memory_bytes: u64, cpu_seconds: u64) {
         let now = getrlimit(resource);
         let lower = |limit: Option<u64>, to: u64| Some(limit.map_or(to, |limit| limit.min(to)));
         let lowered = Rlimit { current: lower(now.current, current), maximum: lower(now.maximum, maximum) };
-        // A system that knows no such limit leaves that of the clock, which the other process keeps.
+        // Where the system has no such limit, the parent's wall-clock limit remains.
         let _ = setrlimit(resource, lowered);
     }
 }
 
-/// Takes no limits: the other process keeps that of the clock.
+/// Sets no limits: the parent's wall-clock limit remains.
 #[cfg(not(unix))]
 fn limit(_memory_bytes: u64, _cpu_seconds: u64) {}

@@ -25,7 +25,7 @@ use tiff::TiffResult;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-/// Whether there is one frame or more: reads no further than the second.
+/// Number of frames, 2 standing for any larger number: reads no further than the second.
 pub(super) fn frame_count(path: &Path, input: InputFile) -> Result<usize, OpenError> {
     let limits = Limits { max_frames: 1, ..Limits::default() };
     match Pages::read(path, input, &limits) {
@@ -81,7 +81,7 @@ pub(super) fn stack(
 ) -> Result<Vec<RawFrame>, OpenError> {
     let length = input.length;
     let pages = Pages::read(path, input, &options.limits)?.list;
-    // A decoder finds a page by following the chain from the first, so each thread takes runs of pages rather than
+    // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages rather than
     // single ones.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
     let runs: Vec<(usize, &[usize])> =
@@ -106,8 +106,8 @@ fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, 
     let mut decoder = Decoder::new(BufReader::new(file)).map_err(|e| failure(path, e))?;
     let bytes = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let mut own = tiff::decoder::Limits::default();
-    // At most four samples of eight bytes. Texts are held against it too, with a line to the standard error that is
-    // nobody's; so it is never below what the look at the directories allows a text.
+    // At most four samples of eight bytes. The library applies this limit to texts too, and prints a line to the
+    // standard error; so it is never below the longest text that the directories may have.
     own.decoding_buffer_size = bytes(limits.max_pixels.saturating_mul(32).max(MAX_TEXT_BYTES));
     own.intermediate_buffer_size = bytes(file_bytes.max(1 << 24));
     own.ifd_value_size = bytes(file_bytes.clamp(1 << 16, 1 << 26));
@@ -117,9 +117,9 @@ fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, 
 
 /// The pages that are frames.
 struct Pages {
-    /// The (columns, rows) of all of them.
+    /// Size (columns, rows) of all pages.
     size: (usize, usize),
-    /// Their places in the file.
+    /// Indices of the pages in the file.
     list: Vec<usize>,
 }
 
@@ -174,11 +174,11 @@ fn page_name(path: &Path, page: usize) -> PathBuf {
     PathBuf::from(format!("{} (page {})", path.display(), page + 1))
 }
 
-/// Decodes pages, one after the other.
+/// Decoder of pages, one after the other.
 struct PageReader<'a> {
     path: &'a Path,
     decoder: FileDecoder,
-    /// Bytes of the file.
+    /// Length of the file, bytes.
     length: u64,
     options: &'a OpenOptions,
     monitor: &'a Monitor,
@@ -191,7 +191,7 @@ impl<'a> PageReader<'a> {
         Ok(Self { path, decoder, length, options, monitor })
     }
 
-    /// Page `page`, whose size has been checked, as frame `frame` of the burst.
+    /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
     fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame, OpenError> {
         let (path, fail) = (self.path, |e| failure(self.path, e));
         self.decoder.seek_to_image(page).map_err(fail)?;
@@ -199,7 +199,7 @@ impl<'a> PageReader<'a> {
         let pixels = u64::from(width) * u64::from(height);
         let (chunk_width, chunk_height) = self.decoder.chunk_dimensions();
         let chunk = u64::from(chunk_width).saturating_mul(chunk_height.into());
-        // Samples, planes of samples and the values that they become.
+        // Samples, planes of samples, and the values computed from them.
         let color = self.decoder.colortype().map_err(fail)?;
         let sample_bytes = u64::from(color.num_samples()) * u64::from(color.bit_depth()).div_ceil(8);
         let taken = pixels.saturating_mul(2 * sample_bytes + 4).saturating_add(chunk.saturating_mul(2 * sample_bytes));
@@ -218,8 +218,7 @@ impl<'a> PageReader<'a> {
         Ok(RawFrame { damage, ..decoded })
     }
 
-    /// The damage of the page at which the decoder stands, where the decoder would not say: its strips or tiles may be
-    /// JPEGs.
+    /// Damage of the decoder's current page that the decoder would not report: its strips or tiles may be JPEGs.
     fn damage(&mut self) -> TiffResult<Option<String>> {
         const JPEG: u16 = 7;
         if self.decoder.find_tag_unsigned::<u16>(Tag::Compression)? != Some(JPEG) {
@@ -251,7 +250,7 @@ impl<'a> PageReader<'a> {
     }
 }
 
-/// How the camera was held. A note that is none of the eight is none.
+/// How the camera was held; no turn where the tag is missing or not one of the eight values.
 fn orientation(decoder: &mut FileDecoder) -> Orientation {
     let value = decoder.find_tag_unsigned::<u8>(Tag::Orientation).ok().flatten();
     value.and_then(Orientation::from_exif).unwrap_or(Orientation::NoTransforms)
@@ -261,16 +260,16 @@ fn is_thumbnail(decoder: &mut FileDecoder) -> bool {
     matches!(decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType), Ok(Some(kind)) if kind & 1 == 1)
 }
 
-/// The number of images that ImageJ wrote into its description.
+/// Number of images that ImageJ wrote into its description.
 fn announced_images(directories: &Directories, file: &mut File) -> Option<usize> {
-    /// Its lines are few and short.
+    /// Part of the description that is read, bytes: its lines are few and short.
     const BEGINNING: usize = 1 << 16;
     let text = directories.description(file, BEGINNING)?;
     text.starts_with("ImageJ=").then_some(())?;
     text.lines().find_map(|line| line.strip_prefix("images=")?.trim().parse().ok())
 }
 
-/// Decodes the page at which the decoder stands; its size has been checked.
+/// Decodes the decoder's current page; its size has been checked.
 fn decode_page(
     path: &Path,
     frame: usize,
@@ -331,7 +330,7 @@ fn decode_page(
     Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, ..decoded })
 }
 
-/// One value a pixel, or `None` when there are too few samples.
+/// One value a pixel; `None` where there are too few samples.
 fn grey<T: Sample>(samples: &[T], pixels: usize, channels: usize, planar: bool, curve: Curve) -> Option<Vec<f32>> {
     if !planar {
         return Some(grey_from_interleaved(samples.get(..pixels * channels)?, channels, curve));

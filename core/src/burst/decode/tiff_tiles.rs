@@ -1,5 +1,5 @@
-//! All samples of a TIFF page. A page in planes and tiles is put together here, tile by tile: the library (tiff 0.11.3)
-//! panics where the size of such a page is no multiple of the tile's.
+//! Samples of a TIFF page. A page in planes and tiles is assembled here, tile by tile: the library (tiff 0.11.3) panics
+//! where the size of such a page is no multiple of the tile's.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -7,18 +7,18 @@ use tiff::TiffResult;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-/// A decoder of a file.
+/// Decoder of a file.
 pub(super) type FileDecoder = Decoder<BufReader<File>>;
 
-/// The samples of a page.
+/// Samples of a page.
 pub(super) struct Samples {
     /// Interleaved, or plane after plane.
     pub samples: DecodingResult,
-    /// Whether they are in planes.
+    /// Whether the samples are in planes.
     pub planar: bool,
 }
 
-/// Reads the page at which the decoder stands, of `size` (columns, rows) and `channels` samples a pixel.
+/// Reads the decoder's current page, of `size` (columns, rows) and `channels` samples a pixel.
 pub(super) fn read_samples(decoder: &mut FileDecoder, size: (usize, usize), channels: usize) -> TiffResult<Samples> {
     const PLANES: u16 = 2;
     let configuration = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
@@ -60,7 +60,7 @@ fn planes_of_tiles(
     Ok(whole.unwrap_or(DecodingResult::U8(Vec::new())))
 }
 
-/// Where the samples of a tile belong.
+/// Place of a tile's samples in the page.
 struct Place {
     start: usize,
     stride: usize,
@@ -70,7 +70,7 @@ struct Place {
 }
 
 impl Place {
-    /// Puts the tile into the whole, which begins with the first tile.
+    /// Copies the tile into the page's samples, which are allocated at the first tile.
     fn put(&self, whole: Option<DecodingResult>, tile: DecodingResult) -> DecodingResult {
         macro_rules! kinds {
             ($($kind:ident)*) => {

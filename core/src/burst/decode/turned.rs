@@ -1,9 +1,9 @@
-//! How a photograph is turned: cameras store pixels as the sensor has them and note beside them which way is up.
+//! Turning of photographs: cameras store pixels as the sensor has them, and note which way is up.
 
 use crate::plane::Plane;
 use image::metadata::Orientation;
 
-/// The (columns, rows) of a picture of `size` once it is turned.
+/// Size (columns, rows) of a picture of `size` after turning.
 pub(super) fn turned_size((width, height): (usize, usize), orientation: Orientation) -> (usize, usize) {
     match orientation {
         Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => {
@@ -13,10 +13,10 @@ pub(super) fn turned_size((width, height): (usize, usize), orientation: Orientat
     }
 }
 
-/// From a place of the turned picture, and the last column and row of the picture as it is, to the place there.
+/// Function from a place of the turned picture, and the last column and row of the stored one, to the stored place.
 type PlaceOf = fn((usize, usize), (usize, usize)) -> (usize, usize);
 
-/// The picture as it is to be looked at.
+/// The picture turned upright.
 pub(super) fn turned(plane: Plane, orientation: Orientation) -> Plane {
     let (width, height) = plane.size();
     let (right, bottom) = (width - 1, height - 1);

@@ -1,5 +1,5 @@
-//! What is asked of a process that decodes, and what it answers: a length, JSON of that length, and the pixels as they
-//! are in memory, because both processes are of one program on one machine.
+//! Messages between the program and the child process that decodes: a length, JSON of that length, and the pixels as
+//! they are in memory, because both processes are of one program on one machine.
 
 use super::{FileScale, RawFrame};
 use crate::burst::encoding::Encoding;
@@ -12,50 +12,50 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// JSON is never longer than this, bytes.
+/// Maximum length of the JSON, bytes.
 const MAX_JSON_BYTES: u32 = 1 << 20;
 
-/// Part of a file that is to be decoded.
+/// Part of a file to decode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Part {
-    /// Its only frame.
+    /// The only frame of the file.
     Only,
-    /// A page of a TIFF, which is this frame of the burst.
+    /// A page of a TIFF, and the frame of the burst that it is.
     Page {
-        /// Its place in the file.
+        /// Index in the file.
         page: usize,
-        /// Its place in the burst.
+        /// Index in the burst.
         frame: usize,
     },
 }
 
-/// One file to be decoded. Its path is an argument of the process, because a path need not be text.
+/// Request to decode one file. Its path is an argument of the process, because a path need not be text.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct DecodeRequest {
-    /// The program's version: both processes must be of one.
+    /// The program's version, which must be that of both processes.
     pub version: String,
-    /// Part of the file that is wanted.
+    /// Part of the file to decode.
     pub part: Part,
-    /// The (columns, rows) that are expected, if any are.
+    /// Expected size (columns, rows), if any.
     pub expected: Option<(usize, usize)>,
-    /// How it is opened, without files of calibration.
+    /// Options for opening, without calibration files.
     pub options: OpenOptions,
-    /// How large it may be.
+    /// Limits of the frame's size.
     pub limits: Limits,
     /// Memory that the process may address, bytes.
     pub memory_bytes: u64,
-    /// Time of a processor that it may take, seconds.
+    /// Processor time that it may take, seconds.
     pub cpu_seconds: u64,
 }
 
-/// Head of an answer, before the pixels.
+/// Head of a reply, before the pixels.
 #[derive(Debug, Serialize, Deserialize)]
 enum ReplyHead {
     Frame { size: (usize, usize), scale: ScaleData, encoding: Encoding, binning: usize, damage: Option<String> },
     Failed(Failure),
 }
 
-/// A [`FileScale`] whose numbers are kept to the bit.
+/// A [`FileScale`] whose numbers are stored bit for bit.
 #[derive(Debug, Serialize, Deserialize)]
 enum ScaleData {
     Range(u32),
@@ -84,7 +84,7 @@ pub(super) fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()
     to.write_all(&text)
 }
 
-/// Receives what [`send`] sent.
+/// Receives a value that [`send`] sent.
 pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
     let mut length = [0; 4];
     from.read_exact(&mut length)?;
@@ -97,7 +97,7 @@ pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T
     Ok(serde_json::from_slice(&text)?)
 }
 
-/// Sends the answer.
+/// Sends the reply, with the pixels of a frame.
 pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>) -> io::Result<()> {
     match reply {
         Ok(frame) => {
@@ -114,11 +114,11 @@ pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>
     }
 }
 
-/// Receives the answer about the file `path` of the format `kind`; `first` is the file whose size was expected, with
+/// Receives the reply about the file `path` of the format `kind`; `first` is the file whose size was expected, with
 /// that size.
 ///
 /// # Errors
-/// Outside, what went wrong with the answer itself; inside, what the other process says of the file.
+/// Outer: the reply is damaged or cut off. Inner: the child's error about the file, or a frame beyond `limits`.
 pub(super) fn receive_reply(
     from: &mut impl Read,
     path: &Path,
@@ -159,7 +159,7 @@ impl Failure {
                 Self::BeyondLimit { found, limit, remedy: remedy.into_owned() }
             }
             OpenError::NoMemory { refused, .. } => Self::NoMemory { bytes: refused.bytes },
-            // A file that went away or changed between two looks.
+            // A file that disappeared or changed between two reads.
             other => Self::Read { reason: other.to_string() },
         }
     }
@@ -235,7 +235,7 @@ mod tests {
         let limits = Limits::default();
         let read = |bytes: &[u8]| receive_reply(&mut &bytes[..], Path::new("a"), "raw", None, &limits);
         assert!(read(b"").is_err() && read(&[255; 40]).is_err() && read(b"\x02\0\0\0{}").is_err());
-        // A frame without all of its pixels.
+        // A frame whose pixels are cut off.
         let mut bytes = Vec::new();
         let plane = Plane::zeros(3, 3);
         send_reply(&mut bytes, Ok(RawFrame::linear(plane, FileScale::Range(255.0)))).expect("memory");

@@ -8,7 +8,7 @@ use crate::synth::{ChartParams, Light, Trajectory, TrajectoryParams, synth_chart
 
 const SIZE: (usize, usize) = (1000, 1000);
 
-/// A detection with features at the given slopes of the grid, and a tally of 10 million samples.
+/// Detection with features at the given slopes of the grid, and a tally of 10 million samples.
 fn detection(grid: SlopeGrid, slope_indices: &[usize], rejected: &[(Test, u64)]) -> Detection {
     let feature = |&slope_index: &usize| {
         let (i, j) = grid.coordinates(slope_index);
@@ -72,7 +72,7 @@ fn most_at_the_limit_asks_for_a_wider_range_on_that_side() {
     assert_eq!((found.parameter, found.value.as_str()), (doc::SLOPES_V, "-2:4:13"));
     assert!(found.for_window().ends_with("; try Slopes v -2:4:13"), "{}", found.for_window());
     assert!(found.value.parse::<SlopeAxis>().is_ok_and(|axis| (axis.step() - slopes.v.step()).abs() < 1e-6));
-    // Too few to speak of, and an image that has no slopes.
+    // Too few to mention, and an image that has no slopes.
     assert_eq!(advice(&DetectorParams::default(), &[0; 9], &[]).filter(|a| a.parameter == doc::SLOPES_U), None);
     let sift = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
     assert_eq!(advice(&sift, &[0; 90], &[]), None);
@@ -89,7 +89,7 @@ fn the_peak_threshold_is_to_blame_where_the_gate_had_nothing_left_to_do() {
         "no feature was found: of 10 000 000 samples 9 999 926 were rejected as below the peak threshold of 0.0003; \
          try --peak-threshold 0"
     );
-    // Where it let much noise through, the gate is.
+    // Where it let much noise pass, the gate is.
     let rejected = [(Test::PeakThreshold, 4_000_000), (Test::NoiseGate, 5_999_990), (Test::SpaceExtremum, 10)];
     let found = advice(&params, &[], &rejected).expect("advice");
     assert_eq!((found.parameter, found.value.as_str()), (doc::NOISE_GATE, "4"));
@@ -123,14 +123,14 @@ fn a_later_test_that_takes_more_than_usual_is_named() {
     let slope = [&above[..], &[(Test::SlopeExtremum, 2_990)]].concat();
     let found = advice(&params, &[3; 10], &slope).expect("advice");
     assert_eq!((found.parameter, found.value.as_str()), (doc::SLOPES_U, "-3:3:4"));
-    // Who asked for few has them.
+    // A search that asks for few features has enough.
     let cut = [&above[..], &[(Test::MaxFeatures, 2_990)]].concat();
     assert_eq!(advice(&params, &[3; 10], &cut), None);
 }
 
 #[test]
 fn made_bursts_are_explained() {
-    // A dark scene under the peak threshold of old.
+    // A dark scene under the former peak threshold.
     let light = Light::Electrons(1.2);
     let dark = TrajectoryParams { width: 240, height: 180, bursts: 1, light, ..TrajectoryParams::default() };
     let burst = Trajectory::new(&dark, &Monitor::default()).expect("a scene").burst(0, &Monitor::default());

@@ -4,8 +4,8 @@
 //! two cells. The 128 numbers are normalised, cut at 0.2, normalised again, then L1-normalised, square-rooted
 //! ("RootSIFT"), multiplied by 512 and cut at 255.
 //!
-//! Of each row only the pixels inside the turned square are visited. What is needed of them is made in vector lanes;
-//! then each pixel adds its eight directions, most of them zero, to four cells, a vector each.
+//! Of each row only the pixels inside the turned square are visited. Their weights and directions are computed in
+//! vector lanes; then each pixel adds its eight directions, most of them zero, to four cells, a vector each.
 
 mod bytes;
 mod cells;
@@ -21,10 +21,10 @@ use std::ops::Range;
 
 pub use bytes::to_vlfeat_order;
 
-/// Size of a cell, in σ.
+/// Side of a cell, in σ.
 const MAGNIFICATION: f32 = 3.0;
 
-/// Space for windows and samples; reused from feature to feature.
+/// Buffers for windows and samples; reused from feature to feature.
 #[derive(Debug, Default)]
 pub struct DescriptorScratch {
     along_u: Vec<f32>,
@@ -32,15 +32,15 @@ pub struct DescriptorScratch {
     samples: Samples,
 }
 
-/// How far around the pixel of a feature of scale `sigma` its descriptor looks, octave pixels: half the diagonal of the
-/// turned square. The level around it must reach one pixel farther.
+/// Radius of the pixels that the descriptor of a feature of scale `sigma` depends on, octave pixels: half the diagonal
+/// of the turned square. The level around it must reach one pixel farther.
 pub fn descriptor_radius(sigma: f32) -> usize {
     (std::f32::consts::SQRT_2 * MAGNIFICATION * sigma * (CELLS as f32 + 1.0) / 2.0 + 0.5).floor() as usize
 }
 
-/// The descriptor of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians in [0, 2π).
-/// `level` is the Gaussian level around it, reaching a pixel farther than [`descriptor_radius`], of an octave of
-/// `size`.
+/// Computes the descriptor of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians in
+/// [0, 2π). `level` is the Gaussian level around it, reaching a pixel farther than [`descriptor_radius`], of an octave
+/// of `size`.
 pub fn descriptor(
     level: &Patch,
     size: (usize, usize),
@@ -55,10 +55,10 @@ pub fn descriptor(
     quantise(sums(level, &square, &columns, &rows, scratch))
 }
 
-/// Half the square that counts, in cells: farther away nothing is added.
+/// Half the side of the square that counts, in cells: nothing is added beyond it.
 const HALF: f32 = (CELLS + 1) as f32 / 2.0;
 
-/// The turned square: cell coordinates are `cos·du + sin·dv` and `cos·dv − sin·du` from its middle.
+/// The turned square: cell coordinates are `cos·du + sin·dv` and `cos·dv − sin·du` from its centre.
 struct Square {
     place: (f32, f32),
     cos: f32,
@@ -67,16 +67,16 @@ struct Square {
 }
 
 impl Square {
-    /// The square of a feature at `place` with cells of `cell` pixels.
+    /// Square of a feature at `place` with cells of `cell` pixels.
     fn new(place: (f32, f32), cell: f32, orientation: f32) -> Self {
-        // Sides never quite along the pixels have a crossing with every row.
+        // Sides that are never exactly parallel to the pixels cross every row.
         let slanted = |x: f32| if x.abs() < 1e-9 { 1e-9 } else { x };
         let (sin, cos) = orientation.sin_cos();
         Self { place, cos: slanted(cos / cell), sin: slanted(sin / cell), orientation }
     }
 
-    /// For a row, the columns that lie inside: `interval(dv)` gives those of the row `dv` below the middle, in
-    /// distances from the middle.
+    /// Returns a function from a row's distance `dv` below the centre to the first and last column inside the square,
+    /// as distances from the centre.
     #[inline(always)]
     fn interval(&self) -> impl Fn(f32) -> (f32, f32) {
         // Where |cos·du + sin·dv| and |cos·dv − sin·du| are at most HALF.
@@ -130,7 +130,7 @@ fn sums(
                 let turned = eighths[i] - orientation;
                 let turned = if turned < 0.0 { turned + DIRECTIONS as f32 } else { turned };
                 let direction = min(turned.floor(), LAST_DIRECTION);
-                // In cells from the first padded one.
+                // Distances in cells from the first padded one.
                 let du = first + i as f32;
                 let cx = cos.mul_add(du, sin.mul_add(dv, HALF));
                 let cy = cos.mul_add(dv, (-sin).mul_add(du, HALF));
@@ -155,9 +155,9 @@ fn sums(
     cells.sums()
 }
 
-/// Samples that are made in vectors before they are added one by one.
+/// Number of samples that are computed in vectors before they are added one by one.
 const BATCH: usize = 256;
-/// The last of the directions between which a sample may lie.
+/// Index of the last direction.
 const LAST_DIRECTION: f32 = (DIRECTIONS - 1) as f32;
 
 #[cfg(test)]
@@ -180,7 +180,7 @@ mod tests {
         descriptor(level, SIZE, place, sigma, orientation, &mut DescriptorScratch::default())
     }
 
-    /// The definition, pixel by pixel.
+    /// The definition of the sums, pixel by pixel.
     fn by_definition(level: &Patch, (x, y): (f32, f32), sigma: f32, orientation: f32) -> [f64; BINS] {
         let mut bins = [0.0; BINS];
         let cell = f64::from(MAGNIFICATION * sigma);

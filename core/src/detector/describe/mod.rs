@@ -1,4 +1,4 @@
-//! Localising and describing the keypoints of an octave, in parallel.
+//! Localisation and description of the keypoints of an octave, in parallel.
 
 pub mod descriptor;
 pub(super) mod octave_inputs;
@@ -28,16 +28,16 @@ use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use rayon::prelude::*;
 
-/// A feature is described at its own slope where the grid's one moves the outermost frame by more than this many σ; a
-/// smaller smear hardly widens it. Chosen, not tuned.
+/// A feature is described at its own slope where the grid's slope misplaces the outermost frame by more than this many
+/// σ; a smaller smear hardly widens it. Chosen, not tuned.
 const MISALIGNED_SIGMAS: f32 = 0.1;
 
-/// Whether an outermost frame that is `px` out of place matters to a feature of scale `sigma_px`.
+/// Whether a misplacement of an outermost frame by `px` matters to a feature of scale `sigma_px`.
 pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
     px > MISALIGNED_SIGMAS * sigma_px
 }
 
-/// Space that a thread reuses from keypoint to keypoint.
+/// Buffers that a thread reuses from keypoint to keypoint.
 #[derive(Default)]
 pub(super) struct DescribeScratch {
     raw: Patch,
@@ -49,7 +49,7 @@ pub(super) struct DescribeScratch {
     descriptor: DescriptorScratch,
 }
 
-/// A feature, its descriptor, and which of the keypoints it comes from.
+/// A feature, its descriptor, and the index of its keypoint.
 #[derive(Debug, Clone)]
 pub(super) struct Described {
     pub feature: Feature,
@@ -58,15 +58,15 @@ pub(super) struct Described {
 }
 
 impl Describing<'_> {
-    /// Orientations and descriptors of the octave's keypoints, in an order that depends on the keypoints alone. The
-    /// first keypoint counts as number `first`.
+    /// Localises, orients and describes the octave's keypoints; the features' order depends on the keypoints alone.
+    /// `first` is the number of the first keypoint.
     ///
     /// # Errors
     /// [`Cancelled`] once the monitor was cancelled.
     pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
         let order = self.in_order(keypoints);
         let Some(&(_, any)) = order.first() else { return Ok(Vec::new()) };
-        // All slopes' bases have one scale.
+        // The bases of all slopes have one scale.
         let kernels = self.kernels((self.base)(any.slope_index).sigma_octave());
         let planes = self.own_slopes.map(OctaveFrames::planes).unwrap_or_default();
         let described: Vec<Vec<Described>> = order
@@ -84,7 +84,7 @@ impl Describing<'_> {
         Ok(described.into_iter().flatten().collect())
     }
 
-    /// The keypoints and their numbers, so that those that follow one another lie close together.
+    /// The keypoints with their numbers, ordered so that consecutive ones lie close together.
     fn in_order<'k>(&self, keypoints: &'k [Keypoint]) -> Vec<(usize, &'k Keypoint)> {
         let mut order: Vec<(usize, &Keypoint)> = keypoints.iter().enumerate().collect();
         let strip = |keypoint: &Keypoint| (keypoint.x / STRIP_COLUMNS) as i64;
@@ -92,19 +92,19 @@ impl Describing<'_> {
         order
     }
 
-    /// From what the octave is made from, with σ `from` (octave pixels), to each Gaussian level on which features are
+    /// Kernels from the octave's base, with σ `from` (octave pixels), to each Gaussian level on which features are
     /// described.
     fn kernels(&self, from: f64) -> Vec<GaussianKernel> {
         (0..self.space.levels as i32).map(|level| self.kernel(level, from)).collect()
     }
 
-    /// From σ `from`, octave pixels, to Gaussian level `level`.
+    /// Kernel from σ `from`, octave pixels, to Gaussian level `level`.
     fn kernel(&self, level: i32, from: f64) -> GaussianKernel {
         let sigma = self.space.sigma_octave(f64::from(level));
         GaussianKernel::with_cut((sigma * sigma - from * from).max(0.0).sqrt(), self.space.kernel_cut)
     }
 
-    /// Where the frames are read at a keypoint's own slope, if it is described there and not at the grid's.
+    /// Offsets of the frames at a keypoint's own slope, if it is described there and not at the grid's.
     fn own_slope(&self, keypoint: &Keypoint) -> Option<(&OctaveFrames<'_>, Vec<FrameOffset>)> {
         let frames = self.own_slopes?;
         let grid = self.grid.slope(keypoint.slope_index);
@@ -114,15 +114,15 @@ impl Describing<'_> {
         misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope, self.params.interpolation)))
     }
 
-    /// Whether a keypoint was found on the rim of the slope grid, or, where each slope is searched for itself, at one
-    /// from which its own slope leads to the rim. (A joint extremum beside the rim is stronger than the rim.)
+    /// Whether a keypoint was found on the rim of the slope grid, or, where each slope is searched for itself, at a
+    /// slope whose nearest one on the grid is on the rim. (A joint extremum beside the rim is stronger than the rim.)
     fn at_slope_limit(&self, located: &Keypoint) -> bool {
         let (i, j) = self.grid.coordinates(located.slope_index);
         self.grid.on_rim(i, j)
             || (self.params.slope_extrema == SlopeExtrema::Each && self.grid.nearest_on_rim(located.slope))
     }
 
-    /// Appends the features of one keypoint: one for each of its orientations. `kernels` lead to the levels, `planes`
+    /// Appends the features of one keypoint, one for each of its orientations. `kernels` lead to the levels, `planes`
     /// are those of the octave's frames.
     fn describe_one(
         &self,
@@ -135,7 +135,8 @@ impl Describing<'_> {
         let base = (self.base)(keypoint.slope_index);
         let from = base.sigma_octave();
         let kernel = &kernels[keypoint.level as usize];
-        // The descriptor's square and the neighbours that its gradients need, and the kernel around them.
+        // Reach of the descriptor's square and of the neighbours that its gradients need, and of the kernel around
+        // them.
         let level_reach = |sigma: f32| descriptor_radius(sigma) + 1;
         let wanted_sigma = f64::from(keypoint.sigma_octave);
         let mut reach = (scale::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)

@@ -1,4 +1,4 @@
-//! What localising and describing the keypoints of one octave start from.
+//! Inputs of localising and describing the keypoints of one octave.
 
 use crate::detector::params::DetectorParams;
 use crate::detector::params::slope_grid::SlopeGrid;
@@ -8,30 +8,30 @@ use crate::detector::stack::refined::OctaveFrames;
 use crate::kernel::offset::FrameOffset;
 use crate::monitor::Monitor;
 
-/// What is needed to describe the keypoints of one octave.
+/// Inputs for describing the keypoints of one octave.
 pub(in crate::detector) struct Describing<'a> {
-    /// Where the octave's first level at a slope of the grid comes from.
+    /// Source of the octave's first level at a slope of the grid.
     pub base: &'a (dyn Fn(usize) -> Base<'a> + Sync),
-    /// The same for the octave before; the first octave has none.
+    /// Source of the finer octave's first level; `None` for the first octave.
     pub finer: Option<&'a (dyn Fn(usize) -> Base<'a> + Sync)>,
-    /// Where the frames are read at each slope of the grid.
+    /// Offsets of the frames at each slope of the grid.
     pub offsets: &'a [Vec<FrameOffset>],
-    /// The octave.
+    /// Index of the octave.
     pub octave: i32,
-    /// Its size.
+    /// Size (columns, rows) of the octave.
     pub size: (usize, usize),
-    /// The image's size.
+    /// Size (columns, rows) of the image.
     pub size_image: (usize, usize),
-    /// The slopes searched.
+    /// Slopes of the search.
     pub grid: SlopeGrid,
-    /// The scales searched.
+    /// Scales of the search.
     pub space: &'a ScaleSpace,
-    /// The detection's parameters.
+    /// Parameters of the detection.
     pub params: &'a DetectorParams,
-    /// The octave's frames, where features are described at their own slope.
+    /// Frames at the octave's resolution, where features are described at their own slope.
     pub own_slopes: Option<&'a OctaveFrames<'a>>,
-    /// Tells of a cancel.
+    /// Monitor for cancellation.
     pub monitor: &'a Monitor,
-    /// Told how many more keypoints are described.
+    /// Called with the number of keypoints described since the last call.
     pub described: &'a (dyn Fn(usize) + Sync),
 }

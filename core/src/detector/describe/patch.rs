@@ -5,14 +5,14 @@ use crate::kernel::patch::{Patch, PatchScratch, inside};
 use crate::kernel::stack_patch::stack_patch;
 use std::ops::Range;
 
-/// The pixels within `radius` of the one in which `place` lies.
+/// Pixels within `radius` of the pixel in which `place` lies.
 pub(in crate::detector) fn around(place: f32, radius: usize) -> Range<i64> {
     let (middle, radius) = ((place + 0.5).floor() as i64, radius as i64);
     middle - radius..middle + radius + 1
 }
 
 impl Base<'_> {
-    /// Columns `columns` and rows `rows` of the octave of `size` as they are before any blur of this octave, less the
+    /// Reads columns `columns` and rows `rows` of the octave of `size`, before any blur of this octave and less the
     /// value in the middle, into `patch`. The rectangle must touch the octave.
     pub fn patch(
         &self,
@@ -38,7 +38,7 @@ impl Base<'_> {
                 patch.repeat_border(size);
             }
             Self::Frames { frames, offsets, octave: -1 } => {
-                // The pixels between which those of the doubled image lie. Repeated ones double to repeated ones.
+                // Pixels between which those of the doubled image lie. Repeated border pixels double to repeated ones.
                 let narrow = |range: &Range<i64>| range.start.div_euclid(2)..(range.end - 1).div_euclid(2) + 2;
                 scratch.narrow.reset(narrow(&columns), narrow(&rows));
                 stack_patch(frames, offsets, &mut scratch.narrow, &mut scratch.sums);

@@ -1,9 +1,9 @@
-//! D at one place without a picture: the frames are shifted by any slope and averaged in a small patch, and the patch
-//! is weighted by two Gaussians.
+//! D at single places: the frames are shifted by any slope and averaged in a small patch, and the patch is weighted by
+//! two Gaussians.
 //!
-//! Stacking and filtering commute, so this is what the search would find at that slope, up to interpolation (and, in
-//! coarser octaves, how the frames are brought to their resolution). It serves questions about single places: whether
-//! two motions share one, how D goes between the slopes of the grid, what one frame alone answers.
+//! Stacking and filtering commute, so the values are those of a search at that slope, up to interpolation (and, in
+//! coarser octaves, the way in which the frames are brought to their resolution). Used to test whether two motions
+//! share one place, and for D between the slopes of the grid and in a single frame.
 
 use crate::detector::describe::patch::around;
 use crate::detector::params::Interpolation;
@@ -17,7 +17,7 @@ use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use std::ops::Range;
 
-/// D of the mean of the `chosen` frames at each of the DoG `levels` of `octave`, along the way through `place` (input
+/// D of the mean of the `chosen` frames at each of the DoG `levels` of `octave`, on the path through `place` (input
 /// pixels, at mid-burst) at `slope`. The octave's pixel nearest to the place is taken.
 pub(in crate::detector) fn point_response(
     frames: &OctaveFrames<'_>,
@@ -48,7 +48,7 @@ pub(in crate::detector) fn point_response(
     weighted.windows(2).map(|two| two[1] - two[0]).collect()
 }
 
-/// The value that `kernel` makes of the middle of `patch`, which reaches `reach` pixels from it.
+/// Value of `kernel` applied at the middle of `patch`, which reaches `reach` pixels from it.
 fn weighted(patch: &Patch, kernel: &GaussianKernel, reach: usize) -> f32 {
     let radius = kernel.radius();
     let half = kernel.half();

@@ -1,10 +1,10 @@
-//! Two motions at one place: whether a weaker keypoint beside a stronger one of another slope is a thing of its own.
+//! Test of whether a weaker keypoint beside a stronger one of another slope is a separate structure.
 //!
-//! A blob also shows in the stack of a wrong slope, smeared along the way it moves there: a ghost, which answers only
-//! in those frames in which the true blob crosses the ghost's way. A lantern before a wall answers in every frame along
-//! its own way. So the frames are asked in which the ways of both keypoints are well apart: there a thing of its own
-//! still answers at full strength, well above the noise, and between the two ways there is nothing. (An elongated
-//! structure that slides along itself answers on both ways, but between them too.)
+//! A blob also appears in the stack of a wrong slope, smeared along its path there: a ghost, which responds only in
+//! those frames in which the true blob crosses the ghost's path. A lantern before a wall responds in every frame along
+//! its own path. So only the frames are used in which the paths of both keypoints are well apart: there a separate
+//! structure still has its full response, well above the noise, and between the two paths there is none. (An elongated
+//! structure that slides along itself responds on both paths, but between them too.)
 
 use crate::detector::describe::point_response::point_response;
 use crate::detector::keypoint::Keypoint;
@@ -16,26 +16,26 @@ use crate::detector::stack::refined::OctaveFrames;
 use crate::plane::Plane;
 use std::sync::OnceLock;
 
-/// Frames count in which the two ways are farther apart than this many σ of the stronger keypoint: there its response
-/// has passed through 0.
+/// Frames count in which the two paths are farther apart than this many σ of the stronger keypoint: at that distance
+/// its response has passed through 0.
 const APART_SIGMAS: f32 = 2.5;
-/// At least this share of all frames must count, and two of them.
+/// Minimum share of all frames that must count; two frames must in any case.
 const FRAMES_SHARE: f32 = 0.2;
-/// The part of its response that a thing of its own keeps in those frames.
+/// Minimum fraction of its response that a separate structure keeps in those frames.
 const KEPT_RESPONSE: f32 = 0.6;
-/// What that must be in standard deviations of its noise. A mean of few frames is noisy, and a false second thing makes
-/// matches ambiguous.
+/// Minimum of that response in standard deviations of its noise. A mean of few frames is noisy, and a false second
+/// keypoint makes matches ambiguous.
 const FRAMES_SNR: f32 = 5.0;
-/// The part of the weaker response that may lie between the two ways.
+/// Maximum response between the two paths, as a fraction of the weaker response.
 const BETWEEN_RESPONSE: f32 = 0.5;
 
-/// The frames at the resolutions of all octaves, each made when it is first asked for.
+/// The frames at the resolutions of all octaves, each computed on first use.
 pub(in crate::detector) struct FramesOfOctaves<'a> {
     frames: &'a [&'a Plane],
     times: &'a FrameTimes,
     first_octave: i32,
     octaves: Vec<OnceLock<OctaveFrames<'a>>>,
-    /// The octaves' means of frames, where somebody keeps them.
+    /// The octaves' means of frames, where they are kept elsewhere.
     means: Option<&'a [OnceLock<Vec<Plane>>]>,
 }
 
@@ -49,22 +49,22 @@ impl<'a> FramesOfOctaves<'a> {
         Self { frames, times, first_octave, octaves: octaves.map(|_| OnceLock::new()).collect(), means: None }
     }
 
-    /// The same with means that are kept in `means`, one place an octave, and made there when they are first asked for.
+    /// Keeps the means in `means`, one slot an octave, each computed on first use.
     pub(in crate::detector) fn with_means(self, means: &'a [OnceLock<Vec<Plane>>]) -> Self {
         Self { means: Some(means), ..self }
     }
 
-    /// Makes what is needed of `keypoints` now, on all threads where the means are nobody else's.
+    /// Computes the frames for `keypoints` now, on all threads unless the means are shared.
     pub(in crate::detector) fn make<'k>(&self, keypoints: impl Iterator<Item = &'k Keypoint>) {
         if let Some(last) = keypoints.map(|keypoint| keypoint.octave).max() {
             self.made(last, self.means.is_none());
         }
     }
 
-    /// Those of `octave`, one of the octaves given.
+    /// Frames of `octave`, one of the octaves given.
     pub(in crate::detector) fn of(&self, octave: i32) -> &OctaveFrames<'a> {
-        // Many threads may ask at once. The one that makes them must do so alone: were it to wait for others, it would
-        // take up other work meanwhile, which may ask for the same frames and then wait for itself.
+        // Many threads may call this at once. The thread that computes must work alone: if it waited for others, it
+        // would run other jobs meanwhile, which may need the same frames and so wait for itself.
         self.made(octave, false)
     }
 
@@ -84,7 +84,7 @@ impl<'a> FramesOfOctaves<'a> {
     }
 }
 
-/// What the judgement needs besides the keypoints.
+/// Inputs of the test besides the keypoints.
 pub(in crate::detector) struct Motions<'a, 'f> {
     pub frames: &'a FramesOfOctaves<'f>,
     pub times: &'a FrameTimes,
@@ -94,7 +94,7 @@ pub(in crate::detector) struct Motions<'a, 'f> {
 }
 
 impl Motions<'_, '_> {
-    /// Whether `weaker`, which lies near `stronger`, is a thing of its own.
+    /// Whether `weaker`, which lies near `stronger`, is a separate structure.
     pub(in crate::detector) fn are_two(&self, stronger: &Keypoint, weaker: &Keypoint) -> bool {
         let ((su, sv, sigma), (wu, wv, _)) = (stronger.in_image(), weaker.in_image());
         let between = |a: f32, b: f32| 0.5 * (a + b);
@@ -121,7 +121,7 @@ impl Motions<'_, '_> {
         middle * weaker.value.signum() < BETWEEN_RESPONSE * weaker.value.abs()
     }
 
-    /// D of the mean of the `chosen` frames at the octave and level of `keypoint`, along the way through `place` (input
+    /// D of the mean of the `chosen` frames at the octave and level of `keypoint`, on the path through `place` (input
     /// pixels, at mid-burst) at `slope`.
     fn response(&self, keypoint: &Keypoint, place: (f32, f32), slope: Slope, chosen: &[usize]) -> f32 {
         let levels = keypoint.level..keypoint.level + 1;

@@ -1,4 +1,5 @@
-//! Localising one keypoint: which pixels of which slopes its [kernels](crate::kernel::compact_kernel) are laid on.
+//! Localisation of one keypoint: applies the [kernels](crate::kernel::compact_kernel) to pixels of its own and
+//! neighbouring slopes.
 
 pub mod place;
 pub mod scale;
@@ -18,21 +19,21 @@ use crate::kernel::patch::{Patch, PatchScratch};
 use crate::plane::Plane;
 use std::cell::RefCell;
 
-/// Space for the pixels around a keypoint at other slopes or of a finer octave; reused from keypoint to keypoint.
+/// Buffers for the pixels around a keypoint at other slopes or of a finer octave; reused from keypoint to keypoint.
 #[derive(Debug, Default)]
 pub(super) struct LocateScratch {
     patch: PatchScratch,
     pixels: Patch,
 }
 
-/// The pixels around a keypoint at one slope: those that were made for it, or the octave's first level.
+/// Pixels around a keypoint at one slope: a patch made for it, or the octave's first level.
 enum Around<'p> {
     Made(&'p Patch),
     Level(&'p Plane),
 }
 
 impl Around<'_> {
-    /// Those of `base`, `reach` to each side of `at`, of an octave of `size`.
+    /// Pixels of `base`, `reach` to each side of `at`, of an octave of `size`.
     fn of<'p>(
         base: &Base<'p>,
         size: (usize, usize),
@@ -58,14 +59,14 @@ impl Around<'_> {
     }
 }
 
-/// The slopes around a keypoint's own.
+/// Source of a kernel's responses at the slopes around a keypoint's own.
 struct Around3x3<'d, 'a> {
     describing: &'d Describing<'a>,
-    /// Grid coordinates of its own slope.
+    /// Grid coordinates of the keypoint's own slope.
     own: (usize, usize),
-    /// The place, octave pixels.
+    /// Place of the keypoint, octave pixels.
     at: (f64, f64),
-    /// The radius of its rim, octave pixels.
+    /// Radius of the blob's rim, octave pixels.
     rim: f64,
     kernel: CompactKernel,
     scratch: RefCell<&'d mut LocateScratch>,
@@ -101,7 +102,7 @@ impl Neighbours for Around3x3<'_, '_> {
     }
 }
 
-/// Running distance from a keypoint's slope to the farthest one at which it is looked to localise it.
+/// Distance, in running slope indices, from a keypoint's slope to the farthest one that its localisation uses.
 pub(in crate::detector) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize {
     match params.localisation {
         Localisation::Quadratic => 0,
@@ -110,8 +111,8 @@ pub(in crate::detector) fn slopes_around(params: &DetectorParams, grid: &SlopeGr
 }
 
 impl Describing<'_> {
-    /// The keypoint at its place and slope and with its scale, where the parameters ask for that and it has them. `raw`
-    /// holds the pixels around it.
+    /// The keypoint with refined place, slope and scale, or unchanged where the parameters ask for the quadratic fit
+    /// alone or the refinement fails. `raw` holds the pixels around it.
     pub(super) fn located(&self, keypoint: &Keypoint, raw: &Patch, from: f64, scratch: &mut LocateScratch) -> Keypoint {
         if self.params.localisation == Localisation::Quadratic {
             return *keypoint;
@@ -131,8 +132,8 @@ impl Describing<'_> {
         };
         let (at, kernel) = match placed {
             Some(found) => found,
-            // What no kernel places keeps the place of the fit. A joint search refined its slope there; otherwise that
-            // is still to be done.
+            // Where no kernel gives a place, that of the fit is kept. A joint search has refined the slope; otherwise
+            // it is refined here.
             None if self.params.slope_extrema == SlopeExtrema::Joint => return *keypoint,
             None => (at, SOFT),
         };

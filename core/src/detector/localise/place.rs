@@ -1,57 +1,57 @@
-//! Localisation: where exactly a feature lies, at which slope, and how large it is.
+//! Localisation: a feature's exact place, slope and scale.
 //!
-//! The quadratic fit of [`crate::detector::refine`] looks at 27 samples of D one octave pixel apart. That leaves errors
-//! of a tenth of an input pixel even without noise, and the long tails of D's Gaussians let neighbours pull. So, from
-//! the fit on:
+//! The quadratic fit of [`crate::detector::refine`] uses 27 samples of D one octave pixel apart. That leaves errors of
+//! a tenth of an input pixel even without noise, and the long tails of D's Gaussians let neighbours pull. So, starting
+//! from the fit:
 //!
 //! - **Place**: the extremum of a [kernel](crate::kernel::compact_kernel) whose zero lies where D's own scale puts a
-//!   blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
-//!   soft one, which resembles D, the one is taken that promises the smaller error: its noise over its curvature here.
-//!   That is the former for discs, crowded or not, and the latter for most of what a photograph holds. The octave
-//!   before is used where there is one: its pixels are sharper.
+//! blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
+//! soft one, which resembles D, the one with the smaller expected error is taken: its noise over its curvature here.
+//! That is the former for discs, crowded or not, and the latter for most structures of a photograph. The finer octave
+//! is used where there is one: its pixels are sharper.
 //! - **Scale**: the largest |D| at that place ([`crate::detector::localise::scale`]).
-//! - **Slope**: the kernel's answers at that place at the neighbouring slopes, and the peak of the parabola through
-//!   their logarithms. Frames that are shifted by a fraction f of a pixel are blurred by linear interpolation, with
-//!   variance f(1 − f), which makes slopes of whole pixels answer more strongly than others: a bias of up to 0.03
-//!   px/frame. A blur of variance τ changes an answer by τ/2 times its second derivative, so it is taken off.
+//! - **Slope**: the peak of the parabola through the logarithms of the kernel's responses at that place at the
+//! neighbouring slopes. Frames that are shifted by a fraction f of a pixel are blurred by linear interpolation, with
+//! variance f(1 − f), which makes responses at slopes of whole pixels stronger than at others: a bias of up to 0.03
+//! px/frame. A blur of variance τ changes a response by τ/2 times its second derivative, so that is subtracted.
 
 use crate::detector::refine::{peak_offset, peak_offset_2d};
 use crate::kernel::compact_kernel::{CompactKernel, KernelResponse, PixelView, RIM, SOFT};
 
-/// A place that moves farther than this from the quadratic fit, in octave pixels, is not the same extremum.
+/// Largest distance of the place from the quadratic fit, octave pixels; beyond it, it is not the same extremum.
 pub const FARTHEST_MOVE_PX: usize = 1;
-/// Newton steps at most; two or three are usual.
+/// Maximum number of Newton steps; two or three are usual.
 const MAX_STEPS: usize = 6;
-/// Steps shorter than this, in pixels, are the last.
+/// Step length, in pixels, below which a step is the last.
 const SHORT_PX: f64 = 2e-3;
 
-/// The radius of the rim that a feature of scale `sigma` found with `levels` levels an octave has, in the units of
-/// `sigma`: that of the disc which D answers most strongly at that scale.
+/// Radius of the rim of a feature of scale `sigma` found with `levels` levels an octave, in the units of `sigma`: that
+/// of the disc to which D responds most strongly at that scale.
 pub fn rim_radius(sigma: f64, levels: usize) -> f64 {
     let k2 = 2f64.powf(2.0 / levels as f64);
     sigma * (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
 }
 
 impl CompactKernel {
-    /// The radius of the kernel whose zero lies on a rim of radius `rim`.
+    /// Radius of the kernel whose zero lies on a rim of radius `rim`.
     pub fn on_rim(&self, rim: f64) -> f64 {
         rim / self.zero_at
     }
 
-    /// The error that noise makes of a place, up to a factor that all kernels share; infinite where there is no peak.
+    /// Expected error of a place due to noise, up to a factor that all kernels share; infinite where there is no peak.
     fn error(&self, answer: &KernelResponse) -> f64 {
         let sharpness = answer.sharpness();
         if sharpness > 0.0 { self.gradient_noise / sharpness } else { f64::INFINITY }
     }
 }
 
-/// How far around a feature the pixels must reach for a rim of radius `rim`, when `unit` of them make an octave pixel.
+/// Reach of the pixels that a rim of radius `rim` needs around a feature, when `unit` of them make an octave pixel.
 pub fn kernel_reach(rim: f64, unit: usize) -> usize {
     SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
 }
 
-/// The place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the kernel that says
-/// so; all in pixels of `pixels`. `None` when there is none.
+/// Place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the kernel that found it;
+/// all in pixels of `pixels`. `None` where there is none.
 pub fn place(
     pixels: &PixelView<'_>,
     start: (f64, f64),
@@ -61,7 +61,7 @@ pub fn place(
     let answer = |kernel: &CompactKernel| {
         pixels.kernel_response(kernel, kernel.on_rim(rim), start, pixels.local_mean(kernel.on_rim(rim), start))
     };
-    // Where there is no rim the kernel for rims has little to hold on to, or finds no peak at all.
+    // Where there is no rim, the kernel for rims has a flat peak, or none.
     let kernels: &[CompactKernel] =
         if RIM.error(&answer(&RIM)) <= SOFT.error(&answer(&SOFT)) { &[RIM, SOFT] } else { &[SOFT] };
     kernels
@@ -69,7 +69,7 @@ pub fn place(
         .find_map(|kernel| extremum(pixels, kernel, start, kernel.on_rim(rim), farthest).map(|at| (at, *kernel)))
 }
 
-/// The extremum of the answer of `kernel` of `radius` near (x0, y0), not farther than `farthest`.
+/// Extremum of the response of `kernel` of `radius` near (x0, y0), not farther than `farthest`.
 fn extremum(
     pixels: &PixelView<'_>,
     kernel: &CompactKernel,
@@ -100,17 +100,17 @@ fn extremum(
     Some((x, y))
 }
 
-/// What a kernel answers at the neighbouring slopes.
+/// Responses of a kernel at the neighbouring slopes.
 pub trait Neighbours {
-    /// The answer at the neighbouring slope (di, dj) of the grid, or `None` where the grid ends.
+    /// Response at the neighbouring slope (di, dj) of the grid; `None` beyond the grid.
     fn answer(&self, di: i32, dj: i32) -> Option<KernelResponse>;
-    /// The variances (along u, along v) of the blur of linear interpolation at that slope, in the square of the
-    /// answer's pixels.
+    /// Variances (along u, along v) of the blur of linear interpolation at that slope, in square pixels of the
+    /// response.
     fn blur(&self, di: i32, dj: i32) -> (f64, f64);
 }
 
-/// The offset of the strongest slope from the grid's slope whose answer at the feature's place is `here`, in steps
-/// along both axes, within ±1; 0 on an axis where a neighbour is missing.
+/// Offset of the strongest slope from the grid's slope whose response at the feature's place is `here`, in steps along
+/// both axes, within ±1; 0 on an axis where a neighbour is missing.
 pub fn slope_steps(here: &KernelResponse, neighbours: &impl Neighbours) -> (f32, f32) {
     let sharp = |answer: &KernelResponse, di: i32, dj: i32| {
         let (along_u, along_v) = neighbours.blur(di, dj);
@@ -182,7 +182,7 @@ mod tests {
         assert_eq!(at(&blob(2.5, 44.0, 35.0), 40.0), None);
     }
 
-    /// Answers that fall off from a peak like a Gaussian of two steps, blurred as given at even and odd steps.
+    /// Responses that fall off from a peak like a Gaussian of two steps, blurred as given at even and odd steps.
     struct Bump {
         peak: (f32, f32),
         blur: (f64, f64),

@@ -1,9 +1,9 @@
-//! The scale of a blob: where |D| at its place is largest over all scales, not only those of the pyramid.
+//! Scale of a blob: that at which |D| at its place is largest, over all scales, not only those of the pyramid.
 //!
-//! D at one place needs no picture: it is the difference of two sums of pixels under Gaussians, and these are separable
-//! and as wide as one likes. So D is evaluated at three close scales around the pyramid's answer, and again around the
-//! peak of the parabola through the logarithms until that moves no more. The scales are the pyramid's: VLFeat's
-//! convention, in which the pixels already have a σ of their own.
+//! D at one place needs no picture: it is the difference of two sums of pixels under Gaussians, which are separable and
+//! may have any width. So D is evaluated at three close scales around the pyramid's scale, and again around the peak of
+//! the parabola through the logarithms until that converges. The scales are the pyramid's: VLFeat's convention, in
+//! which the pixels already have a σ of their own.
 
 use crate::detector::localise::place::rim_radius;
 use crate::kernel::compact_kernel::{PixelView, RIM};
@@ -11,17 +11,17 @@ use multiversion::multiversion;
 
 /// Distance of the three scales, as a logarithm.
 const STEP: f64 = 0.035;
-/// Rounds at most; two are usual.
+/// Maximum number of rounds; two are usual.
 const MAX_ROUNDS: usize = 4;
-/// A round moves at most this many steps.
+/// Largest move of a round, in steps.
 const FARTHEST: f64 = 4.0;
-/// The least variance that sampled Gaussians stand for, pixels².
+/// Smallest variance that sampled Gaussians can represent, pixels².
 const LEAST_VARIANCE: f64 = 0.5;
-/// Gaussians end at this many standard deviations.
+/// Radius at which the Gaussians are cut, in standard deviations.
 const CUT: f64 = 4.0;
-/// Gaussians in a round: two for each of three scales.
+/// Number of Gaussians in a round: two for each of three scales.
 const GAUSSIANS: usize = 6;
-/// Values whose sums are in registers at once.
+/// Number of values whose sums are in registers at once.
 const LANES: usize = 32;
 
 /// Samples of Gaussians of variance `variances` at the whole pixels from `first` on, around `at`: `count` of each, then
@@ -43,7 +43,7 @@ fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride:
     taps
 }
 
-/// The sums of pixels under Gaussians with samples `along_u` and `along_v`, each `stride` long; `lines` are the rows of
+/// Sums of pixels under Gaussians with samples `along_u` and `along_v`, each `stride` long; `lines` are the rows of
 /// pixels, as long. `stride` is a multiple of [`LANES`].
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [f64; GAUSSIANS] {
@@ -68,16 +68,16 @@ fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize)
     sums
 }
 
-/// How far around a feature of scale `sigma` (pixels, `levels` levels an octave) the pixels are read.
+/// Reach of the pixels that are read around a feature of scale `sigma` (pixels, `levels` levels an octave).
 pub fn reach(sigma: f64, levels: usize) -> usize {
     (CUT * sigma * 2f64.powf(1.0 / levels as f64) * (1.0 + STEP)).ceil() as usize + 1
 }
 
-/// The σ around `sigma` at which |D(x, y)| is largest, all in pixels. The pixels have `from` of σ already; D is that of
-/// `levels` levels an octave. `None` when there is no peak within one level.
+/// σ near `sigma` at which |D(x, y)| is largest, all in pixels. The pixels already have a σ of `from`; D is that of
+/// `levels` levels an octave. `None` where there is no peak within one level.
 pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels: usize, from: f64) -> Option<f64> {
     let k = 2f64.powf(1.0 / levels as f64);
-    // The Gaussians are cut off where a blob has ended; less its surroundings nothing is lost.
+    // The local mean is subtracted, so that cutting the Gaussians off beyond the blob's rim changes nothing.
     let local_mean = pixels.local_mean(RIM.on_rim(rim_radius(sigma, levels)), (x, y));
     let radius = reach(sigma, levels) as i64;
     let first = (x.round() as i64 - radius, y.round() as i64 - radius);
@@ -88,7 +88,7 @@ pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels
         pixels.line(v, first.0, &mut line[..count]);
         line[..count].iter_mut().for_each(|x| *x -= local_mean);
     }
-    // The pixels are as smooth as they are: nothing finer can be looked at.
+    // The pixels' own blur bounds the finest scale.
     let finest = 0.5 * (from * from + LEAST_VARIANCE).ln() + STEP;
     let limits = sigma.ln() - k.ln()..sigma.ln() + k.ln();
     let mut middle = sigma.ln().max(finest);
@@ -144,8 +144,8 @@ mod tests {
                 (0.3 - 0.2 * (-((u as f64 - 60.3).powi(2) + (v as f64 - 54.8).powi(2)) / (2.0 * b * b)).exp()) as f32
             });
             let k = 2f64.powf(1.0 / levels as f64);
-            // With pixels of σ 1.6 the blob itself is narrower and the Gaussians of D are wider than those applied: the
-            // sum is what it was.
+            // With pixels of σ 1.6 the blob itself is narrower and D's Gaussians are wider than those applied: the sum
+            // is unchanged.
             for from in [0.0, 0.5, 1.6] {
                 let blob = (b * b - from * from).sqrt();
                 let expected = blob / k.sqrt();
@@ -165,7 +165,8 @@ mod tests {
         for radius in [3.6, 5.0, 8.3] {
             let mut plane = Plane::from_fn(140, 130, |_, _| 0.1);
             draw_disc(&mut plane, 70.4, 64.7, radius, 0.12);
-            // See `evaluate::accuracy`: where the difference of Gaussians answers a disc most strongly.
+            // See `evaluate::accuracy`: the scale at which the difference of Gaussians responds most strongly to a
+            // disc.
             let k2 = 2f64.sqrt();
             let expected = radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt();
             let found = scale_peak(&pixels(&plane), (70.4, 64.7), 1.04 * expected, 4, 0.5).expect("a disc");

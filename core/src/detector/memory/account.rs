@@ -1,23 +1,23 @@
-//! One budget for all searches of the process: a search plans with what those that run have left.
+//! Shared budget for all searches of the process: a search plans with the memory that the running ones have left.
 //!
 //! A search that does not fit beside others is done in its smallest form (one thread, the smallest groups of slopes)
-//! rather than made to wait: it may have been started by a thread that another search waits for.
+//! rather than made to wait: another search may be waiting for the thread that started it.
 
 use super::Plan;
 use crate::detector::params::{DetectorParams, ParamError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What searches that share a budget have planned with.
+/// Memory taken by searches that share a budget.
 #[derive(Debug, Default)]
 pub(crate) struct Account {
-    /// Bytes.
+    /// Sum of the shares, bytes.
     taken: Mutex<u64>,
 }
 
 /// The account of all searches of the process.
 pub(crate) static OF_PROCESS: Account = Account::new();
 
-/// The memory of a search, given back when dropped.
+/// Memory of a search, released when dropped.
 #[derive(Debug)]
 pub(crate) struct Share<'account> {
     account: &'account Account,
@@ -37,11 +37,11 @@ impl Account {
     }
 
     fn taken(&self) -> MutexGuard<'_, u64> {
-        // A number is whole whoever panicked beside it.
+        // A number stays valid if a thread panics while it holds the lock.
         self.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// As [`Plan::new`], within what the others of this account leave of `budget`.
+    /// Plans as [`Plan::new`], within the part of `budget` that the other searches of this account leave.
     ///
     /// # Errors
     /// As [`Plan::new`] within the whole budget.

@@ -1,4 +1,4 @@
-//! How a search is done within its budget: all slopes at once, or groups of slopes one after the other.
+//! Plan of a search within its budget: all slopes at once, or groups of slopes one after the other.
 
 use super::{OPTION, bytes_beside_slopes, bytes_of_slope, estimate_on};
 use crate::detector::localise::slopes_around;
@@ -6,26 +6,26 @@ use crate::detector::params::{DetectorParams, ParamError};
 use crate::detector::search::groups::SlopeGroup;
 use crate::detector::search::slope_window::OtherSlopes;
 
-/// How a search is done. Results do not depend on it.
+/// Groups, threads and memory of a search. Results do not depend on it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Plan {
-    /// The groups in which slopes are searched; one for all of them if they fit.
+    /// Groups in which slopes are searched; a single one if all fit.
     pub(crate) search: Vec<SlopeGroup>,
-    /// Those in which their keypoints are localised and described; one if there is one for the search.
+    /// Groups in which keypoints are localised and described; a single one if there is one for the search.
     pub(crate) describe: Vec<SlopeGroup>,
-    /// Number of threads. Each holds a window of slopes of its own, so a small budget may have room for fewer than
-    /// there are.
+    /// Number of threads. Each holds its own window of slopes, so a small budget may have room for fewer than the pool
+    /// has.
     pub(crate) threads: usize,
-    /// Memory that is taken at most beside the burst, about, bytes.
+    /// Estimate of the most memory taken besides the burst, bytes.
     pub(crate) bytes: u64,
 }
 
 impl Plan {
-    /// For a search with `params` of `frames` frames of `size` (columns, rows) within `budget` bytes, or within any
-    /// where there is none. Of the threads at hand as many take part as there is memory for.
+    /// Plans a search with `params` of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a
+    /// bound. Uses as many of the pool's threads as there is memory for.
     ///
     /// # Errors
-    /// How much it needs at least, and what would make it less.
+    /// The search needs more than `budget` even in its smallest form: the error gives its least memory, and a remedy.
     pub(crate) fn new(
         params: &DetectorParams,
         frames: usize,
@@ -34,12 +34,11 @@ impl Plan {
     ) -> Result<Self, ParamError> {
         let several = (2..=rayon::current_num_threads()).rev();
         let fitting = several.map(|threads| Self::on(threads, params, frames, size, budget)).find_map(Result::ok);
-        // A refusal on one thread says how much is needed at least.
+        // The error for one thread gives the least memory.
         fitting.map_or_else(|| Self::on(1, params, frames, size, budget), Ok)
     }
 
-    /// The plan that takes the least memory, within `budget` bytes: one thread, and groups of as few slopes as there can
-    /// be.
+    /// Plan that takes the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
     ///
     /// # Errors
     /// As [`Plan::new`].
@@ -54,7 +53,7 @@ impl Plan {
         Self::on(1, params, frames, size, Some(budget.map_or(min, |budget| budget.min(min))))
     }
 
-    /// As [`Plan::new`], on `threads` threads.
+    /// Plans as [`Plan::new`], on `threads` threads.
     fn on(
         threads: usize,
         params: &DetectorParams,
@@ -72,7 +71,7 @@ impl Plan {
         let beside = bytes_beside_slopes(threads, frames, size);
         let fitting = (budget.saturating_sub(beside) / of_slope.max(1)).min(count as u64) as usize;
         let reach = OtherSlopes::of(params).reach(&grid);
-        // The whole did not fit: what lies beside the slopes may be all of it.
+        // The whole did not fit: even without slopes the budget may be exceeded.
         let cut = |reach| SlopeGroup::cut(count, reach, fitting).filter(|_| beside <= budget);
         if let (Some(search), Some(describe)) = (cut(reach), cut(Some(slopes_around(params, &grid)))) {
             let visited = search.iter().chain(&describe).map(|group| group.visited.len()).max().unwrap_or(count);
@@ -84,27 +83,27 @@ impl Plan {
         Err(refusal(params, (frames, size), (min, budget), (min_slopes, fitting)))
     }
 
-    /// Does `work` on the threads that the plan allows.
+    /// Runs `work` on the threads that the plan allows.
     pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         if self.threads >= rayon::current_num_threads() {
             return work();
         }
         match rayon::ThreadPoolBuilder::new().num_threads(self.threads).build() {
             Ok(pool) => pool.install(work),
-            // A system that gives no more threads has those that are there, and the search may take more memory.
+            // If the system gives no more threads, those of the pool are used, and the search may take more memory.
             Err(_) => work(),
         }
     }
 }
 
-/// Number of slopes that must be held at once: those that one is compared with and located between.
+/// Number of slopes that must be held at once: those that one is compared with and localised between.
 fn min_slopes(params: &DetectorParams) -> usize {
     let grid = params.used_slopes();
     let reach = OtherSlopes::of(params).reach(&grid);
     reach.map_or(grid.len(), |reach| (2 * reach.max(slopes_around(params, &grid)) + 1).min(grid.len()))
 }
 
-/// Why a search is not done that needs at least `min` bytes for `min_slopes` slopes that must be held at once.
+/// Error for a search that needs at least `min` bytes, for `min_slopes` slopes that must be held at once.
 fn refusal(
     params: &DetectorParams,
     (frames, size): (usize, (usize, usize)),
@@ -136,7 +135,7 @@ fn refusal(
     }
 }
 
-/// Bytes as a person says them.
+/// Text of a number of bytes, in MB or GB.
 fn said(bytes: u64) -> String {
     match bytes as f64 {
         b if b < 1e9 => format!("{:.0} MB", b / 1e6),
@@ -171,7 +170,7 @@ mod tests {
         for group in search.iter().chain(&describe) {
             assert!(beside + of_slope * group.visited.len() as u64 <= budget, "{group:?}");
         }
-        // Slopes for themselves are searched alone, and located between their neighbours.
+        // Slopes are searched each for itself, and localised between their neighbours.
         assert_eq!(search[1].own, search[1].visited);
         assert_eq!(describe[1].own.start - describe[1].visited.start, 50);
     }
@@ -215,7 +214,7 @@ mod tests {
         assert!(error.contains("101 slopes at once") && error.contains("rows of fewer slopes"), "{error}");
         let error = refused(&plane(), 1000);
         assert!(error.contains("larger first octave") && error.contains("0 MB may be used"), "{error}");
-        // Without coarser octaves nothing is held for a slope: what is too much is the frames.
+        // Without coarser octaves nothing is held for a slope: the frames alone are too much.
         let one_octave = DetectorParams { octaves: 1, ..plane() };
         assert!(plan(&one_octave, Some(1000)).is_err());
     }

@@ -1,15 +1,15 @@
 //! The noise of a frame, estimated from the burst itself.
 //!
-//! Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1 −2 1]ᵀ[1
-//! −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over 0.6745
-//! is the standard deviation, whatever a minority of edges does. Texture can only add, so the smaller of the two
-//! estimates is taken.
+//! Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask
+//! `[1 −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes
+//! over 0.6745 is the standard deviation, which a minority of edges hardly changes. Texture can only add, so the
+//! smaller of the two estimates is taken.
 //!
 //! The filter runs on short pieces of rows spread evenly over the image, the same in every frame: they are read in
 //! order of memory, and since the filter is linear the filtered difference of two frames is the difference of the
 //! filtered frames.
 //!
-//! Pixels at the ends of the file's range are left out: in the black parts of a dark frame the noise is cut off at
+//! Pixels at the ends of the file's range are excluded: in the black parts of a dark frame the noise is cut off at
 //! zero, and half an image of zeros would make any median zero.
 
 use crate::burst::Burst;
@@ -19,18 +19,18 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Median of |x| of a standard normal variable.
+/// Median of |x| of a standard normal variable x.
 const MEDIAN_OF_NORMAL: f32 = 0.674_49;
-/// Gain of the filter for white noise.
+/// Gain of the filter for white noise: σ of its output over that of its input.
 const GAIN: f32 = 6.0;
-/// About the most places a frame is looked at; the standard error of one frame's estimate is then about one percent,
-/// and that of the median over frames less.
+/// Maximum number of places in a frame, about; the standard error of one frame's estimate is then about one percent,
+/// and that of the median over frames is smaller.
 const MAX_PLACES: usize = 32_768;
-/// Columns of one piece of a row, where the image has more places than [`MAX_PLACES`].
+/// Number of columns of a piece of a row, where the image has more places than [`MAX_PLACES`].
 const PIECE: usize = 32;
 
-/// The standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the
-/// rounding error of the files' numbers (step/√12). 0 for noiseless float frames or images under 3×3 pixels.
+/// Standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the
+/// rounding error of the files' numbers (step/√12). 0 for noiseless float frames or for float images under 3×3 pixels.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -67,8 +67,8 @@ pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
 /// A piece of a row: the row, and the columns of the filter's centres in it.
 type Piece = (usize, Range<usize>);
 
-/// The pieces of an image of `size` that are looked at: whole rows of a small image, else pieces spread evenly; none
-/// under 3×3 pixels.
+/// Pieces of an image of `size` for the estimate: whole rows of a small image, else pieces spread evenly; none under
+/// 3×3 pixels.
 fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
     if width < 3 || height < 3 {
         return Vec::new();
@@ -89,7 +89,7 @@ fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
         .collect()
 }
 
-/// What the filter says at all places of a frame, or of a difference of two.
+/// Output of the filter at all places of a frame, or of a difference of two.
 struct Filtered {
     values: Vec<f32>,
     /// Whether the filter touched a pixel whose noise was cut off.
@@ -97,11 +97,11 @@ struct Filtered {
 }
 
 impl Filtered {
-    /// The `pieces` of `frame`, whose smallest difference of values is `step`.
+    /// Filters the `pieces` of `frame`; the smallest difference of its values is `step`.
     fn new(frame: &Plane, pieces: &[Piece], step: f32) -> Self {
         let places = pieces.iter().map(|(_, columns)| columns.len()).sum();
         let mut out = Self { values: vec![0.0; places], cut_off: vec![false; places] };
-        // What the file can hold ends here; float files have no end.
+        // The file's range ends here; float files have no range.
         let whole = if step > 0.0 { 0.5 * step..1.0 - 0.5 * step } else { f32::NEG_INFINITY..f32::INFINITY };
         let mut at = 0;
         for (v, columns) in pieces {
@@ -114,7 +114,7 @@ impl Filtered {
         out
     }
 
-    /// The same of the difference of two frames.
+    /// Filter output of the difference of two frames.
     fn less(&self, other: &Self) -> Self {
         Self {
             values: self.values.iter().zip(&other.values).map(|(a, b)| a - b).collect(),
@@ -122,8 +122,8 @@ impl Filtered {
         }
     }
 
-    /// The standard deviation of the white noise that went in; `step` is the smallest difference of the frames' values.
-    /// Places that touch a cut-off pixel don't count, unless nearly all do.
+    /// Standard deviation of the frames' white noise; `step` is the smallest difference of their values. Places that
+    /// touch a cut-off pixel are excluded, unless nearly all do.
     fn deviation(&self, step: f32) -> f32 {
         let counted = self.values.iter().zip(&self.cut_off).filter(|(_, cut_off)| !**cut_off);
         let mut magnitudes: Vec<f32> = Vec::with_capacity(self.values.len());
@@ -135,8 +135,8 @@ impl Filtered {
     }
 }
 
-/// The filter along a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than
-/// `values`; and whether any of the nine pixels is outside `whole`.
+/// Filters a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than `values`.
+/// `cut_off` tells whether any of the nine pixels is outside `whole`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn filter_piece(
     above: &[f32],
@@ -158,8 +158,8 @@ fn filter_piece(
     }
 }
 
-/// The median of values that lie on a lattice of spacing `step` (0: continuous): each lattice value stands for the
-/// interval around it, so the median falls inside the interval in proportion to the counts.
+/// Median of values that lie on a lattice of spacing `step` (0: continuous): each lattice value represents the interval
+/// around it, so the median falls inside the interval in proportion to the counts.
 fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
     let middle = values.len() / 2;
     let (_, &mut median, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
@@ -169,7 +169,7 @@ fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
     let near = |x: f32| (x - median).abs() < 0.5 * step;
     let below = values.iter().filter(|&&x| !near(x) && x < median).count() as f32;
     let equal = values.iter().filter(|&&x| near(x)).count() as f32;
-    // Magnitudes: the value 0 stands for a half interval only.
+    // Magnitudes: the value 0 represents a half interval only.
     let (start, length) = if median < 0.5 * step { (0.0, 0.5 * step) } else { (median - 0.5 * step, step) };
     start + length * (values.len() as f32 * 0.5 - below) / equal
 }

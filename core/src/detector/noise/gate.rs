@@ -1,8 +1,8 @@
-//! What is left of a frame's noise in D, and how large |D| must be to be more than noise: the noise gate.
+//! Noise gate: the noise of the frames propagated to D, and the threshold on |D| that follows.
 //!
 //! A threshold on |D| alone lets fine-scale noise through and loses large faint blobs, because the noise in D falls
 //! with scale while a blob's response does not. So the noise of one frame, σ_F ([`crate::detector::noise::estimate`]),
-//! is carried through the mean over frames, the interpolation and the DoG filter; the gate asks for |D| ≥ k·σ_D at each
+//! is carried through the mean over frames, the interpolation and the DoG filter; the gate requires |D| ≥ k·σ_D at each
 //! octave and level.
 //!
 //! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. All its parts are close
@@ -14,8 +14,8 @@ use crate::detector::params::{DetectorParams, NoiseGate, SlopeExtrema};
 use crate::detector::scale_space::levels::{SIGMA_INPUT, ScaleSpace};
 use crate::kernel::offset::FrameOffset;
 
-/// Variance of D at `octave` and `level` (−1 … S) for white noise of variance 1 in each frame, where all frames cover:
-/// of the mean over the frames at `offsets`.
+/// Variance of D of the mean over the frames at `offsets`, at `octave` and `level` (−1 … S), for white noise of
+/// variance 1 in each frame, where all frames cover the pixel.
 pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: &[FrameOffset]) -> f64 {
     // Where the first octave skips pixels the noise is white on the kept ones; lengths are then in those pixels.
     let unit = 2f64.powi(space.first_octave.max(0));
@@ -47,8 +47,8 @@ pub(in crate::detector) fn dog_energy(low: f64, high: f64) -> f64 {
     product(low, low) - 2.0 * product(low, high) + product(high, high)
 }
 
-/// The gate's factor k: the one asked for, or the one at which white noise gives about [`STRICT_FALSE_PER_MEGAPIXEL`]
-/// or [`AUTO_FALSE_PER_MEGAPIXEL`] false keypoints per megapixel of the input over all slopes and octaves.
+/// The gate's factor k: the one given, or the one at which white noise gives about [`STRICT_FALSE_PER_MEGAPIXEL`] or
+/// [`AUTO_FALSE_PER_MEGAPIXEL`] false keypoints per megapixel of the input over all slopes and octaves.
 ///
 /// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the
 /// places are proportional to pixels and slopes. The factor in front, [`MAXIMA_PER_PIXEL`], was measured on pure noise.
@@ -78,17 +78,18 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
     high as f32
 }
 
-/// False keypoints per megapixel of pure noise that the strict gate aims at. With two orientations a keypoint is up to
+/// Target of the strict gate: false keypoints per megapixel of pure noise. With two orientations a keypoint is up to
 /// two features, and at most one false feature a megapixel is promised.
 pub const STRICT_FALSE_PER_MEGAPIXEL: f64 = 0.5;
-/// The same for the automatic gate, which serves matching: false keypoints are few beside true ones and find no
-/// partner, while the faint true ones that it lets through add to the inliers (docs/MEASUREMENTS.md).
+/// Target of the automatic gate, which serves matching: false keypoints per megapixel of pure noise. They are few
+/// beside true ones and find no match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
 pub const AUTO_FALSE_PER_MEGAPIXEL: f64 = 5.0;
-/// Of extrema at each slope for itself, one for one blob. Measured on 12 to 20 Mpx of white noise as 0.00016 … 0.00028
-/// between k = 4.0 and 5.3, for 13 slopes on a line, 7×7, and the doubled image. See [`gate_factor`].
+/// Factor of `gate_factor` for extrema at each slope for itself, one for one blob. Measured on 12 to 20 Mpx of white
+/// noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for 13 slopes on a line, 7×7, and the doubled image. See
+/// [`gate_factor`].
 pub const MAXIMA_PER_PIXEL: f64 = 0.000_2;
-/// Of joint extrema. Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 … 0.0004, for one slope, 7 and
-/// 13 on a line, 7×7, and the doubled image.
+/// Factor of `gate_factor` for joint extrema. Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 …
+/// 0.0004, for one slope, 7 and 13 on a line, 7×7, and the doubled image.
 pub const JOINT_MAXIMA_PER_PIXEL: f64 = 0.000_35;
 
 #[cfg(test)]

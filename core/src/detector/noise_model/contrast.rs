@@ -1,8 +1,8 @@
-//! Differences of neighbouring frames in which the scene cancels and the noise stays.
+//! Contrasts: differences of neighbouring frames in which the scene cancels and the noise stays.
 //!
-//! Three frames in a row enter with the weights 1, −2, 1 and thus take off what changes steadily; each is read where
-//! the scene has moved to, in whole pixels, so that nothing is interpolated and the noise stays as it is. What is left
-//! of a texture that lies half a pixel off is under two percent of its power.
+//! Three consecutive frames enter with the weights 1, −2, 1, which removes steady changes; each is read where the scene
+//! has moved to, in whole pixels, so that nothing is interpolated and the noise is unchanged. A texture that lies half
+//! a pixel off leaves less than two percent of its power.
 
 use super::pyramid::BoxPyramid;
 use crate::detector::params::slope_grid::Slope;
@@ -12,11 +12,11 @@ use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
 
-/// Frames, by index, and their weights; the squares of these sum to 1, so that a contrast has the variance of one
+/// Frames, by index, and their weights; the squares of the weights sum to 1, so that a contrast has the variance of one
 /// frame.
 pub type Contrast = Vec<(usize, f32)>;
 
-/// Contrasts of neighbours among `frames` frames (two at least): those that share no frame come first.
+/// Contrasts of neighbours among `frames` frames (at least two): those that share no frame come first.
 pub fn contrasts(frames: usize) -> Vec<Contrast> {
     let of = |start: usize, weights: &[f32]| {
         let norm = weights.iter().map(|w| w * w).sum::<f32>().sqrt();
@@ -29,8 +29,9 @@ pub fn contrasts(frames: usize) -> Vec<Contrast> {
     starts.map(|start| of(start, &[1.0, -2.0, 1.0])).collect()
 }
 
-/// Which of `frames` frames of `pixels` pixels each are looked at closely, and the contrasts among these: triples of
-/// neighbours, from the first to the last, as many as make up three million pixels, two at least. All of few frames.
+/// Chooses the frames, of `frames` frames of `pixels` pixels each, that are examined closely, and the contrasts among
+/// these: triples of neighbours, from the first to the last, about three million pixels in all, at least two triples.
+/// All frames where they are few.
 pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     let max = frames / 3;
     let triples = (LOOKED_PIXELS / (3 * pixels.max(1))).clamp(2, max.max(2));
@@ -43,20 +44,20 @@ pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     (looked, apart)
 }
 
-/// Pixels of all frames that are looked at closely, about.
+/// Number of pixels of all frames that are examined closely, about.
 const LOOKED_PIXELS: usize = 3_000_000;
 
-/// What a contrast reads: the frames themselves at an octave's resolution, or means over squares.
+/// Pixels that a contrast reads: the frames themselves at an octave's resolution, or means over squares.
 #[derive(Debug, Clone, Copy)]
 pub enum Pixels<'a> {
-    /// The frames, as the octave given makes its pixels of them.
+    /// The frames, and the octave to whose resolution they are brought.
     Frames(&'a [&'a Plane], i32),
-    /// The means over squares of 2^level pixels of the level given.
+    /// The pyramids, and the level whose means over squares of 2^level pixels are read.
     Squares(&'a [&'a BoxPyramid], usize),
 }
 
 impl Pixels<'_> {
-    /// Columns and rows of what is read, and how many image pixels wide each of its pixels is.
+    /// Size (columns, rows) of the pixels that are read, and the width of each in image pixels.
     fn grid(&self) -> ((usize, usize), f32) {
         match self {
             Self::Frames(frames, _) => (frames[0].size(), 1.0),
@@ -64,7 +65,7 @@ impl Pixels<'_> {
         }
     }
 
-    /// How many of the grid's pixels a pixel of `region` is wide, in which the contrast is wanted.
+    /// Width of a pixel of a contrast's `region`, in the grid's pixels.
     fn unit(&self) -> f32 {
         match self {
             Self::Frames(_, octave) => (*octave as f32).exp2(),
@@ -115,19 +116,19 @@ impl Pixels<'_> {
     }
 }
 
-/// Columns that a row of a tile has room for beyond its own, for filters that read whole vectors.
+/// Number of extra columns that a row of a tile has room for, for filters that read whole vectors.
 const PADDING: usize = 32;
 
-/// By how many whole pixels the frames of a contrast, taken at `times`, are read farther along an axis of `n` pixels
-/// for a scene that moves by `slope` pixels a frame. All are moved by the same amount where that keeps the read of the
-/// pixels `range` inside: near a border another part of the scene is looked at.
+/// Shifts in whole pixels by which the frames of a contrast, taken at `times`, are read farther along an axis of `n`
+/// pixels for a scene that moves by `slope` pixels a frame. All are moved by the same amount where that keeps the read
+/// of the pixels `range` inside: near a border another part of the scene is used.
 pub(super) fn shifts(contrast: &Contrast, times: &[f32], slope: f32, range: &Range<usize>, n: usize) -> Vec<i64> {
     let middle = times[contrast[contrast.len() / 2].0];
     let mut shifts: Vec<i64> = contrast.iter().map(|&(t, _)| ((times[t] - middle) * slope).round() as i64).collect();
     let (min, max) = shifts.iter().fold((0, 0), |(a, b), &s| (a.min(s), b.max(s)));
     let (start, end, n) = (range.start as i64, range.end as i64, n as i64);
     if end - start + max - min > n {
-        // The scene moves farther than what there is to be read: frames are compared where they are.
+        // The scene moves farther than the readable range: frames are compared where they are.
         shifts.fill(0);
     } else if start + min < 0 {
         shifts.iter_mut().for_each(|s| *s -= start + min);

@@ -1,7 +1,7 @@
-//! From the frames of a burst to its noise, and to the frames as the search takes them.
+//! Examination of a burst: measures its noise, and cleans the frames for the search.
 //!
-//! Frames that are worth nothing are left out, flicker and the sensor's pattern are taken off; then the noise of what
-//! remains is measured. Where nothing is found the frames are those that came in.
+//! Useless frames are left out, flicker and the sensor's pattern are removed; then the noise of the rest is measured.
+//! Where nothing is found, the frames are unchanged.
 
 use super::contrast::looked_at;
 use super::fixed_pattern::FixedPattern;
@@ -26,27 +26,27 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A burst whose noise is known.
+/// Noise and cleaned frames of a burst.
 #[derive(Debug, Clone)]
 pub struct Examined {
-    /// Its noise.
+    /// Noise model of the burst.
     pub model: NoiseModel,
-    /// The frames that take part, cleaned.
+    /// Frames that take part, cleaned.
     pub frames: Vec<Arc<Plane>>,
-    /// Which of the frames they are, counted from the first one given.
+    /// Indices of these frames, counted from the first one given.
     pub kept: Vec<usize>,
 }
 
-/// The search that the noise is needed for.
+/// Properties of the search for which the noise is measured.
 #[derive(Debug, Clone)]
 pub struct ForSearch<'a> {
-    /// Its filters.
+    /// Scales of its filters.
     pub space: &'a ScaleSpace,
-    /// Its octaves.
+    /// Octaves of the search.
     pub octaves: Range<i32>,
-    /// Its slopes, px/frame, by which the scene may move.
+    /// Slopes of the search, px/frame, by which the scene may move.
     pub slopes: &'a [Slope],
-    /// What is done where exposures differ.
+    /// Treatment of frames whose exposures differ.
     pub flicker: Flicker,
 }
 
@@ -88,7 +88,7 @@ pub fn examine(
 
     let times: Vec<f32> = looked.iter().map(|&i| kept[i] as f32).collect();
     let pyramids: Vec<&BoxPyramid> = reading.pyramids.iter().collect();
-    // Noise that frames share stays in place; read elsewhere it would look like more.
+    // Noise that frames share stays in place; read at shifted places it would seem larger.
     let slopes = if survey.correlation > 0.0 { &[Slope::new(0.0, 0.0)] } else { *slopes };
     let motion = SceneMotion { pyramids: &pyramids, times: &times, slopes };
     let places: Vec<(f32, f32)> = squares.places.clone();
@@ -125,13 +125,13 @@ fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
     frames.iter().map(|f| &**f).collect()
 }
 
-/// Levels of the pyramids that the octaves, the scene's motion in them and the brightness around a candidate ask for.
+/// Number of pyramid levels that the octaves, the scene's motion in them and the brightness around a candidate need.
 fn pyramid_levels(octaves: &Range<i32>) -> usize {
     (octaves.end.max(1) as usize + 1).max(5)
 }
 
-/// Reads the frames `looked` of `clean` closely, with noise of about the variance `about`, and takes the sensor's
-/// pattern off all of them.
+/// Reads the frames `looked` of `clean` closely, whose noise has about the variance `about`, and removes the sensor's
+/// pattern from all of `clean`.
 fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],
@@ -154,8 +154,8 @@ fn read(
     Ok((Reading::new(&planes, levels, None, monitor)?, pattern))
 }
 
-/// The variance of the noise of one frame in a region of the image: of what the brightness says, and where that is not
-/// all, of the squares inside.
+/// Variance of the noise of one frame in a region of the image: by its brightness, or, where the variance also depends
+/// on place, the mean over the squares inside.
 fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], region: &Region) -> f32 {
     let Region { columns, rows } = region;
     if model.excess.is_some() {
@@ -170,7 +170,7 @@ fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], regi
     model.measured_variance_at(middle, (at(columns), at(rows)))
 }
 
-/// The squares with their variances, and how many independent values are behind each, of `frames` frames.
+/// Squares with their variances, and the number of independent values behind each, for `frames` frames.
 fn listed(squares: &HighPass, variances: Vec<f32>, frames: usize) -> (Vec<Square>, f32) {
     let mean = |i: usize| squares.brightness.iter().map(|b| b[i]).sum::<f32>() / squares.frames() as f32;
     let each = squares.places.iter().zip(variances).enumerate();
@@ -188,7 +188,7 @@ fn fit_places(
 ) {
     let pairs: Vec<(f32, f32)> = squares.iter().map(|s| (s.brightness, s.variance)).collect();
     model.transfer = PhotonTransfer::fit(&pairs, SQUARE_PIXELS * frames, *free);
-    // Rounding alone has this much.
+    // Variance of rounding alone.
     let min = step * step / 12.0;
     model.transfer.min = model.transfer.min.max(min);
     model.excess = ExcessMap::find(squares, &model.transfer, size, *free);
@@ -198,7 +198,7 @@ fn fit_places(
     model.frame_noise = model.transfer.variance(middle).sqrt();
 }
 
-/// Works out what the search asks for at every candidate, of the frames that were read, with their numbers.
+/// Precomputes the data that the search needs at every candidate from the frames that were read, with their indices.
 fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octaves: Range<i32>) {
     let step = pyramids.len().div_ceil(FRAMES_SAMPLED);
     let first = (pyramids.len() - 1) % step / 2;
@@ -217,7 +217,7 @@ fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octav
     }
 }
 
-/// Squares inside a region that tell its variance.
+/// Number of squares inside a region from which on they give its variance.
 const SQUARES_INSIDE: usize = 6;
 
 #[cfg(test)]

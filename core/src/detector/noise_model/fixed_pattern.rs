@@ -1,10 +1,9 @@
-//! What belongs to the sensor and not to the scene: [hot pixels](super::hot_pixels), and [columns and
-//! rows](super::stripes) with an offset of their own.
+//! Fixed pattern of a sensor: [hot pixels](super::hot_pixels), and [columns and rows](super::stripes) with an offset of
+//! their own.
 //!
-//! A fixed pattern stays where it is while the scene moves, and it is as sharp as a pixel, which nothing is that came
-//! through a lens. So it is looked for in the mean of the frames at slope 0, separately in the first and the second
-//! half of the burst, and must be in both. On a tripod the scene stays as well; then the two cannot be told apart, and
-//! nothing is changed.
+//! A fixed pattern stays where it is while the scene moves, and it is sharper than any image through a lens. So it is
+//! detected in the mean of the frames at slope 0, separately in the first and the second half of the burst, and must be
+//! in both. On a tripod the scene stays as well; then the two cannot be told apart, and nothing is changed.
 
 use super::high_pass::{FREE_VALUES, HighPass, quiet_variance};
 use super::hot_pixels;
@@ -20,33 +19,33 @@ pub struct FixedPattern {
     /// Columns and rows of pixels that are far brighter or darker than all pixels around them, in every frame; row by
     /// row.
     pub hot_pixels: Vec<(usize, usize)>,
-    /// What each column is lifted by.
+    /// Offset of each column.
     pub columns: Option<Stripes>,
-    /// What each row is lifted by.
+    /// Offset of each row.
     pub rows: Option<Stripes>,
-    /// How many pixels would be hot, were it not that the scene stays in place too.
+    /// Number of pixels that would be hot, but cannot be told from the scene because it stays in place too.
     pub inseparable: usize,
 }
 
-/// More hot pixels than this share of all are texture.
+/// Share of hot pixels above which they are taken for texture.
 const MAX_HOT: f32 = 0.005;
 
 impl FixedPattern {
-    /// By how much pixels must stand out of their row when `frames` frames of `size` are [read](Reading::new) for
-    /// [`Self::find`]; `variance` is that of the noise of one. `None` where no pattern can be found: in fewer than four
-    /// frames, in tiny ones, or without noise.
+    /// Contrast with its row above which a pixel stands out, when `frames` frames of `size` are [read](Reading::new)
+    /// for [`Self::find`]; `variance` is that of the noise of one frame. `None` where no pattern can be found: in fewer
+    /// than four frames, in tiny ones, or without noise.
     pub fn stands_out(frames: usize, (width, height): (usize, usize), variance: f32) -> Option<f32> {
         let can_be_found = frames >= 4 && width >= 2 * REACH && height >= 2 * REACH && variance > 0.0;
         can_be_found.then(|| hot_pixels::limit_of_first_look(frames, variance))
     }
 
-    /// Whether there is nothing to be removed.
+    /// Whether there is nothing to remove.
     pub fn is_empty(&self) -> bool {
         self.hot_pixels.is_empty() && self.columns.is_none() && self.rows.is_none()
     }
 
-    /// Finds the pattern of frames of equal brightness, with what was read of them; `variance` is that of the noise of
-    /// one. Nothing where only their pyramids were read.
+    /// Finds the pattern of frames of equal brightness from their `reading`; `variance` is that of the noise of one
+    /// frame. Empty where only their pyramids were read.
     pub fn find(frames: &[&Plane], reading: &Reading, variance: f32) -> Self {
         if reading.columns.iter().any(Vec::is_empty) {
             return Self::default();
@@ -64,7 +63,7 @@ impl FixedPattern {
         Self { hot_pixels, columns, rows, inseparable }
     }
 
-    /// Takes the pattern off a frame.
+    /// Removes the pattern from a frame.
     pub fn remove_from(&self, frame: &mut Plane) {
         hot_pixels::mask(frame, &self.hot_pixels);
         let rows = self.rows.as_ref().map(|rows| &rows.offsets);
@@ -79,8 +78,8 @@ impl FixedPattern {
     }
 }
 
-/// Whether the scene stays in place: what the halves of the frames have in common, but for `hot` pixels, is more than
-/// what they differ by.
+/// Whether the scene stays in place: the halves of the frames have more in common, outside `hot` pixels, than they
+/// differ by.
 fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
     if pyramids.iter().any(BoxPyramid::is_empty) {
         return false;
@@ -109,7 +108,7 @@ mod tests {
     use crate::synth::random::Stream;
     use crate::synth::{NoiseCase, SceneParams, synth_scene};
 
-    /// Rows as columns.
+    /// Plane with rows and columns exchanged.
     fn turned(plane: &Plane) -> Plane {
         Plane::from_fn(plane.height(), plane.width(), |u, v| plane.at(v, u))
     }
@@ -185,7 +184,7 @@ mod tests {
         let moving = find(&with_hot(scene(3.0)), 0.04);
         assert!((36..=42).contains(&moving.hot_pixels.len()), "{}", moving.hot_pixels.len());
         assert_eq!(moving.inseparable, 0);
-        // The same frame with new noise each time: what stays may be the scene.
+        // One scene with new noise in each frame: the pattern may be a part of the scene.
         let picture = scene(3.0).swap_remove(0);
         let still = (0..10)
             .map(|t| {

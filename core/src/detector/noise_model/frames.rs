@@ -1,8 +1,8 @@
-//! What each frame of a burst is worth: which ones are copies, black, flashed, empty, too noisy or blurred, and how
-//! bright and how noisy the others are.
+//! Survey of the frames of a burst: finds copies and frames that are black, flashed, empty, too noisy or blurred, and
+//! the relative exposure and noise of the others.
 //!
 //! A frame that repeats another brings no new noise, so it does not count; a frame that is much noisier than the others
-//! makes their mean worse. Both are left out, and frames whose exposure differs are brought to the same brightness.
+//! makes their mean worse. Both are left out, and frames whose exposure differs are scaled to the same brightness.
 
 mod measures;
 
@@ -12,68 +12,69 @@ use serde::Serialize;
 
 pub(super) use measures::median;
 
-/// Why a frame takes no part.
+/// Reason why a frame takes no part.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LeftOut {
-    /// It is the same as an earlier frame, whose index among the used frames this is.
+    /// A copy of an earlier frame; the value is the earlier one's index among the used frames.
     Duplicate(usize),
-    /// It is less than half as bright as the others.
+    /// Less than half as bright as the others.
     Black,
-    /// It is more than twice as bright as the others.
+    /// More than twice as bright as the others.
     Flash,
-    /// It has no noise at all, though the others have.
+    /// Without any noise, though the others have some.
     Empty,
-    /// Its noise has this many times the variance of the others', so that their mean is better without it.
+    /// Noisier than the others by this factor of variance, so that their mean is better without it.
     Noisy(f32),
-    /// Its texture has this share of the power of the others', beyond the noise.
+    /// Blurred: its texture, beyond the noise, has this share of the power of the others'.
     Blurred(f32),
 }
 
-/// One frame.
+/// Exposure and noise of one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FrameFacts {
-    /// Its exposure over the others'; 1 where no flicker was found.
+    /// Exposure relative to the others'; 1 where no flicker was found.
     pub gain: f32,
-    /// The variance of its noise over that of a usual frame.
+    /// Variance of the noise relative to that of a usual frame.
     pub relative_variance: f32,
-    /// Why it takes no part, if it does not.
+    /// Reason why it takes no part; `None` if it does.
     pub left_out: Option<LeftOut>,
 }
 
-/// All frames.
+/// Exposure and noise of all frames.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrameSurvey {
-    /// One a frame, in order.
+    /// One entry a frame, in order.
     pub frames: Vec<FrameFacts>,
-    /// Standard deviation of the exposures, after a steady trend is taken off, if it is enough to be taken for flicker;
-    /// else 0.
+    /// Standard deviation of the logarithms of the exposures after removal of a steady trend, if it is large enough to
+    /// be flicker; else 0.
     pub flicker: f32,
-    /// The correlation of the noise of consecutive frames; 0 where none was found.
+    /// Correlation of the noise of consecutive frames; 0 where none was found.
     pub correlation: f32,
 }
 
-/// Exposures that spread more than this are flicker; less is what moves through the picture.
+/// Spread of exposures above which it is flicker; a smaller one comes from objects that move through the picture.
 const LEAST_FLICKER: f32 = 0.015;
-/// Frames under this share of the usual brightness are black, those above its inverse flashed.
+/// Share of the usual brightness below which a frame is black; above its inverse it is flashed.
 const BLACK: f32 = 0.5;
-/// A pair of frames whose difference has less than this share of their noise is a copy.
+/// Share of the frames' noise below which the difference of two frames means a copy.
 const COPY: f32 = 0.02;
-/// Copies are looked for this many frames back.
+/// Number of earlier frames that are compared to find copies.
 const LOOK_BACK: usize = 4;
-/// A frame is left out for its noise only if the mean's variance falls by more than this factor.
+/// Factor by which the mean's variance must fall for a frame to be left out for its noise.
 const WORTH_LEAVING_OUT: f32 = 0.9;
-/// Relative variances closer to 1 than this are taken for 1.
+/// Difference from 1 below which a relative variance is taken for 1.
 const SAME_VARIANCE: f32 = 0.15;
-/// A frame whose texture has less than this share of the power of the others' is blurred.
+/// Share of the power of the others' texture below which a frame is blurred.
 const BLURRED: f32 = 0.4;
-/// Texture with less than this share of the power of the noise is not told from it.
+/// Power of texture, relative to the noise's, below which the two cannot be told apart.
 const LEAST_TEXTURE: f32 = 0.15;
-/// Texture differs from square to square: the mean of all is above that of the quiet ones by more than this share.
+/// Share by which the mean of all squares must exceed that of the quiet ones to show texture, which differs from square
+/// to square.
 const UNEVEN: f32 = 0.08;
-/// Frames with more than this many times the usual noise are not judged by their texture.
+/// Noise, relative to the usual, above which a frame is not judged by its texture.
 const NOISIER: f32 = 1.5;
-/// The textures of sharp frames differ by no more than this many times their usual difference.
+/// Difference of textures, relative to the usual difference, up to which frames are sharp.
 const UNUSUAL: f32 = 6.0;
 
 impl FrameSurvey {
@@ -82,7 +83,7 @@ impl FrameSurvey {
         (0..self.frames.len()).filter(|&t| self.frames[t].left_out.is_none()).collect()
     }
 
-    /// What the squares of the frames tell.
+    /// Surveys the frames by their squares.
     pub fn new(squares: &HighPass) -> Self {
         let count = squares.frames();
         let usual = FrameFacts { gain: 1.0, relative_variance: 1.0, left_out: None };
@@ -100,7 +101,7 @@ impl FrameSurvey {
         survey
     }
 
-    /// Leaves out a frame and says why, unless it is left out already or would be the last but one.
+    /// Leaves out a frame for the reason `why`, unless it is left out already or only two are kept.
     fn leave_out(&mut self, t: usize, why: LeftOut) {
         if self.frames[t].left_out.is_none() && self.kept().len() > 2 {
             self.frames[t].left_out = Some(why);
@@ -109,7 +110,7 @@ impl FrameSurvey {
 
     fn leave_out_empty(&mut self, looks: &Looks) {
         let is_empty: Vec<bool> = looks.frames.iter().map(|variances| variances.iter().all(|&v| v == 0.0)).collect();
-        // Where most frames have no noise, that is what the burst is like.
+        // Where most frames have no noise, that is normal for the burst.
         if 2 * is_empty.iter().filter(|&&empty| empty).count() < is_empty.len() {
             (0..is_empty.len()).filter(|&t| is_empty[t]).for_each(|t| self.leave_out(t, LeftOut::Empty));
         }
@@ -121,7 +122,7 @@ impl FrameSurvey {
                 if self.frames[before].left_out.is_some() || self.frames[t].left_out.is_some() || own == 0.0 {
                     continue;
                 }
-                // Copies that went through a file once more follow their original.
+                // A copy that was compressed or converted again follows its original directly.
                 let nearly = before + 1 == t && looks.in_pair(squares, before, t) < COPY * own;
                 if nearly || squares.same(t, before) {
                     self.leave_out(t, LeftOut::Duplicate(before));
@@ -159,12 +160,12 @@ impl FrameSurvey {
         }
     }
 
-    /// Finds how noisy each frame is, and leaves out those without which the mean is better.
+    /// Finds the noise of each frame, and leaves out frames without which the mean is better.
     fn compare_noise(&mut self, squares: &HighPass, looks: &Looks) {
         let kept = self.kept();
         let noise = &looks.noise;
         let pairs = kept.windows(2).map(|w| looks.in_pair(squares, w[0], w[1]));
-        // What frames show beyond their differences is texture, the same in all of them.
+        // The power of frames beyond that of their differences is texture, the same in all of them.
         let own: Vec<f32> = kept.iter().map(|&t| noise[t]).collect();
         let in_pairs = median(pairs.collect());
         let texture = (median(own) - in_pairs).max(0.0);
@@ -211,7 +212,7 @@ impl FrameSurvey {
         let usual = median(powers.clone());
         let beyond_quiet = median(powers.iter().zip(&quiet).map(|(power, quiet)| power - quiet).collect());
         let difference = median(powers.iter().map(|power| (power - usual).abs()).collect());
-        // A blurred frame has nothing but noise, so that this is the noise, or more.
+        // A blurred frame has only noise, so its power is the noise, or more.
         let noise = quiet.iter().copied().fold(f32::INFINITY, f32::min);
         let texture = usual - noise;
         if texture <= LEAST_TEXTURE * noise || beyond_quiet <= UNEVEN * median(quiet.clone()) {

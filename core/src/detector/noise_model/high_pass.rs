@@ -1,9 +1,9 @@
-//! What changes from pixel to pixel in a frame, at places spread over the image: mostly its noise.
+//! High-pass filter of frames at places spread over the image: its output is mostly noise.
 //!
 //! Frames are halved and filtered by the second difference in u and in v (mask `[1 −2 1]ᵀ[1 −2 1]`), which removes
 //! everything locally linear. The filter runs in squares of 16×16 image pixels, the same in every frame, so that a
-//! combination of frames is filtered as the same combination of filtered frames. Halving first looks at frequencies
-//! that the search looks at too; the very finest are what files and demosaicing change most.
+//! combination of frames is filtered as the same combination of filtered frames. After halving, its frequencies are
+//! among those that the search uses; the very finest are what files and demosaicing change most.
 
 use super::contrast::{Contrast, shifts};
 use crate::detector::params::slope_grid::Slope;
@@ -12,25 +12,25 @@ use rayon::prelude::*;
 
 /// Side of a square, halved pixels.
 const SIDE: usize = 8;
-/// Values of a square.
+/// Number of values of a square.
 const AREA: usize = SIDE * SIDE;
-/// Pixels of a square in the image.
+/// Number of image pixels of a square.
 pub const SQUARE_PIXELS: usize = 4 * AREA;
-/// Most squares that are looked at: enough for a hundredth of accuracy overall and for a map of the image.
+/// Maximum number of squares: enough for an accuracy of one percent overall and for a map of the image.
 const MAX_SQUARES: usize = 512;
-/// Variance of the filtered halved pixels for white noise of variance 1 in the frame's own: the mask's squares sum to
-/// 36, a mean over four has a quarter.
+/// Variance of the filtered halved pixels for white noise of variance 1 in the frame's pixels: the mask's squares sum
+/// to 36, a mean over four has a quarter of the variance.
 const GAIN: f32 = 9.0;
-/// Independent values of a square, as far as its mean square is concerned: the filter's values are correlated, and Σρ²
+/// Effective number of independent values of a square for its mean square: the filter's values are correlated, and Σρ²
 /// over a square is 3.31.
 pub const FREE_VALUES: f32 = AREA as f32 / 3.31;
 
 /// The filtered squares of some frames.
 #[derive(Debug, Clone)]
 pub struct HighPass {
-    /// Middle of each square, image pixels.
+    /// Centre of each square, image pixels.
     pub places: Vec<(f32, f32)>,
-    /// Their first columns and rows in the image, with the pixels around them that the filter needs.
+    /// First column and row of each square in the image, with the surrounding pixels that the filter needs.
     corners: Vec<(usize, usize)>,
     /// For each frame, the values of all squares.
     values: Vec<Vec<f32>>,
@@ -39,7 +39,7 @@ pub struct HighPass {
 }
 
 impl HighPass {
-    /// The squares of frames of one size; none where a side is under 20 pixels.
+    /// Filters the squares of frames of one size; none where a side is under 20 pixels.
     pub fn new(frames: &[&Plane]) -> Self {
         let corners = frames.first().map_or_else(Vec::new, |frame| corners(frame.size()));
         let of_frame = |frame: &&Plane| {
@@ -57,7 +57,7 @@ impl HighPass {
         Self { places: corners.iter().map(|&(u, v)| (middle(u), middle(v))).collect(), values, brightness, corners }
     }
 
-    /// The same of some of the frames.
+    /// Squares of some of the frames.
     pub fn only(&self, frames: &[usize]) -> Self {
         Self {
             places: self.places.clone(),
@@ -67,27 +67,27 @@ impl HighPass {
         }
     }
 
-    /// How many frames there are.
+    /// Number of frames.
     pub fn frames(&self) -> usize {
         self.values.len()
     }
 
-    /// The variance of white noise of one frame that would explain each square of the combination Σ `weights`·frame.
+    /// Variance of white noise in one frame that would explain each square of the combination Σ `weights`·frame.
     pub fn variances(&self, weights: &[(usize, f32)]) -> Vec<f32> {
         let scale = 1.0 / (GAIN * AREA as f32 * weights.iter().map(|(_, w)| w * w).sum::<f32>());
         (0..self.places.len()).map(|square| self.power(weights, square) * scale).collect()
     }
 
-    /// The mean over `contrasts` of the variance that each shows in each square, the frames compared where they are.
+    /// Variance in each square, the mean over `contrasts`, with the frames compared at the same pixels.
     pub fn mean_variances(&self, contrasts: &[Contrast]) -> Vec<f32> {
         let scale = 1.0 / (contrasts.len() as f32 * GAIN * AREA as f32);
         let of_square = |square| contrasts.iter().map(|contrast| self.power(contrast, square)).sum::<f32>() * scale;
         (0..self.places.len()).map(of_square).collect()
     }
 
-    /// The variance of the noise of one frame in each square: the mean over `contrasts` of the frames that these
-    /// squares are of, each taken at its time in `times` and read where the scene, which moves by `slopes[square]`
-    /// px/frame, has moved to.
+    /// Variance of the noise of one frame in each square: the mean over `contrasts` of `frames`, those of these
+    /// squares, each taken at its time in `times` and read where the scene, which moves by `slopes[square]` px/frame,
+    /// has moved to.
     pub fn still_variances(
         &self,
         frames: &[&Plane],
@@ -119,7 +119,7 @@ impl HighPass {
         (0..self.places.len()).into_par_iter().map(of_square).collect()
     }
 
-    /// The sum of the squares of a combination of the frames in a square.
+    /// Sum of the squared values of a combination of the frames in a square.
     fn power(&self, weights: &[(usize, f32)], square: usize) -> f32 {
         let range = square * AREA..(square + 1) * AREA;
         let mut sums = [0.0f32; AREA];
@@ -129,19 +129,19 @@ impl HighPass {
         sums.iter().map(|x| x * x).sum::<f32>()
     }
 
-    /// Whether the filtered values of two frames are exactly the same.
+    /// Whether the filtered values and the brightness of two frames are equal.
     pub fn same(&self, a: usize, b: usize) -> bool {
         self.values[a] == self.values[b] && self.brightness[a] == self.brightness[b]
     }
 }
 
-/// The first columns and rows of the squares of an image of `size`, with two pixels more on each side; spread evenly.
+/// First columns and rows of the squares of an image of `size`, with two pixels more on each side; spread evenly.
 fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
     let inner = |n: usize| (n / 2).saturating_sub(2) / SIDE;
     let (columns, rows) = (inner(width), inner(height));
     let total = columns * rows;
     let count = total.min(MAX_SQUARES);
-    // Every so many of all squares; the rows are walked so that the columns that are taken move on from row to row.
+    // Evenly spaced among all squares; the chosen columns are shifted from row to row.
     (0..count)
         .map(|i| {
             let index = (i as u64 * total as u64 / count as u64) as usize;
@@ -152,12 +152,12 @@ fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Side of a square with what its filter needs, halved pixels.
+/// Side of a square with the border that its filter needs, halved pixels.
 const PATCH: usize = SIDE + 2;
-/// A square with what its filter needs.
+/// A square with the border that its filter needs.
 type Patch = [[f32; PATCH]; PATCH];
 
-/// The means over 2×2 pixels from the image's pixel (u, v) on.
+/// Means over 2×2 pixels from the image's pixel (u, v) on.
 fn halved_patch(frame: &Plane, (u, v): (usize, usize)) -> Patch {
     let mut patch = Patch::default();
     for (y, out) in patch.iter_mut().enumerate() {
@@ -172,7 +172,7 @@ fn halved_patch(frame: &Plane, (u, v): (usize, usize)) -> Patch {
     patch
 }
 
-/// Gives the filtered values of a square, row by row.
+/// Calls `give` with the filtered values of a square, row by row.
 fn filter(patch: &Patch, give: &mut impl FnMut(f32)) {
     for rows in patch.windows(3) {
         let mut second = [0.0; PATCH];
@@ -183,17 +183,16 @@ fn filter(patch: &Patch, give: &mut impl FnMut(f32)) {
     }
 }
 
-/// The mean of a square.
+/// Mean of a square, without its border.
 fn mean(patch: &Patch) -> f32 {
     patch[1..=SIDE].iter().map(|row| row[1..=SIDE].iter().sum::<f32>()).sum::<f32>() / AREA as f32
 }
 
-/// The variance that the quieter part of some squares' variances tells, where texture may have been added to the
-/// others.
+/// Noise variance from the quieter part of some squares' variances, where texture may have been added to the others.
 ///
-/// The mean of the lowest seven tenths, over what it is for noise alone: the variances of `free` independent values
-/// each spread by √(2/`free`), and the mean of the lowest seven tenths of that distribution (χ²) lies 0.51 of it below
-/// the whole's.
+/// It is the mean of the lowest seven tenths, divided by its expected value for noise alone: the variances of `free`
+/// independent values each spread by √(2/`free`), and the mean of the lowest seven tenths of that distribution (χ²)
+/// lies 0.51 of it below the mean of all.
 pub fn quiet_variance(mut variances: Vec<f32>, free: f32) -> f32 {
     let count = (variances.len() * 7).div_ceil(10);
     if count == 0 {

@@ -1,17 +1,17 @@
-//! Single pixels that stay far brighter or darker than all pixels around them, in every frame.
+//! Hot pixels: single pixels that stay far brighter or darker than all pixels around them, in every frame.
 
 use crate::plane::Plane;
 
-/// How many standard deviations of the frames' mean a hot pixel is beyond every neighbour.
+/// Distance of a hot pixel from every neighbour, in standard deviations of the frames' mean.
 const HOT: f32 = 6.0;
 
-/// What pixels must differ from both neighbours in their row by, in the mean of `frames` frames whose noise has the
-/// variance `variance` each, to be looked at.
+/// Difference from both neighbours in its row above which a pixel is examined, in the mean of `frames` frames whose
+/// noise has the variance `variance` each.
 pub fn limit_of_first_look(frames: usize, variance: f32) -> f32 {
     HOT * (variance / frames as f32).sqrt()
 }
 
-/// The hot pixels among those that stand out of their row, and beside them, from the first row to the last.
+/// Hot pixels among those that stand out of their row and their neighbours, from the first row to the last.
 pub fn find(standing_out: &[(usize, usize)], frames: &[&Plane], variance: f32) -> Vec<(usize, usize)> {
     let is_hot = |at: &(usize, usize), known: &[(usize, usize)]| is_hot(frames, variance, *at, known);
     let mut found: Vec<(usize, usize)> = standing_out.iter().copied().filter(|at| is_hot(at, &[])).collect();
@@ -30,7 +30,7 @@ pub fn find(standing_out: &[(usize, usize)], frames: &[&Plane], variance: f32) -
     found
 }
 
-/// Replaces pixels by the median of those around them.
+/// Replaces pixels by the median of the eight around them.
 pub fn mask(plane: &mut Plane, pixels: &[(usize, usize)]) {
     for &(u, v) in pixels {
         plane.row_mut(v)[u] = median(neighbours(u, v, plane.size()).map(|(x, y)| plane.at(x, y)));
@@ -42,7 +42,7 @@ fn median(mut around: [f32; 8]) -> f32 {
     0.5 * (around[3] + around[4])
 }
 
-/// The eight pixels around one; beyond the border of an image of `size` the nearest ones there are.
+/// The eight pixels around one; beyond the border of an image of `size` they are mirrored.
 fn neighbours(u: usize, v: usize, (width, height): (usize, usize)) -> [(usize, usize); 8] {
     let inside = |x: i64, n: usize| {
         if x < 0 {
@@ -57,13 +57,13 @@ fn neighbours(u: usize, v: usize, (width, height): (usize, usize)) -> [(usize, u
     [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)].map(at)
 }
 
-/// How far a value lies beyond all of `around`, with its sign; 0 inside their range.
+/// Signed distance of a value from the range of `around`; 0 inside it.
 fn beyond(value: f32, around: &[f32; 8]) -> f32 {
     let (min, max) = around.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
     (value - max).max(0.0) + (value - min).min(0.0)
 }
 
-/// Whether the pixel lies beyond all its neighbours but the hot ones `known`, in the mean of the frames and in nearly
+/// Whether the pixel is beyond all its neighbours except the hot ones `known`, in the mean of the frames and in nearly
 /// every frame.
 fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(usize, usize)]) -> bool {
     let places = neighbours(u, v, frames[0].size());
@@ -76,8 +76,8 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
         }
         around
     };
-    // The noise there, which may be more than usual: how the pixels around change from frame to frame. What crosses the
-    // pixel makes it larger too.
+    // The local noise, which may be larger than usual: the change of the pixels around from frame to frame. Objects
+    // that cross the pixel make it larger too.
     let n = frames.len() as f32;
     let (mut sums, mut squares) = ([0.0f32; 8], [0.0f32; 8]);
     let (mut value, mut mean, mut own, mut above) = (0.0, 0.0, 0.0, 0usize);

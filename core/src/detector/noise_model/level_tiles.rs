@@ -1,4 +1,4 @@
-//! The noise of single tiles of an octave, filtered as the search filters them.
+//! Noise of single tiles of an octave, filtered as in the search.
 
 use super::contrast::{Contrast, Pixels as Source};
 use super::pyramid::BoxPyramid;
@@ -19,33 +19,33 @@ use std::ops::Range;
 
 /// Side of a tile of the first octave, octave pixels.
 const TILE: usize = 64;
-/// The same of later octaves; half of it in octaves that hold fewer than [`MIN_TILES`].
+/// Side of a tile of later octaves, octave pixels. Both are halved in octaves with fewer than [`MIN_TILES`] tiles.
 const COARSE_TILE: usize = 48;
-/// Tiles that an octave should have, to tell what moves from noise.
+/// Number of tiles that an octave should have, to tell moving structures from noise.
 const MIN_TILES: usize = 6;
-/// Pixels of the first octave that are looked at, about: a standard deviation is then right within three percent.
+/// Number of pixels of the first octave that are measured, about: a standard deviation then has an error of three
+/// percent.
 const PIXELS: usize = 32_768;
-/// The same of octaves after the first, which have less noise to let through.
+/// Number of pixels of octaves after the first, about; these have less noise.
 const COARSE_PIXELS: usize = 24_000;
-/// Octaves that are measured, from the first one searched. Noise that pixels share farther than these reach is rare,
-/// and there the scene is far stronger than the noise.
+/// Number of octaves that are measured, from the first one searched. Noise correlated over the distances of coarser
+/// octaves is rare, and there the scene is far stronger than the noise.
 const OCTAVES: i32 = 3;
-/// Pixels at the image's border that are left out, octave pixels: filters that repeat the border let more noise through
-/// there.
+/// Border of the image that is left out, octave pixels: filters that repeat the border let more noise pass there.
 const BORDER: usize = 8;
-/// Octaves that have fewer pixels than this on a side inside of the border tell nothing.
+/// Side, inside the border, below which an octave is not measured, octave pixels.
 const LEAST_SIDE: usize = 16;
 
-/// The frames that are looked at.
+/// Frames to measure, with their contrasts and motion.
 #[derive(Clone, Copy)]
 pub struct Sources<'a> {
-    /// The frames that take part, cleaned, in time order; two at least.
+    /// Frames that take part, cleaned, in time order; at least two.
     pub frames: &'a [&'a Plane],
-    /// Contrasts of these.
+    /// Contrasts of the frames.
     pub contrasts: &'a [Contrast],
-    /// Their pyramids, which reach as far as the octaves that are searched, and how the scene moves in them.
+    /// Pyramids of the frames, as far as the octaves that are searched, and the scene's motion in them.
     pub motion: SceneMotion<'a>,
-    /// The variance of white noise in one frame in a region of the image, in (fraction of full scale)².
+    /// Variance of the white noise of one frame in a region of the image, in (fraction of full scale)².
     pub variance_in: &'a (dyn Fn(&Region) -> f32 + Sync),
 }
 
@@ -58,14 +58,14 @@ impl<'a> Sources<'a> {
 /// Second and fourth moments of the levels of one tile.
 #[derive(Debug, Clone)]
 pub struct TileMoments {
-    /// How many pixels it has.
+    /// Number of pixels.
     pub pixels: usize,
-    /// By level: mean square over that of white noise, and excess kurtosis.
+    /// Mean square relative to that of white noise, and excess kurtosis, by level.
     pub levels: Vec<(f32, f32)>,
 }
 
-/// The moments of tiles of `octave` of `space`, spread over the image; none where the octave is too small to tell
-/// anything.
+/// Moments of tiles of `octave` of `space`, spread over the image; none where the octave is too small, too coarse, or
+/// made of skipped pixels.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -76,12 +76,11 @@ pub fn tiles_of_octave(
     monitor: &Monitor,
 ) -> Result<Vec<TileMoments>, Cancelled> {
     let first = octave == space.first_octave;
-    // Where pixels are skipped before the means are taken, what passes is white again as far as octaves this coarse
-    // matter.
+    // Where the first octave skips pixels, its noise is white for the octaves after it.
     if (space.first_octave > 0 && !first) || octave - space.first_octave >= OCTAVES {
         return Ok(Vec::new());
     }
-    // Octaves after the first are made from means over squares, whose own blur the base kernel leaves out.
+    // Octaves after the first are made from means over squares; the base kernel accounts for their blur.
     let halvings = (octave - space.first_octave.max(0)).max(0) as usize;
     let (size, source) = if first || halvings == 0 {
         (octave_size(sources.frames[0].size(), octave), Source::Frames(sources.frames, octave))
@@ -127,7 +126,7 @@ pub fn tiles_of_octave(
     Ok(tiles.concat())
 }
 
-/// A thread's space.
+/// Buffers of a thread.
 #[derive(Default)]
 struct Scratch {
     filter: FilterScratch,
@@ -136,7 +135,7 @@ struct Scratch {
     input: Tile,
 }
 
-/// The part of the image that a region of an octave shows.
+/// Part of the image that a region of an octave covers.
 fn in_image(region: &Region, octave: i32) -> Region {
     let in_image = |range: &Range<usize>| {
         let image = |at: usize| (at as f32 * octave_pixel(octave)) as usize;
@@ -145,7 +144,7 @@ fn in_image(region: &Region, octave: i32) -> Region {
     Region { columns: in_image(&region.columns), rows: in_image(&region.rows) }
 }
 
-/// The tiles of an octave of `size` that are looked at, of `tile` pixels a side and about `pixels` pixels together.
+/// Tiles of an octave of `size` to measure, of `tile` pixels a side and about `pixels` pixels together.
 fn regions((width, height): (usize, usize), tile: usize, pixels: usize) -> Vec<Region> {
     let inner = |n: usize| BORDER..n.saturating_sub(BORDER).max(BORDER);
     let (columns, rows) = (inner(width), inner(height));
@@ -155,7 +154,7 @@ fn regions((width, height): (usize, usize), tile: usize, pixels: usize) -> Vec<R
     let many = (columns.len() / tile) * (rows.len() / tile) >= MIN_TILES;
     let tile = if many { tile } else { tile / 2 };
     let cut = |range: &Range<usize>| -> Vec<Range<usize>> {
-        // They reach from end to end, and overlap a little where the sides are no multiples of theirs.
+        // Tiles cover the range from end to end, and overlap a little where its length is no multiple of theirs.
         let (count, last) = (range.len().div_ceil(tile), range.len().saturating_sub(tile));
         (0..count)
             .map(|i| {
@@ -171,7 +170,7 @@ fn regions((width, height): (usize, usize), tile: usize, pixels: usize) -> Vec<R
         .map(|i| {
             let index = i * all / count;
             let row = index / columns.len();
-            // Moved on from row to row, so that no column of tiles is preferred.
+            // Shifted from row to row, so that no column of tiles is preferred.
             let column = if count < all { (index + 3 * row) % columns.len() } else { index % columns.len() };
             Region { columns: columns[column].clone(), rows: rows[row].clone() }
         })
@@ -180,7 +179,7 @@ fn regions((width, height): (usize, usize), tile: usize, pixels: usize) -> Vec<R
 
 /// An octave that starts from means over squares of 2^halvings pixels.
 struct OfMeans {
-    /// What blur the means already have and what the base kernel leaves out for it, octave pixels².
+    /// Blur that the means already have, which the base kernel leaves out, octave pixels².
     blurred: f64,
     /// Variance of a mean of white noise of variance 1.
     variance: f64,
@@ -199,7 +198,7 @@ impl OfMeans {
         FilterBank::new(std::iter::once(base).chain(space.step_kernels.iter().cloned()).collect(), space.all_levels())
     }
 
-    /// What white noise of variance 1 in a frame leaves in D at `level`: means of white noise are white, whatever their
+    /// Variance in D at `level` of white noise of variance 1 in a frame: means of white noise are white, whatever their
     /// blur.
     fn white(&self, space: &ScaleSpace, level: f64) -> f64 {
         let variance = |level: f64| space.sigma_octave(level).powi(2) - self.blurred;
@@ -213,7 +212,7 @@ fn moments(dog: &DogTile, region: &Region, white: &[f64], frame: f32) -> TileMom
         let (mut second, mut fourth) = (0.0f64, 0.0f64);
         for v in region.rows.clone() {
             let (mut row_second, mut row_fourth) = (0.0f32, 0.0f32);
-            // In units of the expected deviation, so that fourth powers stay within f32.
+            // In units of the expected deviation, so that fourth powers stay within the range of f32.
             let scale = 1.0 / (f64::from(frame.max(f32::MIN_POSITIVE)) * white).sqrt() as f32;
             for x in dog.levels[index + 1].row(v) {
                 let square = (x * scale) * (x * scale);

@@ -1,10 +1,10 @@
-//! The noise of a burst as cameras and files make it: what the gate must know to be right where it stands.
+//! Noise model of a burst as cameras and files make it, for a noise gate that is right at every place.
 //!
-//! White noise of one strength is what the gate of [`crate::detector::noise::gate`] carries through the filters. Real
-//! noise grows with brightness ([`photon_transfer`]), differs by place ([`place`]), is shared by neighbouring pixels
+//! The gate of [`crate::detector::noise::gate`] propagates white noise of one strength through the filters. Real noise
+//! grows with brightness ([`photon_transfer`]), differs by place ([`place`]), is correlated between neighbouring pixels
 //! and has long tails where files were compressed ([`spectrum`]); frames repeat others, are black or too noisy
 //! ([`frames`]), and a sensor has a pattern of its own ([`fixed_pattern`]). [`examine()`] finds all of it from the
-//! burst alone and gives a [`NoiseModel`], which says σ of D for an octave, a level, a slope and a place, with a
+//! burst alone and gives a [`NoiseModel`], which computes σ of D for an octave, a level, a slope and a place, with a
 //! [`NoiseWarning`] for each assumption that fails.
 
 pub mod contrast;

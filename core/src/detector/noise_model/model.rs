@@ -15,72 +15,72 @@ use crate::kernel::offset::FrameOffset;
 use crate::plane::Plane;
 use serde::Serialize;
 
-/// What is known of the noise of a burst.
+/// Noise of a burst.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct NoiseModel {
     /// Standard deviation of the noise of one frame at its middle brightness, fraction of full scale.
     pub frame_noise: f32,
-    /// Whether the noise differs from white noise of that one standard deviation in anything.
+    /// Whether the noise may differ from white noise of that one standard deviation.
     pub is_local: bool,
     /// Variance over brightness.
     pub transfer: PhotonTransfer,
-    /// Variance over what the brightness says, by place, where it differs.
+    /// Variance relative to that predicted by the brightness, by place; `None` where it is 1 everywhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub excess: Option<ExcessMap>,
-    /// By octave from the first one that is searched and by level, what it lets through.
+    /// Noise by octave, from the first one that is searched, and by level.
     pub levels: Vec<Vec<LevelNoise>>,
-    /// The used frames.
+    /// Facts on the used frames.
     pub frames: Vec<FrameFacts>,
     /// Correlation of the noise of consecutive frames.
     pub correlation: f32,
-    /// What belongs to the sensor and was taken off.
+    /// Fixed pattern of the sensor, which has been removed.
     pub pattern: FixedPattern,
-    /// Which assumptions do not hold.
+    /// Assumptions that do not hold.
     pub warnings: Vec<NoiseWarning>,
     #[serde(skip)]
     pub(super) brightness: Brightness,
 }
 
-/// How bright the frames are where, and what follows for the search.
+/// Brightness of the frames by place, and values derived from it for the search.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Brightness {
-    /// Some of the frames, from the first to the last, by their number among those that take part; empty where the
-    /// noise is the same everywhere.
+    /// Pyramids of some of the frames, from the first to the last, with their indices among those that take part; empty
+    /// where the noise is uniform.
     pub(super) pyramids: Vec<(usize, BoxPyramid)>,
-    /// The smallest variance of one frame's noise, for each octave.
+    /// Smallest variance of one frame's noise, for each octave.
     pub(super) min_variance: Vec<f32>,
-    /// The share of pixels that are cut off at black or white.
+    /// Share of pixels that are cut off at black or white.
     pub(super) cut_off: f32,
-    /// The brightest value, fraction of full scale.
+    /// Brightest value, fraction of full scale.
     pub(super) brightest: f32,
     /// Mean of the frames' relative variances.
     pub(super) relative_variance: f32,
-    /// The first octave.
+    /// First octave of the search.
     pub(super) first_octave: i32,
 }
 
-/// By how much the gate grows where all noise is cut off on one side. What is left of it is skewed, and so, a little,
-/// is D: the measured excess of false features where half of the pixels are cut off calls for six percent.
+/// Relative growth of the gate where all noise is cut off on one side. The rest of the noise is skewed, and so, a
+/// little, is D: the measured excess of false features where half of the pixels are cut off requires six percent.
 const SKEWED: f32 = 0.12;
-/// By how much the gate grows for each unit by which the logarithm of the noise, relative to white noise, rises over an
-/// octave. White noise falls fast with scale, so that few of its extremes in place beat the finer level too; noise that
-/// neighbouring pixels share falls more slowly, and more do. With exact standard deviations it gave four times as many
-/// false features; this makes up for it.
+/// Relative growth of the gate for each unit by which the logarithm of the noise, relative to white noise, rises over
+/// an octave. White noise falls fast with scale, so that few of its extremes in place beat the finer level too;
+/// correlated noise falls more slowly, and more do. With exact standard deviations it gave four times as many false
+/// features; this compensates for it.
 const RISING: f32 = 0.12;
-/// Frames whose brightness tells that of a stack.
+/// Number of frames from which a stack's brightness is computed.
 pub(super) const FRAMES_SAMPLED: usize = 4;
-/// Rounding errors of D, over the brightest value: two steps of `f32`.
+/// Rounding error of D relative to the brightest value: two steps of `f32`.
 const ROUNDING: f32 = 2.4e-7;
 
 impl NoiseModel {
-    /// White noise of standard deviation `frame_noise`, the same everywhere: nothing else is known.
+    /// White noise of standard deviation `frame_noise` everywhere.
     pub fn white(frame_noise: f32) -> Self {
         Self { frame_noise, ..Self::default() }
     }
 
-    /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, where the noise is
-    /// least and all frames cover. `gate` is the factor that it will be multiplied with: noise with long tails counts
-    /// as the normal noise that is as seldom beyond it.
+    /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, at the place of least
+    /// noise and where all frames cover. `gate` is the factor that it will be multiplied with: noise with long tails
+    /// counts as the normal noise that exceeds it as rarely.
     pub fn sigma_d(
         &self,
         space: &ScaleSpace,
@@ -103,8 +103,8 @@ impl NoiseModel {
         sigma.max(ROUNDING * self.brightness.brightest)
     }
 
-    /// By how much σ of D is larger at the image's pixel (u, v), in the stack whose frames are read at `offsets`, than
-    /// where it is least: the mean over some of the frames that cover it. At least 1.
+    /// Ratio of σ of D at the image's pixel (u, v), in the stack whose frames are read at `offsets`, to its smallest
+    /// value: from the mean over some of the frames that cover it. At least 1.
     pub fn place_factor(
         &self,
         octave: i32,
@@ -130,15 +130,15 @@ impl NoiseModel {
         if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
     }
 
-    /// The variance of the noise of the frame with `pyramid` around its place (u, v), as blurred as `octave` is.
+    /// Variance of the noise of the frame with `pyramid` around its place (u, v), at the resolution of `octave`.
     pub(super) fn variance_at(&self, pyramid: &BoxPyramid, octave: i32, (u, v): (f32, f32)) -> f32 {
         let level = Self::brightness_level(octave).min(pyramid.len());
         let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
         self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(u, v))
     }
 
-    /// σ of the noise of one frame by place, as the finest octave takes it, for an image of `size` in cells of
-    /// `cell_px` pixels a side: the mean variance of the frames that take part.
+    /// σ of the noise of one frame by place, as the finest octave uses it, for an image of `size` in cells of `cell_px`
+    /// pixels a side, from the mean variance of the frames that take part.
     pub fn sigma_map(&self, size: (usize, usize), cell_px: f32) -> Plane {
         let cells = |n: usize| ((n as f32 / cell_px).ceil() as usize).max(1);
         let pyramids = &self.brightness.pyramids;
@@ -152,7 +152,7 @@ impl NoiseModel {
         })
     }
 
-    /// The variance of the noise of the frame with `pyramid` at its place (u, v), without regard to borders between
+    /// Variance of the noise of the frame with `pyramid` at its place (u, v), without raising it at borders between
     /// parts of different noise.
     pub(super) fn measured_variance_at(&self, pyramid: &BoxPyramid, (u, v): (f32, f32)) -> f32 {
         let level = Self::brightness_level(1).min(pyramid.len());
@@ -160,12 +160,12 @@ impl NoiseModel {
         self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.measured_at(u, v))
     }
 
-    /// The pyramid's level at which brightness is looked up for an octave: squares a few times as large as its σ.
+    /// Pyramid level at which brightness is read for an octave: squares a few times as large as its σ.
     pub(super) fn brightness_level(octave: i32) -> usize {
         (octave + 2).max(3) as usize
     }
 
-    /// What a level lets through.
+    /// Noise of a level; white where none was measured.
     fn level(&self, octave: i32, level: i32) -> LevelNoise {
         let of_octave = self.levels.get(self.octave_index(octave));
         of_octave
@@ -174,7 +174,7 @@ impl NoiseModel {
             .unwrap_or(LevelNoise::WHITE)
     }
 
-    /// By how much the logarithm of the variance over that of white noise rises over an octave, 0 … 1.
+    /// Rise, over an octave, of the logarithm of the variance relative to white noise, clamped to 0 … 1.
     fn rise(&self, octave: i32) -> f32 {
         let levels = self.levels.get(self.octave_index(octave)).map_or(&[][..], Vec::as_slice);
         let (Some(first), Some(last)) = (levels.first(), levels.last()) else { return 0.0 };
@@ -190,8 +190,8 @@ impl NoiseModel {
         ((octave - self.brightness.first_octave).max(0) as usize).min(last)
     }
 
-    /// The variance that the smooth part of stripes leaves in D: white stripes' that is left by the mean over the
-    /// columns around, for a filter along one axis.
+    /// Variance that the smooth part of stripes leaves in D: that of white stripes after the mean over the columns
+    /// around, for a filter along one axis.
     fn stripes_left(&self, space: &ScaleSpace, octave: i32, level: i32) -> f32 {
         let of = |stripes: &Option<Stripes>| stripes.as_ref().map_or(0.0, |s| s.deviation.powi(2));
         let variance = of(&self.pattern.columns) + of(&self.pattern.rows);
@@ -215,7 +215,7 @@ impl NoiseModel {
     }
 }
 
-/// How many times the variance of the mean of `frames` is that of independent ones, when consecutive frames' noise is
+/// Variance of the mean of `frames` frames relative to that of independent ones, when consecutive frames' noise is
 /// correlated by `correlation`, falling by that factor from frame to frame, and a step from frame to frame shifts it by
 /// `shift` in units of the filter's σ.
 fn repeated_over_time(correlation: f32, frames: usize, shift: f32) -> f32 {
@@ -228,7 +228,7 @@ fn repeated_over_time(correlation: f32, frames: usize, shift: f32) -> f32 {
         (1.0 - k_frames / n) * correlation.powi(k as i32) * (-0.25 * (k_frames * shift).powi(2)).exp()
     };
     let sum = 1.0 + 2.0 * (1..frames).map(shared).sum::<f32>();
-    // The differences in which the noise was measured, with weights 1, −2, 1, show less of it than there is.
+    // The differences in which the noise was measured, with weights 1, −2, 1, show only a part of it.
     let shown = 1.0 - 4.0 / 3.0 * correlation + correlation * correlation / 3.0;
     sum / shown.max(0.02)
 }
@@ -256,7 +256,7 @@ mod tests {
     fn frames_that_repeat_each_other_are_worth_less() {
         assert_eq!(repeated_over_time(0.0, 10, 0.0), 1.0);
         let still = repeated_over_time(0.5, 200, 0.0);
-        // (1 + r)/(1 − r) for many frames, over what differences show of it.
+        // (1 + r)/(1 − r) for many frames, divided by the part that differences show.
         assert!((still / (3.0 / (1.0 - 2.0 / 3.0 + 0.25 / 3.0)) - 1.0).abs() < 0.02, "{still}");
         assert!(repeated_over_time(0.5, 200, 5.0) < 0.4 * still);
     }

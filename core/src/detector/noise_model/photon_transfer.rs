@@ -1,11 +1,11 @@
-//! How the variance of the noise grows with brightness: a sensor's photon transfer, variance = a·I + b.
+//! Photon transfer of a sensor: the variance of the noise over brightness, variance = a·I + b.
 //!
 //! Light comes in photons, whose number varies by its square root, so the variance of a pixel grows in proportion to
 //! its brightness I; reading it out adds b. The squares of the frames are sorted by brightness into groups; the quiet
-//! part of a group tells its variance, whatever texture moves through some of its squares. A line is put through the
-//! groups: first that of the median slope between any two (Theil–Sen), then by iteratively reweighted least squares, in
+//! part of a group gives its variance, even if texture moves through some of its squares. A line is fitted to the
+//! groups: first with the median slope between any two (Theil–Sen), then by iteratively reweighted least squares, in
 //! which a group counts by its relative error and not at all far from the line, so that groups whose noise is cut off
-//! at white or black bend nothing.
+//! at white or black do not bend it.
 
 use super::high_pass::quiet_variance;
 use serde::Serialize;
@@ -13,39 +13,39 @@ use serde::Serialize;
 /// Variance over brightness.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct PhotonTransfer {
-    /// a: variance per brightness, fraction of full scale; the inverse of the electrons at full scale for a sensor
-    /// without offset. At least 0.
+    /// a: variance per brightness, fraction of full scale; the inverse of the number of electrons at full scale for a
+    /// sensor without offset. At least 0.
     pub slope: f32,
     /// b: variance at brightness 0, in (fraction of full scale)²; negative where black is lifted by more than the read
     /// noise amounts to.
     pub dark: f32,
-    /// The least variance there is, whatever the line says.
+    /// Lower bound of the variance, in (fraction of full scale)².
     pub min: f32,
-    /// What the line was fitted to, from dark to bright.
+    /// Points to which the line was fitted, from dark to bright.
     pub points: Vec<TransferPoint>,
 }
 
-/// Squares of about the same brightness.
+/// Group of squares of about equal brightness.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TransferPoint {
-    /// Their mean brightness, fraction of full scale.
+    /// Mean brightness, fraction of full scale.
     pub brightness: f32,
     /// Variance of the noise of one frame, in (fraction of full scale)².
     pub variance: f32,
-    /// How many they are.
+    /// Number of squares.
     pub squares: usize,
 }
 
-/// The fewest squares of a group.
+/// Minimum number of squares of a group.
 const LEAST_SQUARES: usize = 24;
-/// Most groups.
+/// Maximum number of groups.
 const MAX_GROUPS: usize = 16;
-/// A group that lies this far from the line, relative to it, does not count.
+/// Relative distance from the line beyond which a group does not count.
 const FAR: f64 = 0.4;
-/// The darkest and the brightest group must differ by this many standard deviations of a square's brightness; groups of
-/// one brightness, sorted by their noise, differ by four.
+/// Minimum difference between the darkest and the brightest group, in standard deviations of a square's brightness;
+/// groups of one brightness, sorted by their noise, differ by four.
 const LEAST_SPAN: f64 = 7.0;
-/// How often the line is fitted anew.
+/// Number of iterations of the fit.
 const FITS: usize = 12;
 
 impl PhotonTransfer {
@@ -69,20 +69,19 @@ impl PhotonTransfer {
         Self { slope, dark, min, points }
     }
 
-    /// The variance of the noise of one frame where it has the brightness `brightness`.
+    /// Variance of the noise of one frame at brightness `brightness`.
     pub fn variance(&self, brightness: f32) -> f32 {
         (self.slope * brightness + self.dark).max(self.min)
     }
 }
 
-/// The variance of the quiet part of a group; where that has none, as in files that round it away nearly everywhere,
-/// the mean.
+/// Variance of the quiet part of a group; where that is 0, as in files that round it away nearly everywhere, the mean.
 fn variance_of(group: &[(f32, f32)], free: f32) -> f32 {
     let quiet = quiet_variance(group.iter().map(|s| s.1).collect(), free);
     if quiet > 0.0 { quiet } else { group.iter().map(|s| s.1).sum::<f32>() / group.len() as f32 }
 }
 
-/// Slope and offset of the line through the points; the slope is 0 where it is not larger than its error, or the
+/// Slope and offset of the line through the points; the slope is 0 where it is less than three times its error, or the
 /// brightness does not differ by more than its noise.
 fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
     let total = points.iter().map(|p| p.squares).sum::<usize>() as f64;
@@ -103,7 +102,7 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
             let (x, y) = (f64::from(p.brightness), f64::from(p.variance));
             let expected = (a * x + b).max(floor);
             let off = ((y / expected - 1.0) / FAR).abs().min(1.0);
-            // In relative errors, of which a group of n squares has √(2/(free·n)).
+            // In relative errors; that of a group of n squares is √(2/(free·n)).
             let weight = p.squares as f64 / (expected * expected) * (1.0 - off * off).powi(2);
             for (sum, term) in sums.iter_mut().zip([1.0, x, x * x, y, x * y]) {
                 *sum += weight * term;
@@ -126,7 +125,7 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
             let expected = (a * f64::from(p.brightness) + b).max(floor);
             p.squares as f64 * (f64::from(p.variance) / expected - 1.0).powi(2).min(FAR * FAR)
         };
-        // What noise alone would leave, or what is left if that is more.
+        // The residual expected of noise alone, or the actual one if larger.
         let noise = 2.0 / (0.7 * f64::from(free));
         let left = points.iter().map(off).sum::<f64>() / (points.len() as f64 - 2.0).max(1.0);
         error = (noise.max(left) / across).sqrt();
@@ -138,7 +137,7 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
     (a as f32, b as f32)
 }
 
-/// Slope and offset by the median slope between any two points, and the median offset along it.
+/// Slope and offset by the median slope between any two points, and the median offset for that slope.
 fn median_line(points: &[TransferPoint]) -> (f64, f64) {
     let middle = |mut values: Vec<f64>| {
         values.sort_by(f64::total_cmp);

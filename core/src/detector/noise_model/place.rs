@@ -1,9 +1,9 @@
-//! Where in the picture the noise differs from what the brightness says: by place, such as a side that is amplified
+//! Noise by place, where it differs from the brightness's prediction, as on a side of the sensor that is amplified
 //! more.
 //!
-//! The picture is divided into cells; the quiet part of a cell's squares over what their brightness predicts is the
-//! cell's excess. A cell whose squares differ among themselves more than noise does holds texture, or lies across a
-//! border, and is not trusted: it takes the largest excess of its trusted neighbours.
+//! The picture is divided into cells; the quiet part of a cell's squares over the variance that their brightness
+//! predicts is the cell's excess. A cell whose squares differ among themselves more than noise does has texture, or
+//! lies across a border, and is not trusted: it takes the largest excess of its trusted neighbours.
 
 use super::frames::median;
 use super::high_pass::quiet_variance;
@@ -12,23 +12,23 @@ use super::pyramid::sample_at;
 use crate::plane::Plane;
 use serde::{Serialize, Serializer};
 
-/// One square of the frames.
+/// Noise of one square of the frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Square {
-    /// Its middle, image pixels.
+    /// Centre, image pixels.
     pub place: (f32, f32),
-    /// Its brightness, fraction of full scale.
+    /// Brightness, fraction of full scale.
     pub brightness: f32,
     /// Variance of the noise of one frame there, in (fraction of full scale)².
     pub variance: f32,
 }
 
-/// Variance over what the brightness predicts, by place.
+/// Variance relative to that predicted by the brightness, by place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExcessMap {
     /// One value a cell, as measured.
     pub cells: Plane,
-    /// The same with the cells beside a border raised to the larger side, as the gate takes them.
+    /// Values as the gate uses them: cells beside a border are raised to the larger side.
     pub raised: Plane,
     /// Side of a cell, image pixels.
     pub cell_px: f32,
@@ -48,20 +48,20 @@ impl Serialize for ExcessMap {
     }
 }
 
-/// Squares that a cell should have.
+/// Number of squares that a cell should have.
 const SQUARES_A_CELL: usize = 14;
-/// Excesses closer to 1 than this are not told from 1.
+/// Difference from 1 below which an excess is taken for 1.
 const LEAST_EXCESS: f32 = 0.2;
-/// A cell is trusted if the spread of its squares is at most this many times that of noise.
+/// Spread of a cell's squares, relative to that of noise, up to which the cell is trusted.
 const TRUSTED_SPREAD: f32 = 1.8;
-/// An excess is told from 1 if it is this many of its errors away.
+/// Difference from 1, in units of its error, above which an excess is significant.
 const SURE: f32 = 4.0;
-/// A cell that has a neighbour with more than so many times its excess lies at a border, and takes the neighbour's.
+/// Ratio of a neighbour's excess to its own above which a cell is at a border, and takes the neighbour's.
 const BORDER: f32 = 1.4;
 
 impl ExcessMap {
-    /// The map of an image of `size`, from squares that each have `free` independent values; `None` where the noise is
-    /// everywhere as the brightness says.
+    /// Finds the excess in an image of `size`, from squares that each have `free` independent values; `None` where the
+    /// noise is everywhere as the brightness predicts, or unknown.
     pub fn find(squares: &[Square], transfer: &PhotonTransfer, size: (usize, usize), free: f32) -> Option<Self> {
         let wanted = squares.len() / SQUARES_A_CELL;
         if wanted < 4 {
@@ -83,7 +83,7 @@ impl ExcessMap {
         let usual_spread = median(full.iter().map(|ratios| spread(ratios)).collect());
         let own: Vec<Option<f32>> = members.iter().map(|ratios| trusted_excess(ratios, free)).collect();
         let known: Vec<f32> = own.iter().copied().flatten().collect();
-        // Where squares mostly do not agree, as under texture or the few coefficients of a file, nothing is known.
+        // Where squares mostly disagree, as under texture or the few coefficients of a file, nothing is known.
         if 2 * known.len() < full.len() {
             return None;
         }
@@ -96,37 +96,37 @@ impl ExcessMap {
         Some(Self { raised: with_borders(&cells), cells, cell_px })
     }
 
-    /// The excess at the image's place (u, v), or that of a border beside it if that is larger.
+    /// Excess at the image's place (u, v), or that of a border beside it if that is larger.
     pub fn at(&self, u: f32, v: f32) -> f32 {
         sample_at(&self.raised, self.cell_px, u, v)
     }
 
-    /// The excess at the image's place (u, v) as measured.
+    /// Excess at the image's place (u, v) as measured.
     pub fn measured_at(&self, u: f32, v: f32) -> f32 {
         sample_at(&self.cells, self.cell_px, u, v)
     }
 
-    /// The smallest excess and the largest.
+    /// Smallest and largest measured excess.
     pub fn range(&self) -> (f32, f32) {
         let fold = |f: fn(f32, f32) -> f32| self.cells.data().iter().copied().reduce(f).unwrap_or(1.0);
         (fold(f32::min), fold(f32::max))
     }
 }
 
-/// The excess that a cell's squares tell, from the smallest to the largest; `None` when they are few or do not agree.
+/// Excess from a cell's ratios, sorted from the smallest to the largest; `None` where they are few or disagree.
 fn trusted_excess(ratios: &[f32], free: f32) -> Option<f32> {
     let trusted = ratios.len() >= SQUARES_A_CELL / 2 && spread(ratios) <= TRUSTED_SPREAD * (2.0 / free).sqrt();
     trusted.then(|| quiet_variance(ratios.to_vec(), free))
 }
 
-/// The relative standard deviation that the quartiles tell, of values from the smallest to the largest.
+/// Relative standard deviation from the quartiles of values sorted from the smallest to the largest.
 fn spread(sorted: &[f32]) -> f32 {
     let quantile = |part: f32| sorted[((sorted.len() - 1) as f32 * part).round() as usize];
-    // Between the quartiles lie 1.35 standard deviations.
+    // The quartiles of a normal distribution are 1.35 standard deviations apart.
     (quantile(0.75) - quantile(0.25)) / (1.35 * quantile(0.5).max(f32::MIN_POSITIVE))
 }
 
-/// All cells; those without a value of their own take the largest of the neighbours that have one, step by step.
+/// All cells; those without an own value take the largest of their neighbours' values, step by step.
 fn filled(own: &[Option<f32>], columns: usize, rows: usize) -> Plane {
     let mut cells = own.to_vec();
     while cells.iter().any(Option::is_none) && cells.iter().any(Option::is_some) {
@@ -141,7 +141,7 @@ fn filled(own: &[Option<f32>], columns: usize, rows: usize) -> Plane {
     Plane::from_vec(columns, rows, cells.into_iter().map(|cell| cell.unwrap_or(1.0)).collect())
 }
 
-/// The cells, those beside a much larger excess raised to it: a border between two excesses lies anywhere in them.
+/// Cells, raised to a much larger excess beside them: a border between two excesses may lie anywhere in them.
 fn with_borders(cells: &Plane) -> Plane {
     let (columns, rows) = cells.size();
     Plane::from_fn(columns, rows, |x, y| {
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn texture_is_no_noise() {
         let mut squares = squares(NoiseCase::White);
-        // Texture of all strengths in a corner.
+        // Texture of various strengths in a corner.
         let in_corner = squares.iter_mut().filter(|s| s.place.0 < 150.0 && s.place.1 < 150.0);
         in_corner.enumerate().for_each(|(i, s)| s.variance *= 1.0 + (i % 7) as f32);
         assert_eq!(map(&squares), None);

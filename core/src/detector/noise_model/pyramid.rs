@@ -1,5 +1,4 @@
-//! Means over squares of 2, 4, 8 … pixels: a frame at the resolutions at which its noise and its brightness are looked
-//! at.
+//! Pyramids of means over squares of 2, 4, 8 … pixels: frames at the resolutions for measuring noise and brightness.
 
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -12,7 +11,7 @@ pub struct BoxPyramid {
 }
 
 impl BoxPyramid {
-    /// The means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square.
+    /// Computes the means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square.
     pub fn new(frame: &Plane, count: usize) -> Self {
         if count == 0 || frame.width() < 2 || frame.height() < 2 {
             return Self { levels: Vec::new() };
@@ -20,7 +19,7 @@ impl BoxPyramid {
         Self::from_halved(halved(frame), count)
     }
 
-    /// The same from the means over squares of 2×2 pixels.
+    /// Computes the pyramid from the means over squares of 2×2 pixels.
     pub(super) fn from_halved(first: Plane, count: usize) -> Self {
         let mut levels = vec![first];
         while levels.len() < count {
@@ -33,33 +32,33 @@ impl BoxPyramid {
         Self { levels }
     }
 
-    /// The means over squares of 2^`level` pixels, `level` from 1 on; the coarsest there is, if it ends before.
+    /// Means over squares of 2^`level` pixels, `level` from 1 on; the coarsest ones where the pyramid ends before.
     ///
     /// # Panics
-    /// When the pyramid is empty: the frame is under 2×2 pixels.
+    /// If the pyramid is empty: the frame is under 2×2 pixels, or no levels were made.
     pub fn level(&self, level: usize) -> &Plane {
         &self.levels[(level - 1).min(self.levels.len() - 1)]
     }
 
-    /// How many levels there are.
+    /// Number of levels.
     pub fn len(&self) -> usize {
         self.levels.len()
     }
 
-    /// Whether the frame was too small for any.
+    /// Whether there are no levels, as for a frame under 2×2 pixels.
     pub fn is_empty(&self) -> bool {
         self.levels.is_empty()
     }
 }
 
-/// The means over squares of 2×2 pixels; a last odd column or row is left out.
+/// Means over squares of 2×2 pixels; a last odd column or row is left out.
 fn halved(plane: &Plane) -> Plane {
     let mut out = Plane::zeros(plane.width() / 2, plane.height() / 2);
     halve_rows(plane, 0..plane.height(), out.data_mut());
     out
 }
 
-/// The means over squares of 2×2 pixels of some rows of `plane`, from an even one on, into whole rows of `out`.
+/// Writes the means over squares of 2×2 pixels of some rows of `plane`, from an even one on, into whole rows of `out`.
 pub(super) fn halve_rows(plane: &Plane, rows: Range<usize>, out: &mut [f32]) {
     for (i, out) in out.chunks_exact_mut((plane.width() / 2).max(1)).take(rows.len() / 2).enumerate() {
         let v = rows.start + 2 * i;
@@ -75,8 +74,8 @@ fn halve_pair(upper: &[f32], lower: &[f32], out: &mut [f32]) {
     }
 }
 
-/// The value of a pyramid's `plane`, whose pixels are squares of `square` image pixels, at the image's place (u, v):
-/// bilinear between the middles of the squares, the nearest ones beyond the outermost.
+/// Value of a pyramid's `plane`, whose pixels are squares of `square` image pixels, at the image's place (u, v):
+/// bilinear between the centres of the squares, constant beyond the outermost.
 pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
     let split = |x: f32, n: usize| {
         let at = ((x + 0.5) / square - 0.5).clamp(0.0, n as f32 - 1.0);

@@ -1,9 +1,8 @@
-//! One reading of the frames that are looked at closely: everything that needs all of their pixels is taken from them
-//! at once.
+//! Single pass over the frames that are examined closely: computes everything that needs all of their pixels.
 //!
 //! Frames come from memory row by row. Each pair of rows goes into the pyramids and, for the sensor's pattern, into the
 //! sums of the first and of the second half of the frames: these are added up by columns and by rows, and pixels that
-//! stand out of their row are noted.
+//! stand out of their row are listed.
 
 use super::pyramid::{BoxPyramid, halve_rows};
 use crate::monitor::{Cancelled, Monitor};
@@ -12,15 +11,15 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Parts that an image is cut into along each axis.
+/// Number of bands into which an image is cut along each axis.
 pub const BANDS: usize = 8;
 
-/// What was read.
+/// Results of the pass.
 #[derive(Debug, Clone, Default)]
 pub struct Reading {
-    /// The frames' pyramids.
+    /// Pyramids of the frames.
     pub pyramids: Vec<BoxPyramid>,
-    /// Columns and rows of pixels that stand out of their row in the mean of the frames, row by row.
+    /// Column and row of each pixel that stands out of its row in the mean of the frames, row by row.
     pub standing_out: Vec<(usize, usize)>,
     /// For each half of the frames, the means of each column over each of [`BANDS`] bands of rows.
     pub columns: [Vec<Vec<f32>>; 2],
@@ -28,18 +27,18 @@ pub struct Reading {
     pub rows: [Vec<Vec<f32>>; 2],
 }
 
-/// What one band of rows gives.
+/// Results of one band of rows.
 struct Band {
     standing_out: Vec<(usize, usize)>,
     columns: [Vec<f32>; 2],
-    /// By band of columns, one value a row.
+    /// Values by band of columns, one a row.
     rows: [Vec<Vec<f32>>; 2],
 }
 
 impl Reading {
-    /// Reads `frames` of one size (one at least, of 2×2 pixels at least) into pyramids of `levels` levels. With
-    /// `stands_out`, all that the sensor's pattern is sought in is read as well, and pixels are noted whose mean over
-    /// the frames differs from those beside them by more than it; two frames are needed then.
+    /// Reads `frames` of one size (at least one, of at least 2×2 pixels) into pyramids of `levels` levels. With
+    /// `stands_out`, the data for finding the sensor's pattern is read as well, and pixels are listed whose mean over
+    /// the frames differs from those beside them by more than it; this needs at least two frames.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -111,7 +110,7 @@ impl Band {
                 }
             }
             note_standing_out(&all, v, limit, &mut band.standing_out);
-            // The pair of rows is still in the first cache.
+            // The pair of rows is still in the first-level cache.
             if v % 2 == 1 {
                 let at = (v - rows.start) / 2 * (width / 2);
                 for (frame, out) in frames.iter().zip(halved.iter_mut()) {
@@ -132,7 +131,7 @@ fn add(sums: &mut [f32], row: &[f32]) {
     sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
 }
 
-/// The sum, by sixteen sums that do not wait for one another.
+/// Sum by sixteen independent partial sums.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sum_of(values: &[f32]) -> f32 {
     let (parts, rest) = values.as_chunks::<16>();
@@ -151,7 +150,7 @@ fn is_out(left: f32, at: f32, right: f32, limit: f32) -> bool {
     (at > left.max(right) + limit) | (at < left.min(right) - limit)
 }
 
-/// Whether any pixel of `row` but the first and the last does.
+/// Whether any pixel of `row` except the first and the last differs so from its neighbours.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn any_out(row: &[f32], limit: f32) -> bool {
     let n = row.len() - 2;
@@ -163,13 +162,13 @@ fn any_out(row: &[f32], limit: f32) -> bool {
     any != 0
 }
 
-/// Notes the pixels of row `v` that stand out; nearly none do.
+/// Appends the pixels of row `v` that stand out; nearly none do.
 fn note_standing_out(row: &[f32], v: usize, limit: f32, out: &mut Vec<(usize, usize)>) {
     let n = row.len();
     if n < 3 {
         return;
     }
-    // At the ends there is one pixel beside.
+    // Pixels at the ends have one neighbour.
     if is_out(row[1], row[0], row[1], limit) {
         out.push((0, v));
     }

@@ -1,10 +1,10 @@
-//! How the scene moves in a part of the picture, so that it can be taken off the noise.
+//! Motion of the scene in parts of the picture, so that it can be separated from the noise.
 //!
-//! What is fine and moves fast does not cancel between frames that are compared at the same pixel, and would be taken
-//! for noise that neighbouring pixels share. So for each part that is looked at the slope is sought, among those of the
-//! search, at which the mean of the shifted frames has the most power: there the scene adds up. The mean of frames says
-//! nothing about a contrast of the same frames with weights that sum to 0, so that choosing by the one does not change
-//! the noise measured in the other.
+//! Fine structure that moves fast does not cancel between frames that are compared at the same pixel, and would be
+//! taken for noise that neighbouring pixels share. So for each part that is measured, the slope is found, among those
+//! of the search, at which the mean of the shifted frames has the most power: there the scene adds up. The mean of
+//! frames is independent of a contrast of the same frames with weights that sum to 0, so the choice by one does not
+//! change the noise measured in the other.
 
 use super::pyramid::BoxPyramid;
 use crate::detector::params::slope_grid::Slope;
@@ -14,33 +14,33 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// Slopes that move a frame's neighbour by less than this many of the pixels looked at are as good as none.
+/// Motion from frame to frame, in pixels of the measurement, below which it does not matter.
 const LEAST_SHIFT: f32 = 0.25;
-/// Level of the pyramid, above the octave's, at which the motion is sought: noise is little there, and its squares are
-/// still a fraction of what the octave's filters reach.
+/// Level of the pyramid, above the octave's, at which the motion is measured: noise is small there, and its squares are
+/// still a fraction of the reach of the octave's filters.
 const LEVELS_UP: i32 = 2;
 
-/// Side of the parts of an image that each have a motion, pixels, at least.
+/// Minimum side of the parts of an image that each have a motion, pixels.
 const PART: usize = 64;
-/// Most of them, about.
+/// Maximum number of parts, about.
 const MAX_PARTS: usize = 48;
 
-/// What the scene's motion is sought in.
+/// Input for measuring the scene's motion.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneMotion<'a> {
-    /// The frames that take part, as pyramids.
+    /// Pyramids of the frames that take part.
     pub pyramids: &'a [&'a BoxPyramid],
-    /// When each of them was taken, in frames of the burst.
+    /// Times at which they were taken, in frames of the burst.
     pub times: &'a [f32],
-    /// The slopes that may be, px/frame.
+    /// Possible slopes, px/frame.
     pub slopes: &'a [Slope],
 }
 
 impl SceneMotion<'_> {
-    /// For parts that are looked at with pixels of 2^`octave` image pixels.
+    /// Motion for parts that are measured with pixels of 2^`octave` image pixels.
     pub fn for_octave(&self, octave: i32) -> OctaveMotion {
         let mut slopes = self.slopes.to_vec();
-        // Of equally good ones the slowest is taken.
+        // Of equally good slopes the slowest is taken.
         slopes.sort_by(|a, b| a.magnitude().total_cmp(&b.magnitude()));
         let slowest = slopes.first().copied().unwrap_or_default();
         let fastest = slopes.last().map_or(0.0, |slope| slope.magnitude());
@@ -65,8 +65,8 @@ impl SceneMotion<'_> {
 }
 
 impl SceneMotion<'_> {
-    /// The slope at each of the image's `places`, for an image of `size`: that of the part around it, of which the
-    /// middle 64 pixels a side are looked at.
+    /// Slope at each of the image's `places`, for an image of `size`: that of the part around it, of which the middle
+    /// 64 pixels a side are used.
     pub fn slopes_at(&self, places: &[(f32, f32)], (width, height): (usize, usize)) -> Vec<Slope> {
         let side = PART.max(((width * height) as f32 / MAX_PARTS as f32).sqrt() as usize);
         let (columns, rows) = (width.div_ceil(side), height.div_ceil(side));
@@ -85,11 +85,10 @@ impl SceneMotion<'_> {
     }
 }
 
-/// The motion as an octave needs to know it.
+/// Motion at an octave's resolution.
 #[derive(Debug)]
 pub struct OctaveMotion {
-    /// What stands out of its surroundings in each frame, in squares of the pyramid; none where the motion does not
-    /// matter.
+    /// Each frame less its surroundings, in squares of the pyramid; empty where the motion does not matter.
     planes: Vec<Plane>,
     /// Side of a square, image pixels.
     square: f32,
@@ -98,7 +97,7 @@ pub struct OctaveMotion {
 }
 
 impl OctaveMotion {
-    /// The slope, px/frame, at which the scene in `region` of the image stays where it is.
+    /// Slope, px/frame, of the scene in `region` of the image.
     pub fn slope_in(&self, region: &Region) -> Slope {
         let mut best = (f32::NEG_INFINITY, self.candidates[0].0);
         if self.planes.is_empty() || self.candidates.len() == 1 {
@@ -113,7 +112,7 @@ impl OctaveMotion {
         best.1
     }
 
-    /// The power of the sum of the shifted frames in a region, over the number of frames that cover each place.
+    /// Power of the sum of the shifted frames in a region, divided by the number of frames that cover each place.
     fn power(&self, region: &Region, shifts: &[(i64, i64)]) -> f32 {
         let (width, height) = self.planes[0].size();
         let squares = |range: &Range<usize>, n: usize| {
@@ -147,7 +146,7 @@ impl OctaveMotion {
     }
 }
 
-/// Each value less the mean of its four neighbours, which are the nearest ones at the border.
+/// Each value less the mean of its four neighbours, with the border repeated.
 fn without_slopes(plane: &Plane) -> Plane {
     let (width, height) = plane.size();
     let mut out = Plane::zeros(width, height);
@@ -186,7 +185,7 @@ mod tests {
         let motion = SceneMotion { pyramids: &pyramids, times: &times, slopes: &slopes };
         let found = motion.slopes_at(&[(30.0, 90.0), (220.0, 90.0)], (256, 192));
         assert_eq!(found, [Slope::new(2.0, 0.0), Slope::new(-2.0, 0.0)]);
-        // Where pixels are so large that nothing moves, and where there is no choice, the slowest will do.
+        // Where pixels are so large that nothing moves, and where there is no choice, the slowest is taken.
         let region = Region { columns: 0..128, rows: 0..128 };
         assert_eq!(motion.for_octave(4).slope_in(&region), Slope::default());
         let one = SceneMotion { slopes: &slopes[..1], ..motion };

@@ -1,15 +1,15 @@
-//! How much of the noise each level of the search lets through, measured with the search's own filters.
+//! Noise at each level of the search relative to white noise, measured with the search's own filters.
 //!
-//! White noise would leave in D what the filters' energy says. Noise that neighbouring pixels share (from demosaicing,
-//! scaling, JPEG) leaves more at coarse levels, and noise that files round away leaves less at fine ones. So contrasts
-//! of frames, in which the scene cancels, are filtered at each octave as in the search, in tiles spread over the image
+//! For white noise the variance in D follows from the filters' energy. Correlated noise (from demosaicing, scaling,
+//! JPEG) leaves more at coarse levels, and noise that files round away leaves less at fine ones. So contrasts of
+//! frames, in which the scene cancels, are filtered at each octave as in the search, in tiles spread over the image
 //! ([`super::level_tiles`]), and the variance is compared with white noise's. The tails are measured too: JPEG files
-//! keep few coefficients, so that their noise is seldom and strong, and exceeds five standard deviations more often
-//! than a normal distribution does.
+//! keep few coefficients, so that their noise is rare and strong, and exceeds five standard deviations more often than
+//! a normal distribution does.
 //!
-//! What moves in several ways at once does not cancel everywhere, and can only add. Where the tiles differ among
-//! themselves more than noise does, their quiet part is taken, and never more than the finer levels, where the scene
-//! shows least, let expect.
+//! Structures that move in several ways at once do not cancel everywhere, and can only add. Where the tiles differ
+//! among themselves more than noise does, their quiet part is taken, and at most the value that the finer levels, where
+//! the scene is weakest, predict.
 
 use super::high_pass::quiet_variance;
 use super::level_tiles::{Sources, TileMoments, tiles_of_octave};
@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
 
-/// What one level lets through.
+/// Noise of one level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LevelNoise {
     /// Variance of D over that of white noise.
@@ -33,21 +33,21 @@ impl LevelNoise {
     pub const WHITE: Self = Self { over_white: 1.0, excess_kurtosis: 0.0 };
 }
 
-/// Tiles that differ more than this many times what noise does hold something that moves.
+/// Spread of tiles, relative to that of noise, above which some hold moving structures.
 const NOISE_SPREAD: f32 = 2.5;
-/// Less noise than this is rounding.
+/// Variance relative to white noise below which it is only rounding.
 const LEAST_OVER_WHITE: f32 = 0.02;
-/// Kurtosis that is believed at most: that of JPEG files of low quality.
+/// Upper bound of the kurtosis: that of JPEG files of low quality.
 const MAX_KURTOSIS: f32 = 8.0;
-/// Fewer independent values in a tile, and too many tiles with few, tell nothing of the tails; then the finer level
-/// speaks for the coarser.
+/// Number of independent values in a tile below which the kurtosis is not measured; it is then derived from the finer
+/// level's.
 const FREE_FOR_KURTOSIS: f32 = 40.0;
-/// Less is not told from none.
+/// Kurtosis up to which it is not distinguished from 0, and largest standard error at which it is measured.
 const LEAST_KURTOSIS: f32 = 0.3;
-/// A combination of frames with weights 1, −2, 1, or 1, −1, has half the kurtosis of one frame.
+/// Kurtosis of one frame relative to that of a combination of frames with weights 1, −2, 1, or 1, −1.
 const OF_ONE_FRAME: f32 = 2.0;
 
-/// The levels 0 … S−1 of the octaves `octaves` of `space`.
+/// Measures the levels 0 … S−1 of the octaves `octaves` of `space`.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -74,14 +74,15 @@ pub fn measure(
     };
     let of_octave = |tiles: Vec<TileMoments>| (0..space.levels).map(|level| of_level(&tiles, level)).collect();
     let mut levels: Vec<Vec<LevelNoise>> = per_octave.into_iter().map(of_octave).collect();
-    // What files do shows at the finest level first; long tails that only coarser ones have are what moves.
+    // The effect of files shows at the finest level first; long tails at coarser levels alone come from moving
+    // structures.
     if levels.first().and_then(|octave| octave.first()).is_some_and(|finest| finest.excess_kurtosis == 0.0) {
         levels.iter_mut().flatten().for_each(|level| level.excess_kurtosis = 0.0);
     }
     Ok(levels)
 }
 
-/// What the tiles say of a level of `space`, after the level `before`. `None` when there is no tile.
+/// Noise of a level of `space` from its tiles, after the finer level `before`. `None` where there is no tile.
 fn level_noise(
     tiles: &[TileMoments],
     level: usize,
@@ -96,15 +97,15 @@ fn level_noise(
     if variances.is_empty() {
         return None;
     }
-    // Files do the same everywhere, what moves is here and there: the lower quartile of the tiles, brought to the
-    // middle of what noise alone would show.
+    // Files act alike everywhere, moving structures only here and there: the lower quartile of the tiles, corrected to
+    // the median expected of noise alone.
     let of_one_tile = (24.0 / free).sqrt();
     let kurtosis = quantile(&sorted(tiles.iter().map(|t| t.levels[level].1).collect()), 0.25) + 0.674 * of_one_tile;
-    // A sample's kurtosis is low by about 6 over its independent values.
+    // A sample's kurtosis is too low by about 6 over its number of independent values.
     let of_pair = kurtosis + 6.0 / free;
     let error = of_one_tile / (variances.len() as f32).sqrt();
     let kurtosis = if free < FREE_FOR_KURTOSIS || error > LEAST_KURTOSIS {
-        // The larger a filter, the more coefficients of a file it adds up, and the more normal they are.
+        // The larger a filter, the more coefficients of a file it sums, and the closer the sum is to normal.
         before.map_or(0.0, |noise| noise.excess_kurtosis) * 4f32.powf(-1.0 / space.levels as f32)
     } else if of_pair < LEAST_KURTOSIS.max(3.0 * error) {
         0.0
@@ -118,14 +119,15 @@ fn level_noise(
     let total_error = of_noise / (variances.len() as f32).sqrt();
     if spread > NOISE_SPREAD * of_noise {
         let expected = before.map_or(1.0, |noise| noise.over_white);
-        // Tiles also differ by how well their brightness tells their noise: the quiet ones are no reason to expect less
-        // than the middle of all.
+        // Tiles also differ by how well their brightness predicts their noise: the quiet ones do not lower the estimate
+        // below the median of all.
         let quiet = quiet_variance(variances, free).max(middle.min(expected));
         let over_white = quiet.min(expected.max(1.0));
         return Some(LevelNoise { over_white, excess_kurtosis: 0.0 });
     }
     let mean = variances.iter().sum::<f32>() / variances.len() as f32;
-    // What differs from white by no more than its own error is taken for white, and more in proportion (James–Stein).
+    // A difference from white below its own error is taken for 0, and a larger one is shrunk in proportion
+    // (James–Stein).
     let off = mean - 1.0;
     let trust = if off == 0.0 { 0.0 } else { (1.0 - (total_error / off).powi(2)).max(0.0) };
     Some(LevelNoise { over_white: (1.0 + off * trust).max(LEAST_OVER_WHITE), excess_kurtosis: kurtosis })
@@ -136,7 +138,7 @@ fn sorted(mut values: Vec<f32>) -> Vec<f32> {
     values
 }
 
-/// The value below which `part` (0 … 1) of the sorted values lie.
+/// Value below which `part` (0 … 1) of the sorted values lie.
 fn quantile(sorted: &[f32], part: f32) -> f32 {
     sorted[((sorted.len() - 1) as f32 * part).round() as usize]
 }
@@ -187,7 +189,7 @@ mod tests {
             let noise = of_case(NoiseCase::White, frames, &space, first..4);
             for (octave, levels) in (first..).zip(&noise) {
                 for (level, noise) in levels.iter().enumerate() {
-                    // Coarse octaves of so small an image have few places, and mostly its border.
+                    // Coarse octaves of so small an image have few places, mostly near its border.
                     let tolerance = if octave < 2 { 0.1 } else { 0.5 };
                     let off = noise.over_white - 1.0;
                     assert!(off.abs() < tolerance, "first {first}, octave {octave}, level {level}: {noise:?}");
@@ -199,7 +201,7 @@ mod tests {
 
     #[test]
     fn shared_noise_passes_more_at_coarse_levels() {
-        // The weights 1, 2, 1 over √6 let 16/6 of the variance through per axis at low frequencies.
+        // The weights 1, 2, 1 over √6 let 16/6 of the variance pass per axis at low frequencies.
         let noise = of_case(NoiseCase::Correlated, 10, &ScaleSpace::new(3, 0, 4.0), 0..4);
         let coarse = (16.0f32 / 6.0).powi(2);
         for level in &noise[2] {

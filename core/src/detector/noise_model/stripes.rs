@@ -1,24 +1,24 @@
-//! Columns and rows with an offset of their own, as converters that serve one column each leave them.
+//! Stripes: columns and rows with an offset of their own, as from converters that serve one column each.
 
 use serde::Serialize;
 
 /// Offsets of columns or rows, as far as they change within [`REACH`] of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stripes {
-    /// One a column or row, fraction of full scale.
+    /// Offset of each column or row, fraction of full scale.
     pub offsets: Vec<f32>,
-    /// Their standard deviation.
+    /// Standard deviation of the offsets.
     pub deviation: f32,
 }
 
-/// Columns to each side whose mean an offset is measured against: what changes more slowly may be the scene.
+/// Number of columns to each side from whose mean an offset is measured: slower changes may be the scene.
 pub const REACH: usize = 16;
-/// How many standard errors the halves' common stripes must be above none.
+/// Number of standard errors above which the stripes that both halves share are significant.
 const STRIPES: f32 = 6.0;
 
 impl Stripes {
-    /// The stripes that the means over [bands](super::reading::BANDS) of both halves of a burst share; `None` if there
-    /// are none, or they are smooth as a scene is.
+    /// Finds the stripes that the means over [bands](super::reading::BANDS) of both halves of a burst share; `None` if
+    /// there are none, or they are smooth as a scene is.
     pub fn find(halves: &[Vec<Vec<f32>>; 2]) -> Option<Self> {
         let [first, second] = halves.each_ref().map(|bands| offsets(bands));
         let n = first.len() as f32;
@@ -34,7 +34,7 @@ impl Stripes {
     }
 }
 
-/// By how much each column differs from those around it: the median over the bands.
+/// Difference of each column from those around it: the median over the bands.
 fn offsets(bands: &[Vec<f32>]) -> Vec<f32> {
     let sharp: Vec<Vec<f32>> = bands.iter().map(|band| less_local_mean(band)).collect();
     (0..bands[0].len())
@@ -46,7 +46,7 @@ fn offsets(bands: &[Vec<f32>]) -> Vec<f32> {
         .collect()
 }
 
-/// Values less the mean of those within [`REACH`].
+/// Subtracts from each value the mean of those within [`REACH`].
 fn less_local_mean(values: &[f32]) -> Vec<f32> {
     let mut sums = vec![0.0f64];
     for x in values {

@@ -1,4 +1,4 @@
-//! What a burst's noise has that the search has to cope with, said so that a person can do something about it.
+//! Warnings about a burst's noise: what was found, what the search does about it, and a remedy.
 
 use super::fixed_pattern::FixedPattern;
 use super::frames::{FrameSurvey, LeftOut};
@@ -10,15 +10,15 @@ use serde::Serialize;
 /// An assumption about the noise that does not hold.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseWarning {
-    /// Which one.
+    /// Kind of the assumption.
     pub kind: WarningKind,
-    /// How much: a count, a share, or a factor, as the text says.
+    /// Size of the effect: a count, a share, or a factor, as the text says.
     pub number: f32,
-    /// What it is, what was done about it and what can be done, in one or two sentences.
+    /// Finding, treatment and remedy, in one or two sentences.
     pub text: String,
 }
 
-/// The assumptions.
+/// Kinds of assumptions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WarningKind {
@@ -30,17 +30,17 @@ pub enum WarningKind {
     GainFlicker,
     /// The noise of consecutive frames is correlated.
     SmoothedOverTime,
-    /// Neighbouring pixels share their noise.
+    /// The noise of neighbouring pixels is correlated.
     SharedByNeighbours,
-    /// Strong noise is more frequent than a normal distribution has it.
+    /// Strong noise is more frequent than in a normal distribution.
     LongTails,
-    /// The noise differs by place more than the brightness says.
+    /// The noise differs by place more than the brightness predicts.
     DiffersByPlace,
     /// Single pixels stay bright or dark.
     HotPixels,
     /// Columns or rows have offsets.
     Stripes,
-    /// What stays in place cannot be told from the scene, which stays too.
+    /// A fixed pattern cannot be told from the scene, which stays in place too.
     StillScene,
     /// Pixels are cut off at black or white.
     CutOff,
@@ -52,7 +52,7 @@ impl NoiseWarning {
     }
 }
 
-/// Counts of frames by why they were left out; flicker is said to be evened out or not.
+/// Warnings about frames left out, by the reason, about flicker (evened out or not) and about correlation over time.
 pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarning> {
     let total = survey.frames.len();
     let mut warnings = Vec::new();
@@ -108,7 +108,7 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
     warnings
 }
 
-/// What the sensor's pattern is.
+/// Warnings about the sensor's pattern.
 pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     let mut warnings = Vec::new();
     let hot = pattern.hot_pixels.len();
@@ -137,7 +137,7 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     warnings
 }
 
-/// What pixels share, and how seldom strong noise is.
+/// Warnings about correlation between pixels and about long tails.
 pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
     let max = |value: fn(&LevelNoise) -> f32| levels.iter().flatten().map(value).fold(0.0, f32::max);
     let mut warnings = Vec::new();
@@ -162,7 +162,7 @@ pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
     warnings
 }
 
-/// Where the noise differs.
+/// Warning about noise that differs by place.
 pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
     let (min, max) = excess?.range();
     let factor = (max / min.max(1e-6)).sqrt();
@@ -173,12 +173,12 @@ pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
     Some(NoiseWarning::new(WarningKind::DiffersByPlace, factor, text))
 }
 
-/// Rows apart at which pixels are counted.
+/// Distance between rows in which pixels are counted.
 const ROWS_APART: usize = 16;
-/// Shares of cut-off pixels below this are not worth a word.
+/// Share of cut-off pixels below which there is no warning.
 const LEAST_CUT_OFF: f32 = 0.05;
 
-/// The share of pixels at the ends of the range, and a word about it if it matters.
+/// Share of pixels at the ends of the range, and a warning if it is large.
 pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning>) {
     let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
     for frame in frames {
@@ -202,7 +202,7 @@ pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning
     (share, warning)
 }
 
-/// Up to six frame numbers, and how many more there are.
+/// Text of up to six frame numbers, and of how many more there are.
 fn numbered(frames: &[usize]) -> String {
     let shown: Vec<String> = frames.iter().take(6).map(usize::to_string).collect();
     let rest = if frames.len() > 6 { format!(" and {} more", frames.len() - 6) } else { String::new() };

@@ -1,4 +1,4 @@
-//! One setting to change: what advice and explanations end in, so that a command can say it and one click can apply it.
+//! Change of one setting, as advice and explanations suggest it: commands print it, and the window applies it.
 
 use super::{DetectorParams, ParamDoc, ParamError, doc};
 use crate::detector::params::slope_grid::SlopeAxis;
@@ -6,13 +6,13 @@ use serde::de::DeserializeOwned;
 use serde::{Serialize, Serializer};
 use std::str::FromStr;
 
-/// A parameter and the value to give it, as the command line takes it.
+/// A parameter and its new value, as the command line takes it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ParamChange {
-    /// The parameter.
+    /// Parameter to change.
     #[serde(serialize_with = "name_of")]
     pub parameter: ParamDoc,
-    /// Its new value.
+    /// New value.
     pub value: String,
 }
 
@@ -21,31 +21,31 @@ fn name_of<S: Serializer>(parameter: &ParamDoc, serializer: S) -> Result<S::Ok, 
 }
 
 impl ParamChange {
-    /// The change of `parameter` to `value`.
+    /// Change of `parameter` to `value`.
     pub fn new(parameter: ParamDoc, value: impl ToString) -> Self {
         Self { parameter, value: value.to_string() }
     }
 
-    /// As an option of the commands.
+    /// Text as an option of the commands.
     pub fn option(&self) -> String {
         format!("--{} {}", self.parameter.name, self.value)
     }
 
-    /// As the window names it.
+    /// Text with the parameter's label in the window.
     pub fn label(&self) -> String {
         format!("{} {}", self.parameter.label, self.value)
     }
 
-    /// The parameters with this change, checked.
+    /// Applies this change to `params` and checks the result.
     ///
     /// # Errors
-    /// A value that cannot be read, or parameters that make no sense with it. Whether slopes are found
-    /// ([`doc::SLOPES`]) is no matter of the detector's parameters, so that one is refused too.
+    /// The value cannot be read, or the parameters make no sense with it. The choice between given and found slopes
+    /// ([`doc::SLOPES`]) is not one of the detector's parameters, so a change of it is refused too.
     pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams, ParamError> {
         Self::all_applied(std::slice::from_ref(self), params)
     }
 
-    /// The parameters with all of `changes`, checked together: some make sense only with others.
+    /// Applies all of `changes` to `params` and checks the result once: some values make sense only with others.
     ///
     /// # Errors
     /// As [`Self::applied`].
@@ -99,7 +99,7 @@ fn number<T: FromStr>(text: &str) -> Result<T, String> {
     text.trim().parse().map_err(|_| format!("'{text}' is not a number that it takes"))
 }
 
-/// One of a few words, as files spell them.
+/// Reads one of a few words, as files spell them.
 fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|_| format!("'{text}' is not known"))
 }

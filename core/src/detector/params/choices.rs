@@ -1,8 +1,8 @@
-//! Parameters that are one of a few words, and those that are written in a form of their own, such as `auto` or `2..9`.
+//! Parameters with a few named values, and those with a syntax of their own, such as `auto` or `2..9`.
 
 use serde::{Deserialize, Serialize};
 
-/// Which detector runs.
+/// Detector to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
@@ -12,16 +12,16 @@ pub enum Method {
     Buff,
     /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.
     Sift,
-    /// SIFT on the frames used, merged into one image. [`crate::baseline::detect`] merges them; the detector alone
-    /// takes their mean as it is, at slope 0.
+    /// SIFT on the frames used, merged into one image. [`crate::baseline::detect`] aligns and merges them; the detector
+    /// alone takes their plain mean, at slope 0.
     Merge,
 }
 
 impl Method {
-    /// All methods, in the order in which they are offered.
+    /// All methods, in the order in which they are listed.
     pub const ALL: [Self; 3] = [Self::Buff, Self::Sift, Self::Merge];
 
-    /// The name on the command line and in files.
+    /// Name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Buff => "buff",
@@ -31,19 +31,19 @@ impl Method {
     }
 }
 
-/// Which samples are candidates: extrema of place and scale at their own slope, or jointly over slopes too.
+/// Rule for candidates: extrema of place and scale at their own slope, or jointly over slopes too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SlopeExtrema {
-    /// At each slope for itself: what stands out in place and scale at its own slope. Which slope a blob has is decided
-    /// by the strongest keypoint on it.
+    /// At each slope for itself: extrema of place and scale at their own slope. The strongest keypoint of a blob
+    /// determines its slope.
     #[default]
     Each,
-    /// Jointly: a sample must also beat those around it at the neighbouring slopes, as in the paper and in LiFF.
+    /// Jointly: a sample must also beat those around it at other slopes, as in the paper and in LiFF.
     Joint,
 }
 
-/// At which slope a feature's orientation and descriptor are taken.
+/// Slope at which a feature's orientation and descriptor are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DescribeSlope {
@@ -54,17 +54,17 @@ pub enum DescribeSlope {
     Grid,
 }
 
-/// How near a weaker keypoint must be to be taken for the same blob.
+/// Distance at which a weaker keypoint is taken for the same blob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distinct {
     /// All keypoints stay.
     Off,
-    /// Of keypoints nearer than this many σ of the stronger one, the stronger one stays; above 0.
+    /// The stronger one of keypoints nearer than this many σ of it stays; above 0.
     Radius(f32),
 }
 
 impl Default for Distinct {
-    /// See [`super::doc::DISTINCT`]; chosen by what was reconstructed (docs/MEASUREMENTS.md).
+    /// See [`super::doc::DISTINCT`]; chosen by reconstruction results (docs/MEASUREMENTS.md).
     fn default() -> Self {
         Self::Radius(1.25)
     }
@@ -120,7 +120,7 @@ enum NumberOrWord {
     Word(String),
 }
 
-/// With which slopes a candidate is compared.
+/// Slopes with which a candidate is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SlopeNeighbours {
@@ -131,7 +131,7 @@ pub enum SlopeNeighbours {
     All,
 }
 
-/// How frames are sampled between pixels when they are shifted.
+/// Sampling of frames between pixels when they are shifted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {
@@ -140,31 +140,31 @@ pub enum Interpolation {
     Linear,
     /// The nearest pixel, as the authors' code does.
     Nearest,
-    /// The place plus a half without its fraction, as LiFF does: the nearest pixel, but what lies up to a pixel and a
-    /// half before the first column or row counts as it.
+    /// The place plus a half, truncated towards 0, as LiFF does: the nearest pixel, but places up to a pixel and a half
+    /// before the first column or row count as it.
     Truncated,
 }
 
-/// How the place, scale and slope of an extremum between the samples are found.
+/// Method for the place, scale and slope of an extremum between the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Localisation {
-    /// Between all samples (see [`crate::detector::localise::place`]).
+    /// Compactly supported kernels on the pixels, continuous in place (see [`crate::detector::localise::place`]).
     #[default]
     Continuous,
-    /// By a quadratic fit to the samples of D around it, as VLFeat and LiFF do.
+    /// Quadratic fit to the samples of D around it, as in VLFeat and LiFF.
     Quadratic,
 }
 
 /// The noise gate: how many standard deviations of the noise in D a response must reach.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoiseGate {
-    /// For matching: the factor is derived from the size of the search so that pure noise gives at most about
-    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::gate::AUTO_FALSE_PER_MEGAPIXEL) false features a megapixel,
-    /// which matching sorts out.
+    /// For matching: the factor is derived from the size of the search so that pure noise gives about
+    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::gate::AUTO_FALSE_PER_MEGAPIXEL) false keypoints a
+    /// megapixel, which matching rejects.
     #[default]
     Auto,
-    /// The same for at most one false feature a megapixel over everything that is searched.
+    /// The factor is derived so that pure noise gives at most one false feature a megapixel over the whole search.
     Strict,
     /// This factor; 0 switches the gate off.
     Factor(f32),
@@ -215,26 +215,26 @@ impl<'de> Deserialize<'de> for NoiseGate {
     }
 }
 
-/// What is known of the noise.
+/// Model of the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NoiseModelKind {
-    /// The noise as the burst shows it: by brightness, place, octave and level; frames and pixels that are not what
-    /// they should be are left out (see [`super::super::noise_model`]).
+    /// The noise as measured in the burst: by brightness, place, octave and level; faulty frames and pixels are left
+    /// out (see [`super::super::noise_model`]).
     #[default]
     Local,
     /// White noise of one standard deviation.
     White,
 }
 
-/// What is done where exposures differ from frame to frame.
+/// Treatment of exposures that differ from frame to frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Flicker {
-    /// Where flicker is found, the frames are brought to the same brightness.
+    /// Where flicker is found, the frames are scaled to the same brightness.
     #[default]
     Auto,
-    /// Frames are taken as they are.
+    /// Frames are used as they are.
     Off,
 }
 

@@ -1,17 +1,17 @@
-//! The descriptions of all parameters, in the words that every surface shows: help pages, tooltips, error messages.
+//! Descriptions of all parameters, in the words that help pages, tooltips and error messages show.
 
-/// What a person needs to know about one parameter, in the words that every surface shows.
+/// Description of one parameter, in the words that help pages, tooltips and error messages show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ParamDoc {
     /// Name on the command line, without dashes in front; the file's field has `_` for `-`.
     pub name: &'static str,
     /// Name in the window, in sentence case.
     pub label: &'static str,
-    /// Unit of its value; empty when it has none.
+    /// Unit of its value; empty where it has none.
     pub unit: &'static str,
-    /// What it is.
+    /// Meaning, as a sentence.
     pub meaning: &'static str,
-    /// What raising (or changing) it does.
+    /// Effect of raising (or changing) it.
     pub effect: &'static str,
 }
 
@@ -229,7 +229,7 @@ param_doc!(
     "Raise it to match ambiguous places under rotation (VLFeat and LiFF use 4), for more features at one place."
 );
 
-/// All of them, in the order in which surfaces show them.
+/// All parameters, in the order in which they are shown.
 pub const ALL: [ParamDoc; 24] = [
     METHOD,
     SLOPES,

@@ -1,4 +1,4 @@
-//! The parameters of the detector: defined, described and checked here and nowhere else.
+//! Parameters of the detector, their descriptions and checks.
 //!
 //! The command line, the window and the parameter file use these names, and their help texts come from [`ParamDoc`].
 //! A parameter file is TOML with the fields of [`DetectorParams`]; a missing field has its default.
@@ -22,7 +22,7 @@ pub use validate::{MAX_SLOPES, ParamError};
 use crate::detector::params::slope_grid::SlopeGrid;
 use serde::{Deserialize, Serialize};
 
-/// Everything that decides what the detector finds. The same burst and the same parameters give the same bits.
+/// Parameters of the detector. The same burst and the same parameters give bitwise equal results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DetectorParams {
@@ -81,7 +81,7 @@ impl Default for DetectorParams {
             // with 10, for 4 % more time; six gave another 3 to 4 % for 7 to 12 % more time (docs/MEASUREMENTS.md).
             levels: 5,
             first_octave: 0,
-            // An absolute threshold takes everything in the dark; the noise gate does its work.
+            // An absolute threshold removes everything in the dark; the noise gate replaces it.
             peak_threshold: 0.0,
             noise_gate: NoiseGate::Auto,
             noise_model: NoiseModelKind::Local,
@@ -103,7 +103,7 @@ impl Default for DetectorParams {
 }
 
 impl DetectorParams {
-    /// The frames that take part, as indices into the burst: the whole range for BuFF and the merge, its middle frame
+    /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
     /// for SIFT.
     pub fn used_frames(&self, frame_count: usize) -> std::ops::Range<usize> {
         let range = self.frames.map_or(0..frame_count, |r| r.start..r.end.min(frame_count));
@@ -116,7 +116,7 @@ impl DetectorParams {
         }
     }
 
-    /// The slopes that take part: the grid for BuFF, slope 0 for one image.
+    /// Slopes that take part: the grid for BuFF, slope 0 for a single image.
     pub fn used_slopes(&self) -> SlopeGrid {
         match self.method {
             Method::Buff => self.slopes,
@@ -127,21 +127,21 @@ impl DetectorParams {
     /// Reads a parameter file.
     ///
     /// # Errors
-    /// What is wrong and where, as TOML's reader says it, or the first parameter that makes no sense.
+    /// TOML's error with its place, or the first parameter that makes no sense.
     pub fn from_toml(text: &str) -> Result<Self, String> {
         let params: Self = toml::from_str(text).map_err(|e| e.to_string())?;
         params.validate().map_err(|e| e.to_string())?;
         Ok(params)
     }
 
-    /// The parameter file's text, which [`Self::from_toml`] reads back.
+    /// Text of the parameter file, which [`Self::from_toml`] reads back.
     pub fn to_toml(&self) -> String {
         let body = toml::to_string(self).expect("parameters are plain values, which TOML can always hold");
         format!("# Burstscope detector parameters. Slopes are in pixels of the input image per frame.\n{body}")
     }
 }
 
-/// Octaves with a side of fewer pixels than this are not searched.
+/// Side in pixels below which an octave is not searched.
 pub const MIN_OCTAVE_SIDE: usize = 16;
 
 #[cfg(test)]

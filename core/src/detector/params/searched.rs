@@ -1,28 +1,27 @@
-//! The detector's parameters together with how the slopes are chosen: what the commands, parameter files, datasets and
-//! the window hold.
+//! The detector's parameters together with the choice of the slopes, as commands, parameter files, datasets and the
+//! window hold them.
 //!
-//! [`DetectorParams`] says which slopes are searched. [`SearchParams`] may instead say that they are found from each
-//! burst; [`crate::detector::slopes::resolve`] then makes the one from the other, burst by burst, before anything is
-//! detected.
+//! [`DetectorParams`] gives the slopes. [`SearchParams`] may instead request slopes found from each burst;
+//! [`crate::detector::slopes::resolve`] then converts the one into the other, burst by burst, before the detection.
 
 use super::{DetectorParams, ParamError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::{Table, Value};
 
-/// The word for slopes that are found.
+/// Value for slopes that are found from each burst.
 pub const AUTO: &str = "auto";
-/// The field of a parameter file that holds the slopes.
+/// Field of a parameter file that holds the slopes.
 const FIELD: &str = "slopes";
 
-/// How the slopes that are searched are chosen.
+/// Choice of the slopes that are searched.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum SlopeChoice {
-    /// As [`DetectorParams::slopes`] says.
+    /// Given by [`DetectorParams::slopes`].
     #[default]
     Given,
-    /// Found from each burst; with a direction (degrees from +u towards +v) only on the line through slope 0 in it.
+    /// Found from each burst; with a direction only on the line through slope 0 in it.
     Auto {
-        /// The line's direction.
+        /// Direction of the line, degrees from +u towards +v.
         direction_deg: Option<f32>,
     },
 }
@@ -37,16 +36,15 @@ impl SlopeChoice {
     }
 }
 
-/// The detector's parameters, and how the slopes are chosen. By default they are found.
+/// The detector's parameters, and the choice of the slopes. By default the slopes are found from each burst.
 ///
-/// As a file it is that of [`DetectorParams`], where `slopes = "auto"` (or a missing field) stands for slopes that are
-/// found, and
-/// `slopes = { auto = true, direction_deg = 30.0 }` for those on a line.
+/// Its file format is that of [`DetectorParams`], where `slopes = "auto"` (or a missing field) stands for slopes that
+/// are found, and `slopes = { auto = true, direction_deg = 30.0 }` for those on a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchParams {
-    /// The parameters. Their slopes count only where they are [given](SlopeChoice::Given).
+    /// Parameters of the detector. Their slopes count only where they are [given](SlopeChoice::Given).
     pub detector: DetectorParams,
-    /// How the slopes are chosen.
+    /// Choice of the slopes.
     pub slopes: SlopeChoice,
 }
 
@@ -57,7 +55,7 @@ impl Default for SearchParams {
 }
 
 impl From<DetectorParams> for SearchParams {
-    /// With the slopes that the parameters say.
+    /// Takes the slopes of the parameters.
     fn from(detector: DetectorParams) -> Self {
         Self { detector, slopes: SlopeChoice::Given }
     }
@@ -84,18 +82,18 @@ impl SearchParams {
     /// Reads a parameter file.
     ///
     /// # Errors
-    /// What is wrong and where, as TOML's reader says it, or the first parameter that makes no sense.
+    /// TOML's error with its place, or the first parameter that makes no sense.
     pub fn from_toml(text: &str) -> Result<Self, String> {
         let params: Self = match text.parse::<Table>() {
             Ok(table) if choice_in(&table)?.is_auto() => Self::of_table(table)?,
-            // TOML's reader names the place of a mistake.
+            // Errors of TOML's reader include their place.
             _ => DetectorParams::from_toml(text)?.into(),
         };
         params.validate().map_err(|e| e.to_string())?;
         Ok(params)
     }
 
-    /// The parameter file's text, which [`Self::from_toml`] reads back.
+    /// Text of the parameter file, which [`Self::from_toml`] reads back.
     pub fn to_toml(&self) -> String {
         if !self.slopes.is_auto() {
             return self.detector.to_toml();
@@ -113,7 +111,7 @@ impl SearchParams {
         Ok(Self { detector, slopes })
     }
 
-    /// The file's content where slopes are found.
+    /// Content of the file where slopes are found.
     fn table(&self) -> Table {
         let mut table =
             Table::try_from(&self.detector).expect("parameters are plain values, which TOML can always hold");
@@ -132,7 +130,7 @@ impl SearchParams {
     }
 }
 
-/// How a file chooses its slopes.
+/// Choice of the slopes in a file.
 fn choice_in(table: &Table) -> Result<SlopeChoice, String> {
     match table.get(FIELD) {
         None => Ok(SlopeChoice::AUTO),
@@ -157,7 +155,7 @@ fn choice_in(table: &Table) -> Result<SlopeChoice, String> {
     }
 }
 
-/// Numbers as their f32 would be written: 0.0003, not the double that is nearest to the f32.
+/// Replaces floats by the shortest decimals of their f32: 0.0003, not the double nearest to the f32.
 fn shorten(table: &mut Table) {
     for (_, value) in table.iter_mut() {
         match value {
@@ -212,7 +210,7 @@ mod tests {
         let given = SearchParams::from_toml("[slopes]\nu = { min = -1.0, max = 1.0, count = 3 }\n").expect("valid");
         assert_eq!(given.slopes, SlopeChoice::Given);
         assert_eq!(given.detector.slopes, SlopeGrid::line(-1.0..=1.0, 3));
-        // What the library's own file says of slopes is kept.
+        // The slopes in a file of the detector's parameters are kept.
         let library = SearchParams::from_toml(&DetectorParams::default().to_toml()).expect("valid");
         assert_eq!(library, DetectorParams::default().into());
     }

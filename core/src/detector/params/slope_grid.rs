@@ -1,4 +1,4 @@
-//! The grid of slopes that the search tries.
+//! Grid of the slopes that the search tries.
 //!
 //! A slope λ = (λu, λv) is an apparent motion in pixels of the input image per frame. The grid is the product of two
 //! axes, `u` and `v`, turned as a whole by `direction_deg`: with one value on the `v` axis it is a line through the
@@ -12,9 +12,9 @@ use std::ops::RangeInclusive;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slope {
-    /// To the right.
+    /// Motion to the right, pixels per frame.
     pub u: f32,
-    /// Down.
+    /// Motion down, pixels per frame.
     pub v: f32,
 }
 
@@ -38,15 +38,15 @@ pub struct SlopeAxis {
     pub min: f32,
     /// Last slope, pixels per frame; at least `min`.
     pub max: f32,
-    /// How many, at least 1; a single one lies at the middle of `min` and `max`.
+    /// Number of slopes, at least 1; a single one is in the middle of `min` and `max`.
     pub count: usize,
 }
 
 impl SlopeAxis {
-    /// The axis that holds only the slope 0.
+    /// Axis with only the slope 0.
     pub const ZERO: Self = Self { min: 0.0, max: 0.0, count: 1 };
 
-    /// The axis of `count` slopes over `range`.
+    /// Axis of `count` slopes over `range`.
     pub fn new(range: RangeInclusive<f32>, count: usize) -> Self {
         Self { min: *range.start(), max: *range.end(), count }
     }
@@ -56,7 +56,7 @@ impl SlopeAxis {
         if self.count > 1 { (self.max - self.min) / (self.count - 1) as f32 } else { 0.0 }
     }
 
-    /// The axis with `below` more slopes before its first one and `above` after its last one, at the same step.
+    /// Axis with `below` more slopes before its first one and `above` after its last one, at an unchanged step.
     pub fn with_more(&self, below: usize, above: usize) -> Self {
         // Rounding away the last bits keeps −3 − 3·1 at −6.
         let tidy = |x: f32| ((f64::from(x) * 1e4).round() / 1e4) as f32;
@@ -68,14 +68,14 @@ impl SlopeAxis {
         }
     }
 
-    /// The `index`-th slope of the axis; indices between the slopes are allowed.
+    /// Slope at `index` of the axis; fractional indices are allowed.
     pub fn value(&self, index: f32) -> f32 {
         if self.count > 1 { self.min + index * self.step() } else { 0.5 * (self.min + self.max) }
     }
 }
 
 impl std::fmt::Display for SlopeAxis {
-    /// `MIN:MAX:COUNT`, as the command line takes it.
+    /// Writes `MIN:MAX:COUNT`, as the command line takes it.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}:{}:{}", self.min, self.max, self.count)
     }
@@ -84,7 +84,7 @@ impl std::fmt::Display for SlopeAxis {
 impl std::str::FromStr for SlopeAxis {
     type Err = String;
 
-    /// Reads `MIN:MAX:COUNT` (or a single number, which is that one slope).
+    /// Reads `MIN:MAX:COUNT`, or a number for a single slope.
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |s: &str| {
             s.trim().parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(|| format!("'{s}' is not a number"))
@@ -105,7 +105,7 @@ impl std::str::FromStr for SlopeAxis {
     }
 }
 
-/// The slopes that are searched: the product of two axes, turned by a direction.
+/// Slopes of a search: the product of two axes, turned by a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SlopeGrid {
@@ -113,7 +113,7 @@ pub struct SlopeGrid {
     pub u: SlopeAxis,
     /// Slopes along the second axis (down when `direction_deg` is 0).
     pub v: SlopeAxis,
-    /// Turns the whole grid from +u towards +v (clockwise on screen), in degrees.
+    /// Rotation of the whole grid from +u towards +v (clockwise on screen), degrees.
     pub direction_deg: f32,
 }
 
@@ -140,7 +140,7 @@ impl SlopeGrid {
         Self { u: SlopeAxis::new(u, count_u), v: SlopeAxis::new(v, count_v), direction_deg: 0.0 }
     }
 
-    /// The grid that holds one slope.
+    /// Grid with one slope.
     pub fn single(slope: Slope) -> Self {
         Self {
             u: SlopeAxis { min: slope.u, max: slope.u, count: 1 },
@@ -149,12 +149,12 @@ impl SlopeGrid {
         }
     }
 
-    /// How many slopes there are, Mu·Mv.
+    /// Number of slopes, Mu·Mv.
     pub fn len(&self) -> usize {
         self.u.count * self.v.count
     }
 
-    /// Whether there is no slope, which validation rejects.
+    /// Whether there is no slope; validation rejects that.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -164,8 +164,7 @@ impl SlopeGrid {
         self.u.count > 1 && self.v.count > 1
     }
 
-    /// The slope at grid coordinates (`i` along the first axis, `j` along the second); coordinates between the grid's
-    /// slopes are allowed.
+    /// Slope at grid coordinates (`i` along the first axis, `j` along the second); fractional coordinates are allowed.
     pub fn at(&self, i: f32, j: f32) -> Slope {
         let (a, b) = (self.u.value(i), self.v.value(j));
         if self.direction_deg == 0.0 {
@@ -178,7 +177,7 @@ impl SlopeGrid {
         Slope::new(tidy(a * cos - b * sin), tidy(a * sin + b * cos))
     }
 
-    /// The slope with running index `index` = `j·Mu + i`.
+    /// Slope with running index `index` = `j·Mu + i`.
     ///
     /// # Panics
     /// Never; indices past the end give slopes outside the grid.
@@ -192,7 +191,7 @@ impl SlopeGrid {
         (index % self.u.count.max(1), index / self.u.count.max(1))
     }
 
-    /// How far apart the running indices of two neighbours (two slopes on a line, eight in a plane) lie at most.
+    /// Largest difference of the running indices of two neighbours (two slopes on a line, eight in a plane).
     pub fn neighbour_distance(&self) -> usize {
         if self.v.count > 1 { self.u.count + 1 } else { 1 }
     }
@@ -220,14 +219,14 @@ impl SlopeGrid {
         (along(&self.u, u * cos + v * sin), along(&self.v, v * cos - u * sin))
     }
 
-    /// Whether the grid's slope nearest to `slope` is on the rim. What lies beyond the grid is nearest to its rim.
+    /// Whether the grid's slope nearest to `slope` is on the rim. For a slope beyond the grid it is.
     pub fn nearest_on_rim(&self, slope: Slope) -> bool {
         let (i, j) = self.position(slope);
         let nearest = |at: f32, axis: &SlopeAxis| at.round().clamp(0.0, (axis.count.max(1) - 1) as f32) as usize;
         self.on_rim(nearest(i, &self.u), nearest(j, &self.v))
     }
 
-    /// The largest motion between neighbouring frames of any slope of the grid, in pixels.
+    /// Largest motion of any slope of the grid, pixels per frame.
     pub fn max_magnitude(&self) -> f32 {
         self.slopes().map(Slope::magnitude).fold(0.0, f32::max)
     }

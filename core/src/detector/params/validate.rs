@@ -1,24 +1,24 @@
-//! Which parameters make sense, alone and for a burst; each refusal says what would.
+//! Validation of parameters, alone and for a burst; each error gives a remedy.
 
 use super::{DetectorParams, Distinct, MIN_OCTAVE_SIDE, Method, NoiseGate, ParamDoc, doc};
 
-/// A parameter, or a combination of them, that makes no sense: which, why, and what would.
+/// A parameter, or a combination of parameters, that makes no sense: the reason and a remedy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{parameter}: {problem}; {remedy}")]
 pub struct ParamError {
     /// [`ParamDoc::name`] of the parameter to change.
     pub parameter: &'static str,
-    /// What is wrong.
+    /// The fault.
     pub problem: String,
-    /// What would be right.
+    /// A remedy.
     pub remedy: String,
 }
 
-/// The largest radius of distinct keypoints, in σ.
+/// Largest radius of distinct keypoints, in σ.
 pub const MAX_DISTINCT_RADIUS: f32 = 10.0;
-/// The largest ratio of scales of distinct keypoints.
+/// Largest ratio of scales of distinct keypoints.
 pub const MAX_DISTINCT_SCALE: f32 = 8.0;
-/// The most slopes that a grid may have.
+/// Maximum number of slopes of a grid.
 pub const MAX_SLOPES: usize = 4096;
 
 impl DetectorParams {
@@ -119,7 +119,7 @@ impl DetectorParams {
     /// Checks the range of frames against a burst of `frame_count` frames.
     ///
     /// # Errors
-    /// [`doc::FRAMES`] when the range reaches past the burst.
+    /// [`doc::FRAMES`] if the range reaches past the burst.
     pub fn validate_frames(&self, frame_count: usize) -> Result<(), ParamError> {
         match self.frames.filter(|range| range.end > frame_count) {
             None => Ok(()),

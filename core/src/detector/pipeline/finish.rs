@@ -1,4 +1,4 @@
-//! What follows the search: of keypoints on one blob the strongest stays, and those that stay are localised and
+//! Steps after the search: of the keypoints on one blob the strongest stays, and those that stay are localised and
 //! described.
 
 use crate::detector::describe::octave_inputs::Describing;
@@ -17,7 +17,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 impl Search<'_> {
-    /// For each keypoint the stronger one whose blob it shows too, if there is one; `None` for those that stay.
+    /// For each keypoint the index of the stronger one that shows the same blob; `None` for those that stay.
     pub(super) fn distinct(
         &self,
         keypoints: &[Keypoint],
@@ -39,8 +39,8 @@ impl Search<'_> {
         distinct::covered_by(&blobs, rule, |a, b| motions.are_two(&keypoints[a], &keypoints[b]), self.monitor)
     }
 
-    /// The features of `keypoints`, which are in order of octaves. What the search left is taken from `bases`; where
-    /// that is nothing, it is made again for one of the `groups` of slopes after the other.
+    /// Localises and describes `keypoints`, which are in order of octaves. The first levels are taken from `bases`;
+    /// where they were not kept, they are computed again for one of the `groups` of slopes after the other.
     pub(super) fn describe(
         &self,
         octaves: &Range<i32>,
@@ -70,7 +70,7 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// For each octave the first levels at some slopes that follow one another; none for the first octave.
+    /// First levels of each octave at consecutive slopes; none for the first octave.
     fn first_levels(&self, octaves: Range<i32>, slopes: &Range<usize>) -> Result<Vec<FirstLevels>, Cancelled> {
         let mut planes: Vec<Vec<Plane>> = octaves.clone().map(|_| Vec::new()).collect();
         for slope_index in slopes.clone() {
@@ -80,8 +80,8 @@ impl Search<'_> {
         Ok(planes.into_iter().map(|planes| FirstLevels::new(slopes.start, planes)).collect())
     }
 
-    /// The features of `keypoints`, with the first levels that they need; `described` is told how many more keypoints
-    /// are.
+    /// Localises and describes `keypoints` with the first levels `bases`; `described` is called with the number of
+    /// further keypoints that are finished.
     fn describe_with(
         &self,
         octaves: &Range<i32>,
@@ -120,7 +120,8 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Whether features of `octave` are described at their own slopes, so far as the octave can show the difference.
+    /// Whether features of `octave` are described at their own slopes: the octave is fine enough to show the
+    /// difference.
     pub(super) fn describes_own_slopes(&self, octave: i32) -> bool {
         let step = [self.grid.u.step(), self.grid.v.step()].into_iter().fold(0.0, f32::max);
         let outermost_px = step * 0.5 * (self.times.frame_count as f32 - 1.0);

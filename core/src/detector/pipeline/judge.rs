@@ -1,8 +1,8 @@
-//! The search's judgement of one sample, test by test.
+//! Judgement of one sample by the search's tests.
 //!
-//! Each answer comes from the function that the search itself calls. What the search does for a whole tile, slope after
-//! slope, is done here for one sample: the order of the tests and the neighbouring slopes are those of `slope_window`.
-//! The law in tests/detection/inspect holds both equal, sample by sample.
+//! Each result comes from the function that the search itself calls. The order of the tests and the neighbouring slopes
+//! are those of `slope_window`, which works on a whole tile, slope after slope; here they apply to one sample. A test
+//! in tests/detection/inspect checks that both agree, sample by sample.
 
 use super::Trail;
 use crate::detector::feature::Test;
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 /// A sample of D.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Sample {
-    /// Octave.
+    /// Octave index.
     pub octave: i32,
     /// DoG level, 0 … S−1.
     pub level: i32,
@@ -34,48 +34,48 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Index of its DoG level among those that are made.
+    /// Index of its DoG level among those that are computed.
     pub fn level_index(&self) -> usize {
         (self.level + 1) as usize
     }
 }
 
-/// D of all slopes and levels in a part of one octave: the very numbers that the search compares.
+/// D of all slopes and levels in a part of one octave, bitwise equal to the values that the search compares.
 #[derive(Debug)]
 pub struct Neighbourhood {
-    /// The octave.
+    /// Octave index.
     pub octave: i32,
-    /// Its size.
+    /// Size (columns, rows) of the octave.
     pub size: (usize, usize),
-    /// The samples that can be judged.
+    /// Samples that can be judged.
     pub region: Region,
-    /// One tile a slope, which holds the region and what its refinement may read.
+    /// One tile a slope, with the region and the pixels that its refinement may read.
     pub tiles: Vec<DogTile>,
 }
 
-/// What the search says of one sample.
+/// Results of the search's tests of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
-    /// D there.
+    /// D at the sample.
     pub value: f32,
-    /// The first test of the search that rejects it, if one does. That it shows the same blob as a stronger keypoint is
+    /// The first test of the search that rejects it, if any. Whether it shows the same blob as a stronger keypoint is
     /// decided later.
     pub rejected_by: Option<Test>,
     /// σ_D at its level and slope where the noise is least.
     pub sigma_d_min: f32,
     /// σ_D at the sample.
     pub sigma_d: f32,
-    /// The slope that beats it, if the joint rule asks and one does: the strongest of those that do.
+    /// The strongest of the slopes that beat it by the joint rule, if any.
     pub beaten_by: Option<usize>,
     /// The quadratic fit; `None` where D has none.
     pub fit: Option<Fit>,
-    /// The keypoint that it makes, or would make if all tests let it pass; `None` where the fit did not settle inside
+    /// The keypoint that it makes, or would make if it passed all tests; `None` where the fit did not converge inside
     /// the octave.
     pub would_be: Option<Keypoint>,
 }
 
 impl Judgement {
-    /// The keypoint that it makes, where no test rejects it.
+    /// The keypoint that it makes; `None` where a test rejects it.
     pub fn keypoint(&self) -> Option<Keypoint> {
         self.would_be.filter(|_| self.rejected_by.is_none())
     }
@@ -117,7 +117,8 @@ impl Trail {
                 let of_slope = |(scratch, stacked): &mut _, index| of_slope(index, scratch, stacked);
                 slopes.into_par_iter().map_init(space, of_slope).collect::<Result<_, Cancelled>>()?
             } else {
-                // What was not kept is made again, slope by slope: each may take much of the picture.
+                // First levels that were not kept are computed again, slope by slope: each may take much of the
+                // picture.
                 let mut scratch = FilterScratch::default();
                 let mut of_slope = |index| {
                     let level = search.stack(index).first_level(octave, &inputs, monitor)?;
@@ -129,8 +130,8 @@ impl Trail {
         })
     }
 
-    /// What the search says of the samples `samples` of a neighbourhood; `None` for those on the octave's border, which
-    /// it does not examine.
+    /// Judges the samples `samples` of a neighbourhood; `None` for those on the octave's border, which the search does
+    /// not examine.
     pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
         let monitor = Monitor::default();
         self.with_search(&monitor, |search| {
@@ -158,7 +159,7 @@ impl Trail {
             Ok(_) if beaten_by.is_some() => Some(Test::SlopeExtremum),
             Ok(_) => refined.err(),
         };
-        // No threshold: whatever the fit says.
+        // No thresholds: every fit passes.
         let open = Limits { peak_threshold: -1.0, edge_threshold: f32::INFINITY };
         let fit = fit(own, (x, y), level_index, around.size);
         let settled = fit.filter(|fit| {
@@ -174,7 +175,8 @@ impl Trail {
         Some(Judgement { value, rejected_by, sigma_d_min, sigma_d, beaten_by, fit, would_be })
     }
 
-    /// The slope that beats a candidate by the joint rule: of several the one with the largest D around it.
+    /// The slope that beats a candidate by the joint rule; of several, that with the largest |D| of the candidate's
+    /// sign around it.
     fn beaten_by(
         &self,
         search: &Search<'_>,
@@ -200,8 +202,8 @@ impl Trail {
     }
 }
 
-/// The largest of sign·D among the 3×3×3 samples around (x, y, level index), the middle one among them: where, as
-/// (column, row, level index), and the value.
+/// Largest sign·D among the 3×3×3 samples around and at (x, y, level index): its place, as (column, row, level index),
+/// and its value.
 pub fn strongest_around(
     dog: &DogTile,
     x: usize,
@@ -217,8 +219,8 @@ pub fn strongest_around(
         .expect("there are 27 samples")
 }
 
-/// D of the refined sample at the slopes around slope `index`, 0 where there is none: what the search keeps for the
-/// refinement over slope.
+/// D of the refined sample at the slopes around slope `index`, 0 beyond the grid; the search uses it for the refinement
+/// over slope.
 fn d_around(
     search: &Search<'_>,
     around: &Neighbourhood,

@@ -1,9 +1,9 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
-//! The inputs say which frames take part and what their noise is; the [search](crate::detector::search) goes through
+//! The inputs give the frames that take part and their noise; the [search](crate::detector::search) goes through
 //! octaves, tiles and slopes and finds keypoints; `finish` keeps one keypoint for one blob, localises and describes
-//! those that stay. Here the features are ranked, and what the detection leaves is gathered: a [`Trail`], which can
-//! be asked about single samples ([`Judgement`]).
+//! those that stay. Here the features are ranked, and the data for explaining the detection is gathered in a [`Trail`],
+//! which judges single samples ([`Judgement`]).
 
 mod finish;
 mod judge;
@@ -38,18 +38,18 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     Ok(search_all(burst, params, (&OF_PROCESS, memory::budget()), monitor)?.detection)
 }
 
-/// The same, keeping what it takes to ask afterwards why: the coarser octaves, if there is memory for them, and the
-/// keypoints that were removed.
+/// Finds the features of a burst and keeps the data that explains them: the coarser octaves, if there is memory for
+/// them, and the keypoints that were removed.
 ///
 /// # Errors
 /// As [`detect`].
 pub fn detect_with_trail(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Trail, DetectError> {
-    // Those that are kept already have their part.
+    // Trails that are kept already have their part of the budget.
     let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
     Ok(search_all(burst, params, (&OF_PROCESS, budget), monitor)?.ready())
 }
 
-/// The detection with what it leaves, within what other searches of `account` leave of `budget` bytes.
+/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave.
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,
@@ -63,7 +63,7 @@ fn search_all(
     plan.run(|| search_as_planned(burst, params, &plan, (started, monitor)))
 }
 
-/// The detection as `plan` says, of parameters that are valid for the burst; `started` is when it began.
+/// Detects by `plan`, with parameters that are valid for the burst; `started` is the time of the start.
 fn search_as_planned(
     burst: &Burst,
     params: &DetectorParams,

@@ -1,4 +1,4 @@
-//! A search that is done in groups of slopes is the whole search, to the bit.
+//! A search in groups of slopes gives bitwise the same results as the whole search.
 
 use super::*;
 use crate::detector::memory::estimate;
@@ -15,7 +15,7 @@ fn scene(seed: u64, size: (usize, usize)) -> Burst {
     synth_scene(&params, &Monitor::default()).expect("valid parameters").0
 }
 
-/// A budget within which no more than `slopes` slopes of a search are held at once.
+/// Budget within which no more than `slopes` slopes of a search are held at once.
 fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
     let of = |count: usize| {
         let slopes = if count == 1 { SlopeGrid::single(Slope::default()) } else { SlopeGrid::line(0.0..=1.0, count) };
@@ -24,13 +24,13 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
     of(slopes)
 }
 
-/// A search that has all of `budget` bytes, whatever other tests of this process take at the same time.
+/// Searches with all of `budget` bytes, whatever other tests of this process take at the same time.
 fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, DetectError> {
     search_all(burst, params, (&Account::new(), budget), &Monitor::default())
 }
 
-/// Searches in all kinds of groups, and holds each search against the whole one. Returns the counts of groups in which
-/// keypoints are described, which may need more slopes around them than the search.
+/// Searches in all kinds of groups, and compares each result with the whole search's. Returns the numbers of groups in
+/// which keypoints are described, which may need more slopes around them than the search.
 fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
     let whole = search_within(burst, params, None).expect("valid").ready();
     let count = params.used_slopes().len();
@@ -38,7 +38,7 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
     for slopes in 1..count {
         let budget = budget_for(burst, params, slopes);
         let Ok(plan) = Plan::new(params, burst.len(), burst.size(), Some(budget)) else { continue };
-        // With fewer threads the whole may fit, which is the same search.
+        // With fewer threads the whole may fit, so that nothing is divided.
         if plan.threads < rayon::current_num_threads() || counts.contains(&plan.describe.len()) {
             continue;
         }
@@ -59,7 +59,7 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
     counts
 }
 
-/// What is asked of both afterwards has the same answers.
+/// Checks that later questions to both trails have equal answers.
 fn assert_same_answers(found: &Trail, whole: &Trail) {
     let monitor = Monitor::default();
     for octave in whole.octaves() {
@@ -158,7 +158,7 @@ fn a_search_that_does_not_fit_is_refused_before_it_starts() {
         slope_neighbours: SlopeNeighbours::All,
         ..DetectorParams::default()
     };
-    // With several threads it would be done with fewer first.
+    // With several threads the plan would first reduce their number.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     pool.install(|| {
         let whole = estimate(&params, burst.len(), burst.size());

@@ -1,9 +1,9 @@
-//! What a detection leaves behind when it is to be asked why: the frames as they were searched, the first levels of the
-//! coarser octaves if there is memory for them, all keypoints with the ones that removed them, and which keypoint each
-//! feature comes from.
+//! Data that a detection keeps to explain its result: the frames as they were searched, the first levels of the coarser
+//! octaves if there is memory for them, all keypoints with the ones that removed them, and the keypoint of each
+//! feature.
 //!
-//! Nothing here decides anything. Whoever explains a detection runs the search's own functions again on the few samples
-//! in question (see [`Trail::neighbourhood`]); the values have the same bits, because those of a tile do not depend on
+//! Nothing here changes the result. To explain a detection, the search's own functions are run again on the few samples
+//! in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those of a tile do not depend on
 //! the tile.
 
 use crate::detector::describe::point_response::point_response;
@@ -26,29 +26,29 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-/// What identifies the sample of a keypoint: octave, level, slope and place.
+/// Key of a keypoint's sample: octave, level, slope and place.
 type SampleKey = (i32, i32, usize, [u32; 2]);
 
-/// Keypoints that remove one another form chains; those farther off than this many links of one are not asked.
+/// Radius of the keypoints considered, in links of a chain: keypoints that remove one another form chains.
 const CHAIN_LINKS: f32 = 6.0;
 
-/// A detection and what it was made with.
+/// A detection and the data from which it was computed.
 #[derive(Debug)]
 pub struct Trail {
     pub(super) inputs: Inputs,
-    /// For each octave the first levels; none for the first octave. `None` where the slopes were searched in groups:
-    /// they are made again when something is asked.
+    /// First levels of each octave; none for the first octave. `None` where the slopes were searched in groups: they
+    /// are computed again when needed.
     pub(super) bases: Option<Vec<FirstLevels>>,
     keypoints: Vec<Keypoint>,
     covered_by: Vec<Option<usize>>,
-    /// For each described feature, strongest first and before any were cut off, the keypoint it comes from.
+    /// Keypoint of each described feature, strongest first and including those cut off by `max_features`.
     ranked: Vec<usize>,
     by_sample: HashMap<SampleKey, usize>,
-    /// The keypoints that stayed, by row.
+    /// Keypoints that stayed, sorted by row.
     stayed: Vec<(usize, Blob)>,
-    /// σ_D where it is least, by octave, DoG level index and slope.
+    /// σ_D at the place of least noise, by octave, DoG level index and slope.
     pub(super) sigma_d: Vec<Vec<Vec<f32>>>,
-    /// By octave, the frames at its resolution.
+    /// Frames at the resolution of each octave, computed on first use.
     means: Vec<OnceLock<Vec<Plane>>>,
     pub(super) detection: Detection,
 }
@@ -67,7 +67,7 @@ impl Trail {
         Self { inputs, bases, keypoints, covered_by, ranked, by_sample, stayed, sigma_d, means, detection }
     }
 
-    /// With what questions need beyond the detection itself.
+    /// Adds the lookup tables that questions need.
     pub(super) fn ready(mut self) -> Self {
         let key = |k: &Keypoint| (k.octave, k.level, k.slope_index, k.sample);
         self.by_sample = self.keypoints.iter().enumerate().map(|(index, k)| (key(k), index)).collect();
@@ -84,14 +84,14 @@ impl Trail {
         self
     }
 
-    /// Does `work` with the search as it was.
+    /// Calls `work` with the search of this detection.
     pub(super) fn with_search<T>(&self, monitor: &Monitor, work: impl FnOnce(&Search<'_>) -> T) -> T {
         let planes = self.inputs.planes();
         work(&Search::new(&self.inputs, &planes, monitor))
     }
 
-    /// Bytes of what is held by each sample and by each keypoint, without the frames among `others`, which somebody
-    /// else holds too. It grows as questions are asked.
+    /// Memory of the trail, bytes, without the frames among `others`, which are held elsewhere too. It grows as
+    /// questions are answered.
     pub fn bytes_beside(&self, others: &[Arc<Plane>]) -> usize {
         let plane = |plane: &Plane| size_of_val(plane.data());
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
@@ -105,59 +105,58 @@ impl Trail {
         frames + planes + found + of_keypoint * self.keypoints.len() + size_of_val(&self.stayed[..])
     }
 
-    /// What was found.
+    /// The detection.
     pub fn detection(&self) -> &Detection {
         &self.detection
     }
 
-    /// The parameters it was found with.
+    /// Parameters of the detection.
     pub fn params(&self) -> &DetectorParams {
         &self.inputs.params
     }
 
-    /// (columns, rows) of a frame.
+    /// Size (columns, rows) of a frame.
     pub fn size_image(&self) -> (usize, usize) {
         self.inputs.size_image
     }
 
-    /// The octaves that were searched.
+    /// Octaves that were searched.
     pub fn octaves(&self) -> Range<i32> {
         self.inputs.octaves()
     }
 
-    /// (columns, rows) of an octave.
+    /// Size (columns, rows) of an octave.
     pub fn octave_size(&self, octave: i32) -> (usize, usize) {
         octave_size(self.inputs.size_image, octave)
     }
 
-    /// The scales that were searched.
+    /// Scales that were searched.
     pub fn space(&self) -> &ScaleSpace {
         &self.inputs.space
     }
 
-    /// What is known of the noise.
+    /// Noise model.
     pub fn noise(&self) -> &Arc<NoiseModel> {
         &self.inputs.noise
     }
 
-    /// The frames that took part, with their indices among those used, and how many those are.
+    /// Frames that took part, their indices among those used, and the number of those used.
     pub fn frames(&self) -> (&[Arc<Plane>], &[usize], usize) {
         (&self.inputs.frames, &self.inputs.times.kept, self.inputs.times.frame_count)
     }
 
-    /// All keypoints that passed the tests of the search, those that show the same blob as a stronger one among them.
+    /// All keypoints that passed the tests of the search, including those that show the same blob as a stronger one.
     pub fn keypoints(&self) -> &[Keypoint] {
         &self.keypoints
     }
 
-    /// The stronger keypoint whose blob keypoint `index` shows too, if there is one.
+    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one.
     pub fn covered_by(&self, index: usize) -> Option<usize> {
         self.covered_by[index]
     }
 
-    /// Whether keypoint `index` would stay among those around it if keypoints were held distinct by another `radius`
-    /// and `scale_ratio`. Those around it are asked anew with one another: what was removed may stay then, and remove
-    /// others.
+    /// Whether keypoint `index` would stay among those around it with another `radius` and `scale_ratio` for distinct
+    /// keypoints. All of these are compared again: removed ones may then stay, and remove others.
     pub fn would_stay(&self, index: usize, radius: f32, scale_ratio: f32) -> bool {
         let own = self.keypoints[index].in_image();
         let near = |k: &Keypoint| {
@@ -180,7 +179,7 @@ impl Trail {
         if let Distinct::Radius(radius) = self.inputs.params.distinct { radius } else { 0.0 }
     }
 
-    /// Does `work` with what tells whether two keypoints at one place are two things.
+    /// Calls `work` with the test of whether two keypoints at one place are separate structures.
     fn with_motions<T>(&self, work: impl FnOnce(&Motions<'_, '_>) -> T) -> T {
         let planes = self.inputs.planes();
         let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.means);
@@ -189,8 +188,8 @@ impl Trail {
         work(&Motions { frames: &frames, times, size_image: *size_image, space, interpolation })
     }
 
-    /// The keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for distinct
-    /// keypoints.
+    /// Index of the keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for
+    /// distinct keypoints.
     pub fn would_be_covered_by(&self, keypoint: &Keypoint) -> Option<usize> {
         let params = &self.inputs.params;
         let Distinct::Radius(radius) = params.distinct else {
@@ -198,7 +197,7 @@ impl Trail {
         };
         let rule = distinct::Rule { radius, scale_ratio: params.distinct_scale };
         let blob = Blob::of(keypoint, &self.inputs.space);
-        // A stronger one reaches this far at most: its scale is at most the ratio larger.
+        // Reach of a stronger keypoint that covers it: its scale is larger by the ratio at most.
         let reach = radius * params.distinct_scale * blob.sigma;
         let first = self.stayed.partition_point(|(_, other)| other.v < blob.v - reach);
         let last = self.stayed.partition_point(|(_, other)| other.v <= blob.v + reach);
@@ -208,22 +207,22 @@ impl Trail {
         })
     }
 
-    /// The keypoint that feature `index` of the detection comes from.
+    /// Index of the keypoint of feature `index` of the detection.
     pub fn keypoint_of_feature(&self, index: usize) -> usize {
         self.ranked[index]
     }
 
-    /// The places of a keypoint's features in the ranking by strength, those beyond `max_features` among them.
+    /// Ranks by strength of a keypoint's features, including those beyond `max_features`.
     pub fn ranks_of(&self, keypoint: usize) -> impl Iterator<Item = usize> + '_ {
         self.ranked.iter().enumerate().filter(move |(_, of)| **of == keypoint).map(|(rank, _)| rank)
     }
 
-    /// The keypoint that was found at the sample (column, row) of an octave, level and slope.
+    /// Index of the keypoint that was found at the sample (column, row) of an octave, level and slope.
     pub fn keypoint_at(&self, octave: i32, level: i32, slope_index: usize, sample: [u32; 2]) -> Option<usize> {
         self.by_sample.get(&(octave, level, slope_index, sample)).copied()
     }
 
-    /// Where the frames that took part are read at `slope`.
+    /// Offsets at which the frames that took part are read at `slope`.
     pub fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
         let times = &self.inputs.times;
         times.of(crate::detector::stack::offsets::frame_offsets(
@@ -233,7 +232,7 @@ impl Trail {
         ))
     }
 
-    /// σ_D at `octave` and `level` (−1 … S) for slope `slope_index` of the grid, where the noise is least.
+    /// σ_D at `octave` and `level` (−1 … S) for slope `slope_index` of the grid, at the place of least noise.
     pub fn sigma_d_min(&self, (octave, level): (i32, i32), slope_index: usize) -> f32 {
         self.sigma_d[(octave - self.octaves().start) as usize][(level + 1) as usize][slope_index]
     }
@@ -253,14 +252,14 @@ impl Trail {
         let at = (pixel(place.0, size.0), pixel(place.1, size.1));
         let gate = self.detection.noise_gate_factor;
         let min = noise.sigma_d(space, (octave, level), (slope, &offsets), gate);
-        // The factor for the place samples the frames that took part, all of them.
+        // The place factor samples all frames that took part.
         let covering = coverage(&offsets, at.0, at.1, *size).max(1);
         min * (offsets.len() as f32 / covering as f32).sqrt() * noise.place_factor(octave, &all, at, *size)
     }
 
     /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of
-    /// `octave`, along the way through `place` (input pixels, at mid-burst) at any `slope`: what the search would find
-    /// there, up to interpolation. The octave must be one that was searched.
+    /// `octave`, on the path through `place` (input pixels, at mid-burst) at any `slope`: as in the search, up to
+    /// interpolation. The octave must be one that was searched.
     pub fn point_response(
         &self,
         (octave, levels): (i32, Range<i32>),

@@ -3,43 +3,43 @@
 //! Octave `o` has pixels of 2^o input pixels; its levels `s = −1 … S+1` have σ = σ0·2^(o + s/S) input pixels, with σ0 =
 //! 1.6·2^(1/S), so that the first level of an octave always has σ = 1.6 octave pixels. The input is taken to have σ =
 //! 0.5. Each level is blurred from the one before it by σ0·2^(s/S)·√(1 − 2^(−2/S)) octave pixels; the next octave
-//! starts from every second pixel of level S−1, whose σ is twice the first level's. DoG level `s` (−1 … S) is `G(s+1) −
-//! G(s)`, and extrema are looked for at levels 0 … S−1. Octave −1 is the image doubled by linear interpolation: pixel
-//! (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th pixel.
+//! starts from every second pixel of level S−1, whose σ is twice the first level's. DoG level `s` (−1 … S) is
+//! `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave −1 is the image doubled by linear interpolation:
+//! pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th pixel.
 
 use crate::detector::params::{DetectorParams, MIN_OCTAVE_SIDE};
 use crate::kernel::gaussian_bank::FilterBank;
 use crate::plane::blur::GaussianKernel;
 use std::ops::Range;
 
-/// σ that the input image is taken to have, in input pixels.
+/// Assumed σ of the input image, in input pixels.
 pub const SIGMA_INPUT: f64 = 0.5;
 /// σ of the first level (s = −1) of every octave, in octave pixels.
 pub const SIGMA_BASE: f64 = 1.6;
 
-/// The scales and kernels of a scale space with `S` levels per octave.
+/// Scales and kernels of a scale space with `S` levels per octave.
 #[derive(Debug, Clone)]
 pub struct ScaleSpace {
-    /// Levels per octave, S.
+    /// Number of levels per octave, S.
     pub levels: usize,
-    /// The finest octave.
+    /// Index of the finest octave.
     pub first_octave: i32,
-    /// Where kernels end, in standard deviations.
+    /// Radius at which kernels are cut, in standard deviations.
     pub kernel_cut: f64,
-    /// From the input's σ to the first level of the first octave.
+    /// Kernel from the input's σ to the first level of the first octave.
     pub base_kernel: GaussianKernel,
-    /// From level s−1 to level s, for s = 0 … S+1.
+    /// Kernels from level s−1 to level s, for s = 0 … S+1.
     pub step_kernels: Vec<GaussianKernel>,
 }
 
 impl ScaleSpace {
-    /// The scale space of a search with `params`.
+    /// Scale space of a search with `params`.
     pub fn of(params: &DetectorParams) -> Self {
         Self::new(params.levels as usize, params.first_octave, f64::from(params.kernel_cut))
     }
 
-    /// The scale space of `levels` per octave from octave `first_octave` on, with kernels that end at `kernel_cut`
-    /// standard deviations.
+    /// Scale space of `levels` per octave from octave `first_octave` on, with kernels that end at `kernel_cut` standard
+    /// deviations.
     pub fn new(levels: usize, first_octave: i32, kernel_cut: f64) -> Self {
         let input = SIGMA_INPUT * 2f64.powi(-first_octave);
         let base = (SIGMA_BASE * SIGMA_BASE - input * input).max(0.0).sqrt();
@@ -58,7 +58,7 @@ impl ScaleSpace {
         Self::sigma0(levels) * k.powi(s as i32) * (1.0 - 1.0 / (k * k)).sqrt()
     }
 
-    /// σ in octave pixels at `level`, which may lie between levels.
+    /// σ in octave pixels at `level`, which may be fractional.
     pub fn sigma_octave(&self, level: f64) -> f64 {
         Self::sigma0(self.levels) * 2f64.powf(level / self.levels as f64)
     }
@@ -68,30 +68,30 @@ impl ScaleSpace {
         self.sigma_octave(level) * 2f64.powi(octave)
     }
 
-    /// The filters that make the Gaussian level indices `levels` (0 is level −1) of an octave from its pixels: of the
-    /// first octave from the stacked image, of later ones from their first level.
+    /// Filters that make the Gaussian level indices `levels` (0 is level −1) of an octave from its pixels: of the first
+    /// octave from the stacked image, of later ones from their first level.
     pub fn bank(&self, first: bool, levels: Range<usize>) -> FilterBank {
         let base = if first { self.base_kernel.clone() } else { GaussianKernel::new(0.0) };
         FilterBank::new(std::iter::once(base).chain(self.step_kernels.iter().cloned()).collect(), levels)
     }
 
-    /// The indices of all Gaussian levels of an octave: those of levels −1 … S+1.
+    /// Indices of all Gaussian levels of an octave: those of levels −1 … S+1.
     pub fn all_levels(&self) -> Range<usize> {
         0..self.levels + 3
     }
 }
 
-/// The size of an octave of an image of `size` = (columns, rows).
+/// Size (columns, rows) of an octave of an image of `size`.
 pub fn octave_size(size: (usize, usize), octave: i32) -> (usize, usize) {
     if octave < 0 { (size.0 << -octave, size.1 << -octave) } else { (size.0 >> octave, size.1 >> octave) }
 }
 
-/// Input pixels per octave pixel, 2^octave.
+/// Number of input pixels per octave pixel along a side, 2^octave.
 pub fn octave_pixel(octave: i32) -> f32 {
     2f32.powi(octave)
 }
 
-/// The octaves that a search with `params` visits in an image of `size` = (columns, rows): those asked for, as long as
+/// Octaves that a search with `params` visits in an image of `size` = (columns, rows): those requested, as long as
 /// their shorter side has [`MIN_OCTAVE_SIDE`] pixels. At least the first one.
 pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<i32> {
     let first = params.first_octave;

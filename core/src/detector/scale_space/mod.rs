@@ -1,6 +1,6 @@
-//! The scale space: Gaussian levels of a motion stack, octave by octave, and their differences D.
+//! Scale space: Gaussian levels of a motion stack, octave by octave, and their differences D.
 //!
-//! [`levels`] names the scales and says which octaves are searched; [`octave`] makes one tile of D, `planes` whole
+//! [`levels`] defines the scales and the octaves that are searched; [`octave`] computes one tile of D, `planes` whole
 //! levels of one slope.
 
 pub mod levels;

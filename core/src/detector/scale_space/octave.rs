@@ -1,8 +1,8 @@
-//! One octave of the search: where its pixels come from, and the tiles of its DoG levels.
+//! One octave of the search: the source of its pixels, and the tiles of its DoG levels.
 //!
 //! For the first octave the pixels are made from the frames: stacked at a slope and brought to the octave's resolution.
-//! Later octaves start from planes that the octave before left behind, one for each slope. Everything is made in tiles;
-//! a tile carries the pixels around it that its filters need, so each value has the same bits whatever the tiles.
+//! Later octaves start from planes that the octave before has written, one for each slope. Everything is made in tiles;
+//! a tile includes the pixels around it that its filters need, so each value is bitwise independent of the tiles.
 
 use crate::detector::scale_space::levels::ScaleSpace;
 use crate::detector::stack::offsets::stack_row;
@@ -13,25 +13,25 @@ use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
 
-/// Where the first level (s = −1) of an octave at one slope comes from.
+/// Source of the first level (s = −1) of an octave at one slope.
 #[derive(Debug)]
 pub enum Base<'a> {
-    /// The frames, shifted by a slope's offsets: for the first octave.
+    /// Frames shifted by a slope's offsets: for the first octave.
     Frames {
         /// Frames of one size, in time order.
         frames: &'a [&'a Plane],
         /// [`crate::detector::stack::offsets::frame_offsets`] of the slope.
         offsets: &'a [FrameOffset],
-        /// The octave, which is the first one.
+        /// Index of the octave, which is the first one.
         octave: i32,
     },
-    /// The finished first level, on the octave's pixels.
+    /// Finished first level, on the octave's pixels.
     Level(&'a Plane),
 }
 
 impl Base<'_> {
-    /// Rows `rows` and columns `columns` of the stacked image at the octave's resolution, before any blur. Each written
-    /// by `write(v, row)`.
+    /// Computes rows `rows` and columns `columns` of the stacked image at the octave's resolution, before any blur.
+    /// Calls `write(v, row)` with each.
     pub(crate) fn raw_rows(
         &self,
         rows: Range<usize>,
@@ -68,7 +68,7 @@ impl Base<'_> {
         }
     }
 
-    /// σ of what the octave is made from, in octave pixels.
+    /// σ of the pixels from which the octave is made, in octave pixels.
     pub fn sigma_octave(&self) -> f64 {
         match self {
             Self::Frames { octave, .. } => crate::detector::scale_space::levels::SIGMA_INPUT * 2f64.powi(-octave),
@@ -77,7 +77,7 @@ impl Base<'_> {
     }
 }
 
-/// The filters of an octave.
+/// Filters of an octave.
 #[derive(Debug)]
 pub struct OctaveFilters {
     along_u: Axis,
@@ -87,20 +87,20 @@ pub struct OctaveFilters {
 }
 
 impl OctaveFilters {
-    /// For an octave of `size` of `space`, which is the first one or not; `bank` makes the Gaussian level indices
+    /// Filters for an octave of `size` of `space`, the first one or another; `bank` makes the Gaussian level indices
     /// `levels` (0 is level −1), as [`ScaleSpace::bank`] gives it.
     pub fn new(space: &ScaleSpace, bank: &FilterBank, levels: &Range<usize>, size: (usize, usize)) -> Self {
         let next = levels.contains(&space.levels).then(|| space.levels - levels.start);
         Self { along_u: bank.axis(size.0), along_v: bank.axis(size.1), next }
     }
 
-    /// The pixels that the values of `region` depend on.
+    /// Pixels that the values of `region` depend on.
     pub fn inputs(&self, region: &Region) -> Region {
         Region { columns: self.along_u.inputs(&region.columns), rows: self.along_v.inputs(&region.rows) }
     }
 }
 
-/// A tile of the differences of consecutive Gaussian levels of one slope. In a search index 0 is DoG level −1.
+/// Tile of the differences of consecutive Gaussian levels of one slope. In a search index 0 is DoG level −1.
 #[derive(Debug, Default)]
 pub struct DogTile {
     /// One tile a level.
@@ -115,17 +115,17 @@ impl DogTile {
     }
 }
 
-/// The pixels of one slope at the octave's resolution, before any of its filters.
+/// Pixels of one slope at the octave's resolution, before any of its filters.
 #[derive(Debug, Clone, Copy)]
 pub enum Pixels<'a> {
-    /// A stacked tile that holds what the filters need.
+    /// A stacked tile with the pixels that the filters need.
     Stacked(&'a Tile),
     /// The octave's first level.
     Level(&'a Plane),
 }
 
-/// Filters `region` of an octave into `dog`; `batch_done` is told which rows are finished. With `next` the level from
-/// which the next octave starts is kept.
+/// Filters `region` of an octave into `dog`; `batch_done` is called with the rows that are finished. With `next` the
+/// level from which the next octave starts is kept.
 pub fn dog_tile(
     filters: &OctaveFilters,
     pixels: Pixels<'_>,
@@ -144,11 +144,11 @@ pub fn dog_tile(
     }
 }
 
-/// Columns that a stacked row has room for beyond its own, so that filters can read it in whole vectors where it lies.
+/// Number of extra columns that a stacked row has room for, so that filters can read it in whole vectors in place.
 const PADDING: usize = 32;
 
-/// The stacked images of some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope.
-/// `slopes` are the frames' offsets.
+/// Stacks some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope. `slopes` are the
+/// frames' offsets.
 pub fn stack_tiles(
     frames: &[&Plane],
     slopes: &[impl AsRef<[FrameOffset]>],
@@ -178,7 +178,8 @@ pub fn stack_tiles(
     }
 }
 
-/// Rows of the stacked image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j), the last one is repeated.
+/// Computes rows of the stacked image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j), the last one is
+/// repeated.
 fn doubled_rows(
     frames: &[&Plane],
     offsets: &[FrameOffset],

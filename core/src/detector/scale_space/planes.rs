@@ -1,7 +1,7 @@
 //! Whole planes of the scale space of one slope: a DoG level, the first level of any octave.
 //!
-//! The search makes all levels of a tile at once and goes on to the next slope; here one level of one slope is made of
-//! a whole octave or a part of it. The values have the same bits.
+//! The search computes all levels of a tile at once and goes on to the next slope; here one level of one slope is
+//! computed for a whole octave or a part of it. The values are bitwise equal.
 
 use crate::detector::scale_space::levels::{ScaleSpace, octave_size};
 use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
@@ -13,31 +13,30 @@ use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Columns and rows that one thread makes at once.
+/// Size (columns, rows) of the tiles, each of which one thread computes.
 const TILE: (usize, usize) = (320, 128);
 
-/// The motion stack of one slope, and its scales.
+/// Motion stack of one slope, and its scales.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::detector) struct SlopeStack<'a> {
     /// Frames of one size, in time order.
     pub frames: &'a [&'a Plane],
-    /// Where they are read.
+    /// Offsets at which they are read.
     pub offsets: &'a [FrameOffset],
-    /// The scales.
+    /// Scales.
     pub space: &'a ScaleSpace,
-    /// (columns, rows) of a frame.
+    /// Size (columns, rows) of a frame.
     pub size_image: (usize, usize),
 }
 
 impl<'a> SlopeStack<'a> {
-    /// What the first octave is made from.
+    /// Source of the first octave.
     pub fn base(&self) -> Base<'a> {
         Base::Frames { frames: self.frames, offsets: self.offsets, octave: self.space.first_octave }
     }
 
-    /// The first level of `octave`, which is not the first one: its pixels in `region` at least, and none but those
-    /// that are made together with them. What is not made is 0, and takes no memory where the system gives it out as it
-    /// is touched.
+    /// First level of `octave`, which is not the first one: its pixels in `region` at least, and no others than those
+    /// computed together with them. Other pixels are 0, and take no memory on systems that allocate it on first use.
     pub fn first_level(&self, octave: i32, region: &Region, monitor: &Monitor) -> Result<Plane, Cancelled> {
         let finer = octave - 1;
         let size = octave_size(self.size_image, finer);
@@ -53,7 +52,7 @@ impl<'a> SlopeStack<'a> {
         next_first_level(&Base::Level(&base), self.space, size, &wanted, monitor)
     }
 
-    /// The first levels of the octaves from the one after the first up to `last`, whole and in this order.
+    /// First levels of the octaves from the one after the first up to `last`, whole and in this order.
     pub fn first_levels(&self, last: i32, monitor: &Monitor) -> Result<Vec<Plane>, Cancelled> {
         let mut planes: Vec<Plane> = Vec::new();
         for octave in self.space.first_octave..last {
@@ -66,24 +65,24 @@ impl<'a> SlopeStack<'a> {
     }
 }
 
-/// All of an octave of `size`.
+/// Region of the whole of an octave of `size`.
 pub(in crate::detector) fn whole(size: (usize, usize)) -> Region {
     Region { columns: 0..size.0, rows: 0..size.1 }
 }
 
-/// Index of the Gaussian level from which the next octave starts.
+/// Indices of the Gaussian levels to compute for the next octave: the one from which it starts.
 fn next_level(space: &ScaleSpace) -> Range<usize> {
     space.levels..space.levels + 1
 }
 
-/// The parts of `cuts` that hold some of `wanted`.
+/// Indices of the parts of `cuts` that overlap `wanted`.
 fn holding(cuts: &[Range<usize>], wanted: &Range<usize>) -> Range<usize> {
     let first = cuts.partition_point(|part| part.end <= wanted.start);
     let end = cuts.partition_point(|part| part.start < wanted.end);
     first..end.max(first)
 }
 
-/// The tiles of an octave of `size` that hold `wanted`, which is not empty.
+/// Smallest region of whole tiles, in an octave of `size`, that holds `wanted`, which is not empty.
 fn whole_tiles(wanted: &Region, size: (usize, usize)) -> Region {
     let covered = |wanted: &Range<usize>, cuts: Vec<Range<usize>>| {
         let held = holding(&cuts, wanted);
@@ -95,9 +94,9 @@ fn whole_tiles(wanted: &Region, size: (usize, usize)) -> Region {
     }
 }
 
-/// The Gaussian level indices `levels` of the tiles of an octave of `size` that hold some of `wanted`, in parallel:
-/// `write` is given the differences of each tile (and the last level where the next octave starts from it), with its
-/// place and the part of `out` that is its own. `out` is `size` divided by `step`.
+/// Computes the Gaussian level indices `levels` of the tiles of an octave of `size` that overlap `wanted`, in parallel:
+/// `write` is called with the differences of each tile (and the last level where the next octave starts from it), its
+/// place and its part of `out`. `out` is `size` divided by `step`.
 fn each_tile(
     base: &Base<'_>,
     (space, levels): (&ScaleSpace, Range<usize>),
@@ -140,7 +139,7 @@ fn each_tile(
     )
 }
 
-/// One DoG level of a whole octave.
+/// Computes one DoG level of a whole octave.
 pub(in crate::detector) fn dog_plane(
     base: &Base<'_>,
     space: &ScaleSpace,
@@ -158,7 +157,7 @@ pub(in crate::detector) fn dog_plane(
     Ok(out)
 }
 
-/// The first level of the octave after one of `size`, so far as it comes from the pixels `wanted` of that.
+/// First level of the octave after one of `size`, as far as it comes from that octave's pixels `wanted`.
 fn next_first_level(
     base: &Base<'_>,
     space: &ScaleSpace,

@@ -1,4 +1,4 @@
-//! The extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule,
+//! Extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule,
 //! those at the slopes around it.
 //!
 //! The tests come in METHOD's order and each rejection is counted. Thresholds come first because they are cheapest and
@@ -17,25 +17,25 @@ pub struct Candidate {
     pub x: usize,
     /// Row, octave pixels.
     pub y: usize,
-    /// Index of its DoG level: 1 is level 0.
+    /// Index of its DoG level: index 1 is level 0.
     pub level_index: usize,
-    /// D there.
+    /// D at the sample.
     pub value: f32,
 }
 
-/// The least |D| that a sample must have, by DoG level index.
+/// Lower limits of |D| of a sample.
 #[derive(Debug, Clone)]
 pub struct Thresholds {
-    /// The peak threshold's first test, the same for all levels.
+    /// Limit of the peak threshold's first test, for all levels.
     pub peak: f32,
-    /// The noise gate where all frames cover, by DoG level index.
+    /// Noise gate where all frames cover, by DoG level index.
     pub gate: Vec<f32>,
 }
 
-/// Columns that are passed over together when nothing in them reaches the thresholds.
+/// Number of columns that are skipped together when none of them reaches the thresholds.
 const RUN: usize = 64;
 
-/// What is known of the inner columns of a row after the cheapest tests.
+/// Numbers of inner columns of a row that fail the cheapest tests.
 #[derive(Debug, Default, Clone, Copy)]
 struct Counts {
     /// Below the peak threshold.
@@ -44,9 +44,9 @@ struct Counts {
     below_any: u32,
 }
 
-/// Appends to `found` the inner columns (0 is the row's second one) of a row whose value reaches `limit` in magnitude
-/// and is above, or below, all its eight neighbours, and counts what fails before that. The rows are those above, at
-/// and below.
+/// Appends to `found` the inner columns (0 is the row's second one) of `row` whose value reaches `limit` in magnitude
+/// and is above, or below, all its eight neighbours; counts the samples below the thresholds. `above` and `below` are
+/// the neighbouring rows.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, found: &mut Vec<u32>) -> Counts {
     let larger = |x: f32, y: f32| if x > y { x } else { y };
@@ -89,7 +89,7 @@ fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f3
     counts
 }
 
-/// Appends `first` plus the places of the marks that are not 0: eight at a time, since few are.
+/// Appends `first` plus the index of each mark that is not 0: eight at a time, since few are.
 #[inline(always)]
 fn append_marked(marks: &[u8], first: u32, found: &mut Vec<u32>) {
     let (words, rest) = marks.as_chunks::<8>();
@@ -104,16 +104,16 @@ fn append_marked(marks: &[u8], first: u32, found: &mut Vec<u32>) {
     found.extend(rest.iter().zip(end..).filter(|(mark, _)| **mark != 0).map(|(_, at)| at));
 }
 
-/// Whether `value` beats three samples.
+/// Whether `value` beats three samples: it is above all, or, if it is not positive, below all.
 #[inline]
 fn beats_three(value: f32, samples: &[f32]) -> bool {
     let (a, b, c) = (samples[0], samples[1], samples[2]);
     if value > 0.0 { value > a && value > b && value > c } else { value < a && value < b && value < c }
 }
 
-/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope.
-/// `or_equals` lets it stand when it only equals them: of two slopes with the same D, which a motion half-way between
-/// them gives, exactly one must stay.
+/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope. With
+/// `or_equals` it also passes when it equals them: of two slopes with equal D, which a motion half-way between them
+/// gives, exactly one must stay.
 pub fn beats_all_27(value: f32, dog: &DogTile, x: usize, y: usize, level_index: usize, or_equals: bool) -> bool {
     let sign = value.signum();
     let limit = sign * value;
@@ -158,7 +158,7 @@ pub fn own_slope_extrema(
     }
 }
 
-/// The same at one level, by its index. `found` is space to be reused.
+/// Appends the extrema of one level, given by its index, and counts the other samples. `found` is a reusable buffer.
 fn level_extrema(
     (levels, level_index): (&[Tile], usize),
     region: &Region,
@@ -199,9 +199,9 @@ fn level_extrema(
     }
 }
 
-/// What the tests at its own slope say of the one sample (x, y) at `level_index`: the candidate, or the test that
-/// rejects it. `None` for a sample on the octave's border, which the search does not examine. The tiles must hold the
-/// sample and a pixel around it.
+/// Result of the tests of the sample (x, y) at `level_index` at its own slope: the candidate, or the test that rejects
+/// it. `None` for a sample on the octave's border, which the search does not examine. The tiles must hold the sample
+/// and a pixel around it.
 pub fn own_slope_verdict(
     levels: &[Tile],
     (x, y, level_index): (usize, usize, usize),

@@ -1,30 +1,31 @@
-//! Slopes that are searched together: all of them where the memory for that is there, otherwise in groups.
+//! Groups of slopes that are searched together: one group of all slopes if memory allows, otherwise several.
 //!
-//! For every slope that is searched at once the first level of each coarser octave is held. A group holds those of its
-//! own slopes and of the slopes around them, which its own are compared with or located between; those are made once
-//! more by the groups that own them. Every value is made by the same operations whatever the group, so the groups'
+//! For every slope that is searched at once, the first level of each coarser octave is held. A group holds those of its
+//! own slopes and of the slopes around them, which its own are compared with or localised between; the groups that own
+//! those compute them again. Every value is computed by identical operations whatever the group, so the groups'
 //! keypoints together are those of the whole search.
 
 use crate::plane::Plane;
 use std::ops::Range;
 
-/// Slopes that follow one another in running order.
+/// Group of consecutive slopes in running order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct SlopeGroup {
-    /// Those whose keypoints are found.
+    /// Slopes whose keypoints are found.
     pub(crate) own: Range<usize>,
-    /// Those that are made for that: the group's own and the slopes around them.
+    /// Slopes that are computed for that: the group's own and the slopes around them.
     pub(crate) visited: Range<usize>,
 }
 
 impl SlopeGroup {
-    /// All `count` slopes together.
+    /// Group of all `count` slopes.
     pub(crate) fn whole(count: usize) -> Self {
         Self { own: 0..count, visited: 0..count }
     }
 
-    /// `count` slopes in nearly equal groups, few of them, none of which visits more than `max` slopes: each needs the
-    /// slopes up to `reach` steps from its own, all of them for `None`. `None` where there are no such groups.
+    /// Divides `count` slopes into as few nearly equal groups as possible, none of which visits more than `max` slopes:
+    /// each needs the slopes up to `reach` steps from its own, all of them for `None`. `None` where there are no such
+    /// groups.
     pub(crate) fn cut(count: usize, reach: Option<usize>, max: usize) -> Option<Vec<Self>> {
         if count <= max {
             return Some(vec![Self::whole(count)]);
@@ -39,7 +40,7 @@ impl SlopeGroup {
     }
 }
 
-/// The first levels (s = −1) of one octave at slopes that follow one another.
+/// First levels (s = −1) of one octave at consecutive slopes.
 #[derive(Debug, Default)]
 pub(crate) struct FirstLevels {
     /// Index of the first slope in the grid.
@@ -48,17 +49,17 @@ pub(crate) struct FirstLevels {
 }
 
 impl FirstLevels {
-    /// `planes` of the slopes from slope `first_slope` of the grid on.
+    /// Takes `planes` of the slopes from slope `first_slope` of the grid on.
     pub(crate) fn new(first_slope: usize, planes: Vec<Plane>) -> Self {
         Self { first_slope, planes }
     }
 
-    /// That at slope `slope_index` of the grid, which is among those held.
+    /// First level at slope `slope_index` of the grid, which is among those held.
     pub(crate) fn at(&self, slope_index: usize) -> &Plane {
         &self.planes[slope_index - self.first_slope]
     }
 
-    /// All that are held.
+    /// All first levels that are held.
     pub(crate) fn planes(&self) -> &[Plane] {
         &self.planes
     }

@@ -1,4 +1,4 @@
-//! What a search is made of: the frames that take part, the noise, the scales, checked and owned.
+//! Inputs of a search: the frames that take part, the noise, the scales, checked and owned.
 
 use crate::burst::Burst;
 use crate::detector::error::DetectError;
@@ -13,10 +13,10 @@ use crate::plane::Plane;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a search is made of, all its own.
+/// Owned inputs of a search.
 #[derive(Debug)]
 pub(crate) struct Inputs {
-    /// The frames that take part, as the noise model leaves them.
+    /// Frames that take part, cleaned by the noise model.
     pub(crate) frames: Vec<Arc<Plane>>,
     pub(crate) times: FrameTimes,
     pub(crate) frames_used: Range<usize>,
@@ -27,7 +27,7 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
-    /// Checks the parameters and looks at the noise.
+    /// Checks the parameters and examines the noise.
     pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, DetectError> {
         params.validate_for(burst.len(), burst.size())?;
         let frames_used = params.used_frames(burst.len());
@@ -39,19 +39,19 @@ impl Inputs {
         Ok(Self { frames, times, frames_used, size_image, space, params, noise })
     }
 
-    /// The frames, to be borrowed by [`Search::new`].
+    /// The frames by reference, as [`Search::new`] borrows them.
     pub(crate) fn planes(&self) -> Vec<&Plane> {
         self.frames.iter().map(|frame| &**frame).collect()
     }
 
-    /// The octaves that are searched.
+    /// Octaves that are searched.
     pub(crate) fn octaves(&self) -> Range<i32> {
         searched_octaves(&self.params, self.size_image)
     }
 }
 
-/// The noise of the burst as the parameters want it known, and the frames that are searched: with
-/// [`NoiseModelKind::White`], or where there is too little to know more, all that are used, as they are.
+/// Noise of the burst by the model in the parameters, and the frames that are searched: with [`NoiseModelKind::White`],
+/// or where there is too little data for a local model, all that are used, unchanged.
 pub(in crate::detector) fn known_noise(
     burst: &Burst,
     params: &DetectorParams,

@@ -1,7 +1,7 @@
-//! The search: extrema of D over place and scale, at each slope for itself or jointly over slope.
+//! Search: extrema of D over place and scale, at each slope for itself or jointly over slope.
 //!
-//! [`extrema`] compares samples of one slope; [`slope_window`] compares slopes and keeps what must be held of them;
-//! [`tile`] goes through all slopes of one tile and takes each candidate through its tests.
+//! [`extrema`] compares samples of one slope; [`slope_window`] compares slopes and holds their tiles; [`tile`] goes
+//! through all slopes of one tile and applies the tests to each candidate.
 
 pub mod extrema;
 pub(super) mod groups;

@@ -1,10 +1,11 @@
 //! The search through the octaves: each is cut into tiles, which run in parallel.
 //!
-//! Octaves come in turn, each starting from planes that the one before left for every slope. A tile visits the slopes
-//! in order, holding only those that its undecided candidates still need. Its height is chosen so that what the threads
-//! hold together stays bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in
-//! order, so threads cannot change the result. The first levels of all octaves are kept, for what follows; where they
-//! do not fit into the memory for all slopes, groups of slopes go through all octaves one after the other.
+//! Octaves come in turn, each starting from planes that the one before has written for every slope. A tile visits the
+//! slopes in order, holding only those that its undecided candidates still need. Its height is chosen so that the
+//! threads' memory together stays bounded (at least eight rows are held, whatever that takes). Tiles return their
+//! keypoints in order, so threads cannot change the result. The first levels of all octaves are kept for the steps
+//! after the search; where memory does not allow that for all slopes, groups of slopes go through all octaves one after
+//! the other.
 
 use crate::detector::feature::Tally;
 use crate::detector::keypoint::Keypoint;
@@ -25,23 +26,23 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What the search leaves.
+/// Result of the search.
 pub(crate) struct Searched {
-    /// In order of octaves, and within them of tiles and slopes.
+    /// Keypoints in order of octaves, and within them of tiles and slopes.
     pub(crate) keypoints: Vec<Keypoint>,
-    /// For each octave the first levels; none for the first octave, which is made from the frames. `None` where the
-    /// slopes were searched in groups, which leave nothing behind for the next.
+    /// First levels of each octave; none for the first octave, which is made from the frames. `None` where the slopes
+    /// were searched in groups, which keep none.
     pub(crate) bases: Option<Vec<FirstLevels>>,
 }
 
-/// The part of a detection's time that the search takes, about; describing takes the rest.
+/// Part of a detection's time that the search takes, about; describing takes the rest.
 pub(crate) const SEARCH_PART: f32 = 0.7;
 
 /// Keypoints by octave and tile.
 type ByTile = Vec<Vec<Vec<Keypoint>>>;
 
 impl Search<'_> {
-    /// Searches all octaves: `groups` of slopes one after the other, which together own every slope of the grid.
+    /// Searches all octaves, one of the `groups` of slopes after the other; together they own every slope of the grid.
     pub(crate) fn octaves(
         &self,
         octaves: &Range<i32>,
@@ -60,9 +61,9 @@ impl Search<'_> {
         Ok(Searched { keypoints: found.into_iter().flatten().flatten().collect(), bases })
     }
 
-    /// Searches all octaves for the keypoints of one group of slopes, which come behind those `found` of the slopes
-    /// before. Returns the first levels of all octaves if it `keeps` them; otherwise each goes as soon as nothing needs
-    /// it. What was `done` of the detection before, and its `share`, are for the progress.
+    /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` at the slopes
+    /// before. Returns the first levels of all octaves if it `keeps` them; otherwise each is freed as soon as it is no
+    /// longer needed. For the progress, `done` is the finished part of the detection, and `share` the group's.
     fn group(
         &self,
         octaves: &Range<i32>,
@@ -93,7 +94,7 @@ impl Search<'_> {
         Ok(keeps.then_some(bases))
     }
 
-    /// Where the first level of an octave at a slope of the grid comes from: the frames, or `bases`.
+    /// Source of the first level of an octave at a slope of the grid: the frames, or `bases`.
     pub(crate) fn base<'s>(&'s self, octave: i32, bases: &'s FirstLevels, slope_index: usize) -> Base<'s> {
         if octave == self.space.first_octave {
             Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave }
@@ -102,7 +103,7 @@ impl Search<'_> {
         }
     }
 
-    /// How many slopes of the first octave are stacked together.
+    /// Number of slopes of the first octave that are stacked together.
     pub(crate) fn slopes_together(&self) -> usize {
         match self.grid.u.count {
             row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
@@ -110,7 +111,7 @@ impl Search<'_> {
         }
     }
 
-    /// σ_D at `octave` and DoG level index `level_index` for each slope, where the noise is least.
+    /// σ_D at `octave` and DoG level index `level_index` for each slope, at the place of least noise.
     pub(crate) fn sigma_d(&self, octave: i32, level_index: usize) -> Vec<f32> {
         let sigma = |(slope, offsets): (Slope, &Vec<FrameOffset>)| {
             self.noise.sigma_d(&self.space, (octave, level_index as i32 - 1), (slope, offsets), self.gate_factor)
@@ -118,8 +119,8 @@ impl Search<'_> {
         self.grid.slopes().zip(&self.offsets).map(sigma).collect()
     }
 
-    /// A thread's space: one that lies unused, or a new one. Fresh memory costs as much as a good part of the search,
-    /// so it goes round.
+    /// Buffers for a thread: unused ones, or new ones. Allocating memory anew costs as much as a good part of the
+    /// search, so buffers are reused.
     pub(crate) fn take_scratch(&self) -> TileScratch {
         self.unused.lock().ok().and_then(|mut unused| unused.pop()).unwrap_or_else(|| TileScratch {
             stacked: Vec::new(),
@@ -135,7 +136,7 @@ impl Search<'_> {
         }
     }
 
-    /// The tiles of an octave of `size`: where its columns and its rows are cut.
+    /// Ranges of columns and of rows that are the tiles of an octave of `size`.
     pub(crate) fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
         let slopes = capacity(&self.grid, OtherSlopes::of(self.params));
         let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
@@ -144,8 +145,8 @@ impl Search<'_> {
         (cuts(width, TILE_COLUMNS), cuts(height, rows.clamp(8, TILE_ROWS)))
     }
 
-    /// Searches one octave for the keypoints of a group of slopes, whose first levels are `bases`. Returns what was
-    /// found, by tile, and the first levels of the next octave if asked for.
+    /// Searches one octave for the keypoints of a group of slopes, whose first levels are `bases`. Returns the
+    /// keypoints by tile, and the first levels of the next octave if `wants_next`.
     fn octave(
         &self,
         octave: i32,

@@ -1,4 +1,4 @@
-//! What does not change during a search, and the space that its threads reuse: what the tiles share.
+//! Constants of a search that its tiles share, and buffers that its threads reuse.
 
 use crate::detector::noise::gate::gate_factor;
 use crate::detector::noise_model::NoiseModel;
@@ -17,29 +17,29 @@ use crate::plane::Plane;
 use crate::plane::tile::Tile;
 use std::sync::Mutex;
 
-/// Pixels held around a tile: the refinement moves this far and looks at a neighbour there.
+/// Number of pixels held around a tile: enough for the moves of the refinement and for the neighbours that it reads.
 pub(crate) const HELD: usize = MAX_MOVES + 1;
 
-/// What does not change during a detection.
+/// Constants of a detection that its tiles share.
 pub(crate) struct Search<'a> {
     pub(crate) frames: &'a [&'a Plane],
     pub(crate) times: &'a FrameTimes,
     pub(crate) size_image: (usize, usize),
     pub(crate) grid: SlopeGrid,
-    /// For each slope, where its frames are read.
+    /// Offsets of the frames at each slope.
     pub(crate) offsets: Vec<Vec<FrameOffset>>,
     pub(crate) space: ScaleSpace,
-    /// The filters of the first octave and of the later ones.
+    /// Filters of the first octave and of the later ones.
     pub(crate) banks: (FilterBank, FilterBank),
     pub(crate) params: &'a DetectorParams,
     pub(crate) noise: &'a NoiseModel,
     pub(crate) gate_factor: f32,
     pub(crate) monitor: &'a Monitor,
-    /// Space that no thread is using.
+    /// Buffers that no thread is using.
     pub(crate) unused: Mutex<Vec<TileScratch>>,
 }
 
-/// Space that a thread reuses from tile to tile.
+/// Buffers that a thread reuses from tile to tile.
 pub(crate) struct TileScratch {
     pub(crate) stacked: Vec<Tile>,
     pub(crate) filter: FilterScratch,
@@ -49,7 +49,7 @@ pub(crate) struct TileScratch {
 }
 
 impl<'a> Search<'a> {
-    /// Of the `frames` of `inputs`.
+    /// Prepares a search of the `frames` of `inputs`.
     pub(crate) fn new(inputs: &'a Inputs, frames: &'a [&'a Plane], monitor: &'a Monitor) -> Self {
         let Inputs { times, size_image, space, params, noise, .. } = inputs;
         let grid = params.used_slopes();
@@ -70,7 +70,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The motion stack of one of the grid's slopes.
+    /// Motion stack of one of the grid's slopes.
     pub(crate) fn stack(&self, slope_index: usize) -> SlopeStack<'_> {
         let (frames, offsets) = (self.frames, &self.offsets[slope_index]);
         SlopeStack { frames, offsets, space: &self.space, size_image: self.size_image }

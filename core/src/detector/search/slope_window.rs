@@ -1,10 +1,10 @@
-//! The slopes that the search holds at once, for one tile of the octave: one, unless candidates are compared with other
-//! slopes or refined over them.
+//! Window of the slopes that the search holds at once, for one tile of the octave: one, unless candidates are compared
+//! with other slopes or refined over them.
 //!
 //! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as
-//! soon as it is found, while their tiles are still held, and with those after its own as they come: it waits for them
-//! with what is needed of its own tile, which nobody asks for any more. So a line of slopes needs two tiles, a plane
-//! one row of the grid and two.
+//! soon as it is found, while their tiles are still held, and with those after its own as they come. While it waits for
+//! them, it keeps the values that it needs of its own tile, which is then free. So a line of slopes needs two tiles, a
+//! plane one row of the grid and two.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
@@ -14,19 +14,19 @@ use crate::detector::scale_space::octave::DogTile;
 use crate::detector::search::extrema::{Candidate, beats_all_27};
 use std::ops::Range;
 
-/// A candidate that no slope so far has beaten.
+/// Candidate that no slope has beaten so far.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::detector) struct Undecided {
     /// The sample.
     pub candidate: Candidate,
-    /// Where the extremum lies between the samples, or the test that rejects it should no slope do so.
+    /// The refined extremum, or the test that rejects it if no slope does.
     pub refined: Result<Refined, Test>,
-    /// D of the refined sample at the slopes around, as far as they have come: `around[dj + 1][di + 1]`.
+    /// D of the refined sample at the slopes around, as far as they have been visited: `around[dj + 1][di + 1]`.
     around: [[f32; 3]; 3],
 }
 
 impl Undecided {
-    /// Takes note of a neighbouring slope's tile.
+    /// Reads D from a neighbouring slope's tile.
     fn look_at(&mut self, tile: &DogTile, (di, dj): (i64, i64)) {
         if let (Ok(Refined { x, y, .. }), -1..=1, -1..=1) = (self.refined, di, dj) {
             self.around[(dj + 1) as usize][(di + 1) as usize] = tile.at(self.candidate.level_index, x, y);
@@ -34,19 +34,19 @@ impl Undecided {
     }
 }
 
-/// What a candidate needs of other slopes than its own.
+/// Values at other slopes that a candidate needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::detector) enum OtherSlopes {
-    /// Nothing.
+    /// None.
     Unseen,
     /// D around it at the neighbouring slopes, to refine its slope.
     Seen,
-    /// The same, and it must beat them.
+    /// D around it at those slopes, which it must also beat.
     Beaten(SlopeNeighbours),
 }
 
 impl OtherSlopes {
-    /// What a search with `params` asks for.
+    /// Values that a search with `params` needs.
     pub(in crate::detector) fn of(params: &DetectorParams) -> Self {
         match (params.slope_extrema, params.localisation) {
             (SlopeExtrema::Joint, _) => Self::Beaten(params.slope_neighbours),
@@ -55,7 +55,8 @@ impl OtherSlopes {
         }
     }
 
-    /// Running distance from a slope of `grid` to the farthest one that is held with it; `None` for all of them.
+    /// Distance, in running slope indices, from a slope of `grid` to the farthest one that is held with it; `None` for
+    /// all of them.
     pub(in crate::detector) fn reach(self, grid: &SlopeGrid) -> Option<usize> {
         match self {
             Self::Unseen => Some(0),
@@ -70,15 +71,15 @@ impl OtherSlopes {
 pub(in crate::detector) struct SlopeWindow {
     grid: SlopeGrid,
     others: OtherSlopes,
-    /// The slopes that are visited.
+    /// Slopes that are visited.
     visited: Range<usize>,
     tiles: Vec<DogTile>,
-    /// Candidates of the slope that was made last.
+    /// Candidates of the slope that was computed last.
     candidates: Vec<Candidate>,
     undecided: Vec<Vec<Undecided>>,
 }
 
-/// How many tiles the window holds.
+/// Number of tiles that the window holds.
 pub(in crate::detector) fn capacity(grid: &SlopeGrid, others: OtherSlopes) -> usize {
     others.reach(grid).map_or(grid.len(), |reach| (reach + 1).min(grid.len()))
 }
@@ -96,13 +97,13 @@ impl SlopeWindow {
         }
     }
 
-    /// Begins another tile, at which the slopes `visited` follow one another. Candidates may be given for those only
-    /// whose neighbours are all among them.
+    /// Begins another tile, at which the consecutive slopes `visited` are visited. Only slopes whose neighbours are all
+    /// among them may have candidates.
     pub(in crate::detector) fn begin(&mut self, visited: &Range<usize>) {
         self.visited = visited.clone();
     }
 
-    /// The tile and the (emptied) candidates to be filled for slope `index`.
+    /// The tile and the (emptied) list of candidates to fill for slope `index`.
     pub(in crate::detector) fn slot_mut(&mut self, index: usize) -> (&mut DogTile, &mut Vec<Candidate>) {
         let slot = index % self.tiles.len();
         self.candidates.clear();
@@ -113,7 +114,8 @@ impl SlopeWindow {
         &self.tiles[index % self.tiles.len()]
     }
 
-    /// The slopes before slope `index` at which it is looked, and how many steps from it they lie along both axes.
+    /// Slopes before slope `index` that its candidates are compared with, and their distances from it in steps along
+    /// both axes.
     fn earlier(&self, index: usize) -> Vec<(usize, (i64, i64))> {
         let (i, j) = self.grid.coordinates(index);
         let reach = self.others.reach(&self.grid);
@@ -128,8 +130,8 @@ impl SlopeWindow {
     }
 
     /// Compares the tile of slope `made` with the candidates that wait for it, and its candidates with the slopes
-    /// before it. A candidate that `gate` lets pass and that beats them waits with what `refine` makes of it. `tally`
-    /// counts the others.
+    /// before it. A candidate that passes `gate` and beats them waits with the result of `refine`. `tally` counts the
+    /// others.
     pub(in crate::detector) fn compare(
         &mut self,
         made: usize,
@@ -173,7 +175,7 @@ impl SlopeWindow {
         self.undecided[made % slots] = waiting;
     }
 
-    /// The slopes whose candidates have been compared with all their neighbours once slope `made` has been.
+    /// Slopes whose candidates have been compared with all their neighbours once slope `made` has been compared.
     pub(in crate::detector) fn decidable(&self, made: usize) -> Range<usize> {
         let Range { start: first, end } = self.visited;
         let last = made + 1 == end;
@@ -188,21 +190,21 @@ impl SlopeWindow {
         }
     }
 
-    /// What has not been beaten at slope `index`.
+    /// Candidates of slope `index` that have not been beaten.
     pub(in crate::detector) fn undecided(&self, index: usize) -> &[Undecided] {
         &self.undecided[index % self.undecided.len()]
     }
 
-    /// The slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope
-    /// `index`. An axis on which `index` is the first or last keeps the grid's slope, and so do all where other slopes
-    /// are not looked at.
+    /// Slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope
+    /// `index`. An axis on which `index` is the first or last keeps the grid's slope, and so do both where other slopes
+    /// are not used.
     pub(in crate::detector) fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
         refined_slope(&self.grid, self.others, index, &undecided.around)
     }
 }
 
 /// See [`SlopeWindow::refined_slope`]; `around[dj + 1][di + 1]` is D of the refined sample at the slopes around slope
-/// `index`, 0 where there is none.
+/// `index`, 0 beyond the grid.
 pub(in crate::detector) fn refined_slope(
     grid: &SlopeGrid,
     others: OtherSlopes,
@@ -240,7 +242,7 @@ mod tests {
         ]
     }
 
-    /// D is `values[slope]` in the middle of a tile of 3×3 samples, and a little less around.
+    /// Fills a tile of 3×3 samples with D = `values[slope]` in the middle, and a little less around.
     fn fill(tile: &mut DogTile, value: f32) {
         tile.levels.resize_with(3, Tile::default);
         for (s, level) in tile.levels.iter_mut().enumerate() {
@@ -254,7 +256,7 @@ mod tests {
         }
     }
 
-    /// Which slopes keep a candidate in the middle, in the order in which they are decided, and D around them.
+    /// Slopes that keep a candidate in the middle, in the order in which they are decided, and D around them.
     fn kept(grid: SlopeGrid, others: OtherSlopes, values: &[f32]) -> (Vec<usize>, Vec<[[f32; 3]; 3]>, Tally) {
         let mut window = SlopeWindow::new(grid, others);
         let (mut kept, mut around, mut tally) = (Vec::new(), Vec::new(), Tally::default());

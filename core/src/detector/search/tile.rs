@@ -1,4 +1,4 @@
-//! The search of one tile over its slopes, and what becomes of its candidates.
+//! Search of one tile over its slopes, up to the decision on its candidates.
 
 use super::setup::{HELD, Search, TileScratch};
 use crate::detector::feature::Tally;
@@ -17,26 +17,26 @@ use crate::monitor::Cancelled;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
 
-/// The first test asks for this part of the peak threshold: the refinement may add to what a sample has.
+/// Part of the peak threshold that the first test uses: the refinement may add to a sample's value.
 pub const FIRST_PEAK_PART: f32 = 0.8;
 
-/// What the tiles of an octave share.
+/// Data that the tiles of an octave share.
 pub(crate) struct Octave<'a> {
     pub(crate) octave: i32,
-    /// The octave's size.
+    /// Size (columns, rows) of the octave.
     pub(crate) size: (usize, usize),
-    /// The slopes that are searched, and those that are visited for that.
+    /// Slopes that are searched, and those that are visited for that.
     pub(crate) group: &'a SlopeGroup,
-    /// Its first level at the slopes that are visited; none for the first octave.
+    /// First level of the octave at the slopes that are visited; none for the first octave.
     pub(crate) bases: &'a FirstLevels,
     pub(crate) filters: OctaveFilters,
-    /// σ_D by DoG level index and slope of the grid, where the noise is least.
+    /// σ_D by DoG level index and slope of the grid, at the place of least noise.
     pub(crate) sigma_d: Vec<Vec<f32>>,
 }
 
 impl Search<'_> {
-    /// Searches one tile over the slopes of a group. `next` are the tile's parts of the next octave's first level, one
-    /// for each slope that is visited, or none.
+    /// Searches one tile over the slopes of a group. `next` holds the tile's parts of the next octave's first level,
+    /// one for each slope that is visited, or is empty.
     pub(crate) fn tile(
         &self,
         job: &Octave<'_>,
@@ -63,7 +63,7 @@ impl Search<'_> {
                 if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
             let thresholds = self.thresholds(&job.sigma_d, index);
             let (dog, candidates) = window.slot_mut(index);
-            // Rows are searched while they are still in the cache, as soon as the row below them is there.
+            // Rows are searched while they are still in the cache, as soon as the row below them is finished.
             let mut searched = region.rows.start;
             let mut search = |levels: &[Tile], finished: Range<usize>| {
                 if !own.contains(&index) {
@@ -93,7 +93,7 @@ impl Search<'_> {
         Ok((keypoints, tally))
     }
 
-    /// What a sample at slope `slope_index` must reach, where σ_D by level index and slope is `sigma_d`.
+    /// Thresholds for a sample at slope `slope_index`, where σ_D by level index and slope is `sigma_d`.
     pub(crate) fn thresholds(&self, sigma_d: &[Vec<f32>], slope_index: usize) -> Thresholds {
         Thresholds {
             peak: FIRST_PEAK_PART * self.params.peak_threshold,
@@ -101,8 +101,7 @@ impl Search<'_> {
         }
     }
 
-    /// σ_D of a candidate: the noise there, and where fewer frames cover a place the mean is noisier, by the square
-    /// root.
+    /// σ_D of a candidate, for the noise at its place and the number of frames that cover it.
     fn sigma_d_at(&self, job: &Octave<'_>, slope_index: usize, candidate: &Candidate) -> f32 {
         job.sigma_d[candidate.level_index][slope_index]
             * self.place_factor(job.octave, slope_index, candidate.x, candidate.y)
@@ -113,12 +112,12 @@ impl Search<'_> {
         candidate.value.abs() >= self.gate_factor * sigma_d
     }
 
-    /// What a refined candidate must satisfy.
+    /// Limits for a refined candidate.
     pub(crate) fn limits(&self) -> Limits {
         Limits { peak_threshold: self.params.peak_threshold, edge_threshold: self.params.edge_threshold }
     }
 
-    /// Compares the slope that was made last with the others that are held.
+    /// Compares the slope that was computed last with the others that are held.
     fn compare(&self, job: &Octave<'_>, window: &mut SlopeWindow, made: usize, tally: &mut Tally) {
         window.compare(
             made,
@@ -128,7 +127,7 @@ impl Search<'_> {
         );
     }
 
-    /// Appends the keypoints among what no slope has beaten at one slope, and counts the others.
+    /// Appends the keypoints among the unbeaten candidates of one slope, and counts the others.
     fn decide(
         &self,
         job: &Octave<'_>,
@@ -150,7 +149,7 @@ impl Search<'_> {
         }
     }
 
-    /// The keypoint that a refined candidate makes, whose noise is `sigma_d`.
+    /// Keypoint of a refined candidate whose noise is `sigma_d`.
     pub(crate) fn keypoint(
         &self,
         octave: i32,
@@ -179,8 +178,8 @@ impl Search<'_> {
     }
 }
 
-/// √(N / frames that cover the octave pixel (x, y) in the stack whose frames are read at `offsets`), times by how much
-/// the noise is larger there than where it is least.
+/// √(N / number of frames that cover the octave pixel (x, y) in the stack whose frames are read at `offsets`), times
+/// the ratio of the noise there to its smallest value.
 pub(crate) fn place_factor(
     noise: &NoiseModel,
     octave: i32,

@@ -1,8 +1,8 @@
-//! What windows of all places and sizes say about the slopes of a burst.
+//! Evidence on the slopes of a burst, from windows of all places and sizes.
 //!
-//! Each level is covered by half-overlapping windows. Correlations of windows can be added up: over a sixteenth of the
-//! image, a quarter, the whole. Small windows see several depths and small layers apart; large ones see what is too
-//! faint for a small one.
+//! Each level is covered by half-overlapping windows. Correlations of windows can be summed: over a sixteenth of the
+//! image, a quarter, the whole. Small windows separate several depths and small layers; large ones show structures that
+//! are too faint for a small one.
 
 use super::peak::{Peak, SearchTable, Track};
 use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
@@ -13,49 +13,50 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What one window, or several added up, say about the slope there.
+/// Evidence of one window, or of the sum of several, on the slope there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlopeEvidence {
-    /// The slope at which the motion stack has the most power, pixels per frame.
+    /// Slope at which the motion stack has the most power, pixels per frame.
     pub slope: Slope,
-    /// That power, without what each frame has alone, over its standard deviation if the frames had nothing in common.
+    /// Power at that slope, without each frame's own, divided by its standard deviation if the frames had nothing in
+    /// common.
     pub significance: f32,
-    /// How far off the slope may be, pixels per frame, in the direction in which it is least certain (along an edge).
+    /// Possible error of the slope, pixels per frame, in the direction in which it is least certain (along an edge).
     pub uncertainty: f32,
-    /// The power at the strongest other slope over that at this one: near 1 on periodic texture.
+    /// Power at the strongest other slope divided by that at this one: near 1 on periodic texture.
     pub ambiguity: f32,
     /// Level of the pyramid: pixels of 2^level image pixels.
     pub level: u32,
     /// Centre of the window, image pixels.
     pub centre: [f32; 2],
-    /// Columns and rows of the window, image pixels.
+    /// Size (columns, rows) of the window, image pixels.
     pub size: [f32; 2],
 }
 
-/// What was seen at all levels.
+/// Evidence of all levels.
 pub(super) struct Seen {
-    /// Of every window that has any signal at all.
+    /// Evidence of every window that has any signal.
     pub evidence: Vec<SlopeEvidence>,
     /// For each level, the products summed over the whole image.
     pub wholes: Vec<CrossSpectra>,
 }
 
-/// Blocks along each axis in which windows are added up first.
+/// Number of blocks along each axis in which windows are summed first.
 const BLOCKS: usize = 4;
-/// Half-overlapping windows share noise: the variance of their sum over the sum of their variances.
+/// Variance of a sum of half-overlapping windows, which share noise, divided by the sum of their variances.
 const SHARED_NOISE: f64 = 1.37;
 
-/// What the same work on all windows needs.
+/// Data shared by the work on all windows.
 pub(super) struct Looking<'a> {
     pub fourier: &'a Fourier,
     pub table: &'a SearchTable,
     /// Frames at each level, the finest first.
     pub levels: &'a [Vec<Plane>],
-    /// Which level the first of them is.
+    /// Level of the first of them.
     pub first_level: u32,
 }
 
-/// Looks at every window at every level.
+/// Collects the evidence of every window at every level.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -111,7 +112,7 @@ impl Looking<'_> {
         Ok(seen)
     }
 
-    /// The windows of one block: what each of them says, and their sum.
+    /// Evidence of each window of one block, and their sum.
     fn block(&self, level: usize, block: usize, monitor: &Monitor) -> Result<(Vec<SlopeEvidence>, Sum), Cancelled> {
         let frames = &self.levels[level];
         let (width, height) = frames[0].size();
@@ -161,18 +162,18 @@ impl Looking<'_> {
     }
 }
 
-/// Where half-overlapping windows begin that cover `length` pixels evenly.
+/// Starts of half-overlapping windows that cover `length` pixels evenly.
 fn starts(length: usize) -> Vec<usize> {
     let room = length.saturating_sub(SIDE);
     let steps = room.div_ceil(SIDE / 2);
     (0..=steps).map(|i| (i * room).checked_div(steps).unwrap_or(0)).collect()
 }
 
-/// Windows added up.
+/// Sum of several windows.
 struct Sum {
     products: CrossSpectra,
     windows: usize,
-    /// Columns and rows that they cover, level pixels.
+    /// Columns and rows that the windows cover, level pixels.
     area: [Range<usize>; 2],
 }
 

@@ -1,10 +1,10 @@
-//! What the slope finder answers.
+//! Result of the slope finder.
 
 use super::evidence::SlopeEvidence;
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use serde::Serialize;
 
-/// What a burst shows of its motion.
+/// Kind of motion that a burst shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlopeVerdict {
@@ -16,56 +16,57 @@ pub enum SlopeVerdict {
     NothingSeen,
     /// The picture does not move uniformly: no slope aligns all frames.
     NotStraight,
-    /// The frames move by more than a third of the picture: a film that is to be cut into bursts.
+    /// The frames move by more than a third of the picture: a film that should be cut into bursts.
     Film,
 }
 
-/// Power of the motion stack over slopes, for the whole image at the finest level looked at.
+/// Power of the motion stack over slopes, for the whole image at the finest level used.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SlopeSpectrum {
-    /// Pixels per frame.
+    /// Slopes, pixels per frame.
     pub slopes: Vec<Slope>,
-    /// For each slope, the power without what each frame has alone, over its standard deviation if the frames had
-    /// nothing in common.
+    /// For each slope, the power without each frame's own, divided by its standard deviation if the frames had nothing
+    /// in common.
     pub significance: Vec<f32>,
 }
 
-/// The slopes to be searched, and why.
+/// Slopes to search, and the evidence for them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlopeFinding {
-    /// What is to be searched.
+    /// Grid to search.
     pub grid: SlopeGrid,
-    /// What the burst shows.
+    /// Kind of motion.
     pub verdict: SlopeVerdict,
-    /// How sure that is: the part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds.
-    /// 0 where nothing is seen.
+    /// Confidence: the part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds. 0
+    /// where there is none.
     pub confidence: f32,
-    /// Power of the strongest window over the standard deviation that frames with nothing in common would give it. What
-    /// counts begins at 6.5 for a large window and 11.5 for a small one.
+    /// Power of the strongest window divided by its standard deviation if the frames had nothing in common. A window
+    /// counts from 6.5 if it is large, and from 11.5 if it is small.
     pub significance: f32,
-    /// Where most of the picture moves, degrees from +u towards +v, −180 … 180; `None` where nothing moves.
+    /// Direction in which most of the picture moves, degrees from +u towards +v, −180 … 180; `None` where nothing moves
+    /// or nothing is seen.
     pub direction_deg: Option<f32>,
-    /// How far the picture typically moves from the first to the last frame, pixels.
+    /// Typical motion of the picture from the first to the last frame, pixels.
     pub moved_px: f32,
-    /// The largest distance of the picture's way from a uniform motion, pixels; `None` where single frames are too
-    /// noisy to tell.
+    /// Largest distance of the picture's path from a uniform motion, pixels; `None` where single frames are too noisy
+    /// to measure it.
     pub deviation_px: Option<f32>,
-    /// What each window says.
+    /// Evidence of each window.
     #[serde(skip)]
     pub evidence: Vec<SlopeEvidence>,
-    /// The power over slopes.
+    /// Power over slopes.
     #[serde(skip)]
     pub spectrum: SlopeSpectrum,
 }
 
 impl SlopeFinding {
-    /// Slope 0, `confidence` of it.
+    /// Finding of slope 0 with `confidence`.
     pub(super) fn still(confidence: f32) -> Self {
         let grid = SlopeGrid::single(Slope::default());
         Self { grid, verdict: SlopeVerdict::Still, confidence, ..Self::nothing(0.0) }
     }
 
-    /// The usual grid, because nothing is seen: `significance` is too little.
+    /// Finding of the usual grid, because nothing is seen: `significance` is too small.
     pub(super) fn nothing(significance: f32) -> Self {
         Self {
             grid: SlopeGrid::default(),
@@ -80,7 +81,8 @@ impl SlopeFinding {
         }
     }
 
-    /// The same with the distance from a uniform motion, and the one above which it changes the verdict, in pixels.
+    /// Sets the distance from a uniform motion. `deviation` is this distance and the limit above which it changes the
+    /// verdict, in pixels.
     pub(super) fn with_deviation(self, deviation: Option<[f64; 2]>) -> Self {
         let bent = deviation.is_some_and(|[distance, limit]| distance > limit);
         let verdict = match self.verdict {
@@ -90,7 +92,7 @@ impl SlopeFinding {
         Self { verdict, deviation_px: deviation.map(|[distance, _]| distance as f32), ..self }
     }
 
-    /// One line for people: the verdict, the grid, and how sure it is.
+    /// One line of text: the verdict, the grid, and the confidence.
     pub fn summary(&self) -> String {
         let grid = grid_text(&self.grid);
         let sure = format!("{:.0} % of what is seen agrees", 100.0 * self.confidence);
@@ -110,7 +112,7 @@ impl SlopeFinding {
     }
 }
 
-/// A grid as the options of the command line would give it.
+/// Text of a grid, as the options of the command line take it.
 pub fn grid_text(grid: &SlopeGrid) -> String {
     let direction = if grid.direction_deg == 0.0 { String::new() } else { format!(" at {}°", grid.direction_deg) };
     match (grid.u.count, grid.v.count) {

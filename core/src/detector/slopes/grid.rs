@@ -1,62 +1,62 @@
-//! From evidence to the grid of slopes that is to be searched.
+//! Choice of the grid of slopes to search, from the evidence.
 //!
-//! A window counts when it is significant, determines its slope in both directions, and is not ambiguous. One that is
-//! not beyond doubt counts only when another one says the same, so that one that errs does not widen the range. The
-//! range ends one step beyond what is left. If that lies on a line through slope 0, the grid is this line, otherwise a
-//! plane, turned if that makes it much smaller.
+//! A window counts when it is significant, determines its slope in both directions, and is not ambiguous. If it is not
+//! certain by itself, it counts only when another one agrees, so that one that errs does not widen the range. The range
+//! ends one step beyond the windows that count. If they lie on a line through slope 0, the grid is this line, otherwise
+//! a plane, turned if that makes it much smaller.
 
 use super::evidence::SlopeEvidence;
 use super::spectra::SIDE;
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 
-/// Significance from which a large window counts.
+/// Significance from which on a large window counts.
 const LARGE_SIGNIFICANCE: f32 = 6.5;
-/// What a window of the smallest size needs beyond that. The power in few pixels is far from normally distributed:
-/// among the windows of 28 bursts of pure noise the largest had 9.8.
+/// Additional significance for a window of the smallest size to count. The power in few pixels is far from normally
+/// distributed: among the windows of 28 bursts of pure noise the largest had 9.8.
 const SMALL_SIGNIFICANCE: f32 = 5.0;
-/// Ambiguity from which a window does not count.
+/// Ambiguity from which on a window does not count.
 const MAX_AMBIGUITY: f32 = 0.85;
 /// Uncertainty up to which one of the smallest windows counts, in steps that smear the finest features.
 const SMALL_UNCERTAINTY: f64 = 0.8;
-/// The same for larger windows, in which noise matters less.
+/// Uncertainty up to which a larger window counts, in such steps; noise matters less there.
 const LARGE_UNCERTAINTY: f64 = 1.2;
-/// From this significance on, and at most this ambiguity, a window is beyond doubt.
+/// Significance from which on, and ambiguity up to which, a window is certain by itself.
 const SURE_SIGNIFICANCE: f32 = 13.0;
 const SURE_AMBIGUITY: f32 = 0.6;
-/// Windows that must speak for slopes beside a line.
+/// Minimum number of windows beside a line that make the grid a plane.
 const LEAST_BESIDE: usize = 3;
-/// Slopes on a line, at most, unless the step would exceed [`COARSEST`] of the right one.
+/// Maximum number of slopes on a line, unless the step would exceed [`COARSEST`] times the right one.
 const LINE_SLOPES: usize = 25;
-/// Slopes along each axis of a plane, with the same exception.
+/// Maximum number of slopes along each axis of a plane, with that exception.
 const PLANE_SLOPES: usize = 9;
-/// The coarsest step, in right ones.
+/// Coarsest step, as a multiple of the right one.
 const COARSEST: f64 = 2.0;
-/// A direction within this of an axis is taken as the axis, if the evidence allows it: whole pixels are searched
-/// faster.
+/// Angle from an axis below which a direction is taken as the axis, if the evidence allows it: whole pixels are
+/// searched faster.
 const SNAP_DEG: f64 = 5.0;
-/// A plane is turned when that leaves at most this part of its slopes.
+/// Area that a turned plane may have at most, as a part of that of the plane along u and v.
 const MUCH_SMALLER: f64 = 0.6;
 
-/// Steps that decide what is near and what is far, pixels per frame.
+/// Steps that define near and far slopes, pixels per frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Steps {
-    /// The right step of the search.
+    /// Step of the search.
     pub search: f64,
-    /// A step that smears the outermost frames by 1.9 px: what "the same slope" means to evidence.
+    /// Step that smears the outermost frames by 1.9 px: evidence of slopes within it is of one slope.
     pub same: f64,
 }
 
-/// Whether a window shows more than noise would.
+/// Whether a window shows more than noise does.
 pub(super) fn is_significant(evidence: &SlopeEvidence) -> bool {
     evidence.significance >= LARGE_SIGNIFICANCE + SMALL_SIGNIFICANCE / side_in_smallest(evidence)
 }
 
-/// The side of a square as large as the window, in sides of the smallest window at its level.
+/// Side of a square as large as the window, in sides of the smallest window at its level.
 fn side_in_smallest(evidence: &SlopeEvidence) -> f32 {
     (evidence.size[0] * evidence.size[1]).sqrt() / (SIDE << evidence.level) as f32
 }
 
-/// Whether a window says clearly which slope it has.
+/// Whether a window determines its slope clearly.
 pub(super) fn is_clear(evidence: &SlopeEvidence, steps: Steps) -> bool {
     let limit = if side_in_smallest(evidence) > 1.2 { LARGE_UNCERTAINTY } else { SMALL_UNCERTAINTY };
     is_significant(evidence)
@@ -64,7 +64,7 @@ pub(super) fn is_clear(evidence: &SlopeEvidence, steps: Steps) -> bool {
         && evidence.ambiguity < MAX_AMBIGUITY
 }
 
-/// Those of `evidence` that are beyond doubt or that another one confirms.
+/// Members of `evidence` that are certain by themselves or that another one confirms.
 pub(super) fn confirmed(evidence: &[SlopeEvidence], steps: Steps) -> Vec<SlopeEvidence> {
     let is_sure = |e: &SlopeEvidence| e.significance >= SURE_SIGNIFICANCE && e.ambiguity <= SURE_AMBIGUITY;
     let confirms = |a: &SlopeEvidence, b: &SlopeEvidence| {
@@ -76,7 +76,7 @@ pub(super) fn confirmed(evidence: &[SlopeEvidence], steps: Steps) -> Vec<SlopeEv
     (0..evidence.len()).filter(counts).map(|i| evidence[i]).collect()
 }
 
-/// The grid for confirmed evidence; `line_deg` is a direction that was asked for. `None` without evidence.
+/// Grid for confirmed evidence; `line_deg` is a direction that the user gave. `None` without evidence.
 pub(super) fn grid_for(evidence: &[SlopeEvidence], steps: Steps, line_deg: Option<f32>) -> Option<SlopeGrid> {
     if evidence.is_empty() {
         return None;
@@ -98,7 +98,7 @@ pub(super) fn grid_for(evidence: &[SlopeEvidence], steps: Steps, line_deg: Optio
     Some(if smaller { turned } else { straight })
 }
 
-/// The direction, in degrees, of the line through slope 0 on which the evidence lies, if it does.
+/// Direction, in degrees, of the line through slope 0 on which the evidence lies; `None` where it does not.
 fn line_through(evidence: &[SlopeEvidence], steps: Steps) -> Option<f64> {
     let degrees = direction_deg(evidence);
     let near = |axis: f64| {
@@ -117,8 +117,8 @@ fn off_line(evidence: &[SlopeEvidence], degrees: f64, steps: Steps) -> Vec<Slope
     confirmed(&off, steps)
 }
 
-/// Where most of the evidence moves, in degrees from +u towards +v, −180 … 180: the direction of the line through slope
-/// 0 that fits it best.
+/// Direction in which most of the evidence moves, in degrees from +u towards +v, −180 … 180: that of the line through
+/// slope 0 that fits it best.
 pub(super) fn direction_deg(evidence: &[SlopeEvidence]) -> f64 {
     let degrees = principal_deg(evidence, [0.0, 0.0]);
     let forward: f64 = evidence.iter().map(|e| f64::from(e.significance) * turned(e.slope, degrees)[0]).sum();
@@ -129,14 +129,14 @@ pub(super) fn direction_deg(evidence: &[SlopeEvidence]) -> f64 {
     }
 }
 
-/// The direction in which the evidence is spread most, −90 … 90°.
+/// Direction in which the evidence is spread most, −90 … 90°.
 fn spread_deg(evidence: &[SlopeEvidence]) -> f64 {
     let n = evidence.len() as f64;
     let mean = |axis: fn(&Slope) -> f32| evidence.iter().map(|e| f64::from(axis(&e.slope))).sum::<f64>() / n;
     principal_deg(evidence, [mean(|s| s.u), mean(|s| s.v)])
 }
 
-/// The principal direction of the evidence about `centre`, −90 … 90°.
+/// Principal direction of the evidence about `centre`, −90 … 90°.
 fn principal_deg(evidence: &[SlopeEvidence], centre: [f64; 2]) -> f64 {
     let (mut uu, mut uv, mut vv) = (0.0, 0.0, 0.0);
     for e in evidence {
@@ -146,14 +146,14 @@ fn principal_deg(evidence: &[SlopeEvidence], centre: [f64; 2]) -> f64 {
     (0.5 * (2.0 * uv).atan2(uu - vv)).to_degrees()
 }
 
-/// The slope along and across a direction.
+/// Components of a slope along and across a direction.
 pub(super) fn turned(slope: Slope, degrees: f64) -> [f64; 2] {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let (u, v) = (f64::from(slope.u), f64::from(slope.v));
     [u * cos + v * sin, v * cos - u * sin]
 }
 
-/// The ranges of the evidence along and across a direction.
+/// Ranges of the evidence along and across a direction.
 fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f64; 2]) {
     let mut out = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for e in evidence {
@@ -164,10 +164,10 @@ fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f64; 2]) {
     (out[0], out[1])
 }
 
-/// Slopes from one step below `range` to one step above it.
+/// Axis of slopes from one step below `range` to one step above it.
 fn axis([min, max]: [f64; 2], step: f64, slopes: usize) -> SlopeAxis {
     let (min, max) = (min - step, max + step);
-    // A hundredth of a pixel per frame is enough, and can be read.
+    // Multiples of a hundredth of a pixel per frame are precise enough, and readable.
     let (min, max) = ((100.0 * min).floor() / 100.0, (100.0 * max).ceil() / 100.0);
     let with_step = |step: f64| ((max - min) / step - 0.05).ceil().max(2.0) as usize + 1;
     let count = with_step(step).min(slopes.max(with_step(COARSEST * step)));

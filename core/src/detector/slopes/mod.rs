@@ -1,12 +1,11 @@
-//! Slopes found by themselves: which slopes a burst needs, from the burst alone.
+//! Slope finder: finds the slopes that a burst needs from the burst alone.
 //!
-//! A feature shows where the motion stack at its slope has structure. So the power of the band-passed motion stack,
-//! over the plane of slopes, says which slopes there are. It is a sum over pairs of frames of their correlation at the
-//! shift that the slope gives them; leaving out each frame's product with itself leaves out what its noise adds.
-//! `spectra` makes the correlations of small windows by FFT, `peak` finds the slope that a window speaks for, with
-//! its significance, `evidence` does this for windows of many places and sizes at several scales, `straight` tests
-//! whether the motion is uniform, and `grid` chooses what is searched. A histogram of features would not do: in the
-//! dark it is flat.
+//! A feature appears where the motion stack at its slope has structure. So the power of the band-passed motion stack,
+//! over the plane of slopes, shows which slopes occur. It is a sum over pairs of frames of their correlation at the
+//! shift that the slope gives them; omitting each frame's product with itself omits the power of its noise. `spectra`
+//! computes the correlations of small windows by FFT, `peak` finds a window's slope with its significance, `evidence`
+//! does this for windows of many places and sizes at several scales, `straight` tests whether the motion is uniform,
+//! and `grid` chooses the slopes to search. A histogram of features would not work: in the dark it is flat.
 //!
 //! (The paper gives the range of slopes by hand.)
 
@@ -35,23 +34,23 @@ use grid::{Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, 
 use peak::{SearchTable, Track};
 use spectra::{Fourier, MAX_LAG, SIDE};
 
-/// Smear of the outermost frames, in pixels, below which two slopes are the same to the finder: about the σ of the
-/// finest features of a first octave 0.
+/// Smear of the outermost frames, in pixels, below which two slopes are equal for the finder: about the σ of the finest
+/// features of a first octave 0.
 const SAME_SMEAR_PX: f64 = 1.9;
-/// Distance from a uniform motion, in pixels, from which the motion is said not to be straight: then the finest
-/// features are smeared.
+/// Distance from a uniform motion, in pixels, above which the motion is not straight: then the finest features are
+/// smeared.
 const STRAIGHT_PX: f64 = 1.4;
-/// A burst whose frames move by more than this part of the picture is a film.
+/// Motion above which a burst is a film, as a part of the picture.
 const FILM_PART: f64 = 1.0 / 3.0;
-/// The picture stands still when no slope moves a point by more than this from the first to the last frame, pixels.
+/// Motion of the picture from the first to the last frame, pixels, up to which it stands still.
 const STILL_PX: f64 = 0.95;
 
-/// Finds the slopes that the frames of `burst` which `params` use show, on the line in direction `direction_deg`
-/// (degrees from +u towards +v) or anywhere in the plane.
+/// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
+/// from +u towards +v) or anywhere in the plane.
 ///
 /// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ/(N−1) for the
-/// finest σ searched, or coarser where the range is long. The same burst gives the same bits, whatever the number of
-/// threads.
+/// finest σ searched, or coarser where the range is long. An unchanged burst gives bitwise equal results, whatever the
+/// number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -82,7 +81,7 @@ pub fn find_slopes(
     Ok(SlopeFinding { spectrum: spectrum(&seen, &table, levels.start), ..finding.with_deviation(deviation) })
 }
 
-/// The steps that decide what is near and far for a search with `params` of `frames` frames.
+/// Steps that define near and far slopes for a search with `params` of `frames` frames.
 fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
     let gaps = (frames.max(2) - 1) as f64;
     let space = ScaleSpace::of(params);
@@ -93,8 +92,8 @@ fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
 }
 
 impl SlopeFinding {
-    /// The evidence by which the grid is chosen, for a search of `frame_count` frames with `params`: significant,
-    /// clear, and beyond doubt or confirmed.
+    /// Evidence from which the grid is chosen, for a search of `frame_count` frames with `params`: significant, clear,
+    /// and certain by itself or confirmed.
     pub fn confirmed(&self, params: &DetectorParams, frame_count: usize) -> Vec<SlopeEvidence> {
         let steps = steps_of(params, params.used_frames(frame_count).len());
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
@@ -102,8 +101,8 @@ impl SlopeFinding {
     }
 }
 
-/// The parameters with which `burst` is searched, and what was found of its slopes if they were to be found. The
-/// baselines' methods have none to find.
+/// Parameters with which `burst` is searched, and the finding where the slopes are found from it. The baselines have no
+/// slopes to find.
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
@@ -120,23 +119,23 @@ pub fn resolve(
     if params.detector.method != Method::Buff {
         return Ok((params.detector.clone(), None));
     }
-    // Everything but the slopes is checked before they are looked for.
+    // All parameters but the slopes are checked before the slopes are searched.
     let unmoved = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params.detector.clone() };
     unmoved.validate_for(burst.len(), burst.size())?;
     let finding = find_slopes(burst, &unmoved, direction_deg, monitor)?;
     Ok((DetectorParams { slopes: finding.grid, ..unmoved }, Some(finding)))
 }
 
-/// What the limits of a motion are measured with.
+/// Sizes that limit a motion.
 #[derive(Clone, Copy)]
 struct Size {
-    /// Frames less one.
+    /// Number of frames less one.
     gaps: f64,
-    /// (columns, rows).
+    /// Size (columns, rows) of the image.
     pixels: (usize, usize),
 }
 
-/// The grid and the verdict, as if the motion were straight.
+/// Grid and verdict under the assumption that the motion is straight.
 fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> SlopeFinding {
     let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
     let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
@@ -170,13 +169,13 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     }
 }
 
-/// Whether a point at mid-burst that moves by `slope` is still inside the picture at its ends.
+/// Whether a point at mid-burst that moves by `slope` is still inside the picture at the burst's ends.
 fn stays_inside(slope: Slope, size: Size) -> bool {
     let reach = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
     reach(slope.u, size.pixels.0) && reach(slope.v, size.pixels.1)
 }
 
-/// The median of a value over the evidence, weighted by significance.
+/// Median of a value over the evidence, weighted by significance.
 fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) -> f64 {
     let mut values: Vec<(f64, f64)> = evidence.iter().map(|e| (value(e), f64::from(e.significance))).collect();
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -191,7 +190,7 @@ fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) ->
         .map_or(0.0, |v| v.0)
 }
 
-/// The part of the significant evidence, by significance, whose slope the grid holds.
+/// Part of the significant evidence, by significance, whose slope the grid holds.
 fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f32 {
     let holds = |e: &&SlopeEvidence| {
         let around = (0.5 * steps.search).max(f64::from(e.uncertainty).min(steps.same));
@@ -205,8 +204,8 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
     sum(&mut significant.iter().filter(holds)) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
 }
 
-/// The largest distance from a uniform motion, and the one from which it is said not to be straight, image pixels, at
-/// the finest level that can tell.
+/// Largest distance from a uniform motion, and the limit above which it is not straight, image pixels, at the finest
+/// level that can measure it.
 fn straightness(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<[f64; 2]> {
     let mut levels = seen.wholes.iter().zip(first_level..);
     levels.find_map(|(whole, level)| {
@@ -215,7 +214,7 @@ fn straightness(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<[f64
     })
 }
 
-/// The power over slopes of the whole image, at the finest level.
+/// Power over slopes of the whole image, at the finest level.
 fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum {
     let Some(whole) = seen.wholes.first() else {
         return SlopeSpectrum::default();

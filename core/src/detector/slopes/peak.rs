@@ -1,62 +1,62 @@
-//! The slope that a window's correlations speak for, and how clearly.
+//! Peak of the power of a window over slopes, with its significance and ambiguity.
 //!
-//! The power of the motion stack at slope λ, without what each frame has alone, is P(λ) = Σ_k A_k(k·λ), where A_k is
-//! the correlation summed over the pairs of lag k. A point that moves leaves the window, which lowers A_k at a shift d
-//! by the window's overlap with itself, W(d). So A_k/W is an unbiased measure and W² the weight that it deserves. The
-//! noise in P follows from the frames' own spectra; P over its deviation is the significance, z.
+//! The power of the motion stack at slope λ, without each frame's own, is P(λ) = Σ_k A_k(k·λ), where A_k is the
+//! correlation summed over the pairs of lag k. A point that moves leaves the window, which lowers A_k at a shift d by
+//! the window's overlap with itself, W(d). So A_k/W is an unbiased measure and W² its weight. The noise in P follows
+//! from the frames' own spectra; P over its standard deviation is the significance, z.
 //!
-//! The strongest of a grid of slopes is refined by Newton's method on all lags. How far P falls around it says how well
-//! the slope is determined: along an edge it doesn't fall at all. The strongest other slope, compared with it, says how
-//! ambiguous the answer is: periodic texture has such aliases.
+//! The strongest of a grid of slopes is refined by Newton's method on all lags. The decrease of P around it gives the
+//! uncertainty of the slope: along an edge P does not decrease. The strongest other slope, compared with it, gives the
+//! ambiguity: periodic texture has such aliases.
 
 use super::spectra::SIDE;
 
-/// Shifts that are looked at, level pixels: further out little of the window overlaps.
+/// Largest shift used, level pixels: at larger ones little of the window overlaps.
 const REACH: f64 = 0.4 * SIDE as f64;
-/// Lags that the grid of slopes is searched with; the refinement uses all.
+/// Number of lags with which the grid of slopes is searched; the refinement uses all.
 const SEARCH_LAGS: usize = 5;
-/// The largest shift between neighbouring slopes of the grid, level pixels.
+/// Largest shift between neighbouring slopes of the grid, level pixels.
 const SEARCH_STEP: f64 = 0.8;
-/// Overlaps below this count as none.
+/// Overlap below which there is taken to be none.
 const LEAST_OVERLAP: f32 = 0.03;
-/// Part of P by which texture may shift its peak, beside the noise.
+/// Part of P by which texture may shift its peak, in addition to the noise.
 const TEXTURE_PART: f64 = 0.01;
-/// Newton steps at most.
+/// Maximum number of Newton steps.
 const STEPS: usize = 5;
 
-/// The slopes that are looked at.
+/// Slopes to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Track {
     /// All of the plane.
     Plane,
-    /// Those along a unit vector (u, v).
+    /// Slopes along a unit vector (u, v).
     Line([f64; 2]),
 }
 
-/// What a window speaks for. Slopes are in level pixels per frame.
+/// Slope of a window, in level pixels per frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Peak {
-    /// The slope (u, v).
+    /// Slope (u, v).
     pub slope: [f64; 2],
-    /// Power there over the deviation that frames with nothing in common would give it.
+    /// Power there divided by its standard deviation if the frames had nothing in common.
     pub significance: f64,
-    /// How far off the slope may be in the direction in which it is least certain.
+    /// Possible error of the slope in the direction in which it is least certain.
     pub uncertainty: f64,
-    /// Power at the strongest other slope over that at this one.
+    /// Power at the strongest other slope divided by that at this one.
     pub ambiguity: f64,
 }
 
-/// One lag of one slope of the grid: where to read its correlation.
+/// Indices and weights for reading the correlation of one lag at one slope of the grid.
 struct Tap {
     at: [u16; 4],
     weight: [f32; 4],
     overlap: f32,
 }
 
-/// The slopes of the search, with where they read the correlations. The same for all windows of all levels.
+/// Slopes of the search, with the taps that read the correlations. Shared by all windows of all levels.
 pub(super) struct SearchTable {
     track: Track,
-    /// Level pixels per frame.
+    /// Slopes, level pixels per frame.
     slopes: Vec<[f64; 2]>,
     taps: Vec<Vec<Tap>>,
     step: f64,
@@ -64,7 +64,7 @@ pub(super) struct SearchTable {
 }
 
 impl SearchTable {
-    /// For `lag_count` lags and windows whose overlap with themselves is `overlap`.
+    /// Table for `lag_count` lags and windows whose overlap with themselves is `overlap`.
     pub fn new(lag_count: usize, track: Track, overlap: &[f32]) -> Self {
         let lags = lag_count.clamp(1, SEARCH_LAGS);
         let step = SEARCH_STEP / lags as f64;
@@ -81,8 +81,8 @@ impl SearchTable {
         Self { track, slopes, taps, step, overlap: overlap.to_vec() }
     }
 
-    /// What the correlations `planes` of lags 1, 2, … speak for, given the variance of their noise; `None` where they
-    /// are all zero.
+    /// Peak of the correlations `planes` of lags 1, 2, …, given the variance of their noise; `None` where the variance
+    /// is zero, or no slope has power.
     pub fn strongest(&self, planes: &[Vec<f32>], variance: &[f64]) -> Option<Peak> {
         if variance.iter().all(|v| *v <= 0.0) {
             return None;
@@ -92,7 +92,7 @@ impl SearchTable {
         let stack = Stack { planes: &unbiased, variance, overlap: &self.overlap };
         let first = best(&scores, |_| true)?;
         let peak = self.refined(&stack, self.slopes[first], STEPS)?;
-        // A peak of the grid's search is as wide as its lags see it.
+        // The width of a peak in the grid's search follows from its lags.
         let apart = 6.0 * self.step;
         let distance = |s: &[f64; 2]| (s[0] - peak.slope[0]).hypot(s[1] - peak.slope[1]);
         let other = best(&scores, |i| distance(&self.slopes[i]) > apart);
@@ -109,12 +109,12 @@ impl SearchTable {
         }
     }
 
-    /// The slopes of the grid, level pixels per frame.
+    /// Slopes of the grid, level pixels per frame.
     pub fn slopes(&self) -> &[[f64; 2]] {
         &self.slopes
     }
 
-    /// The significance at every slope of the grid, from the first few lags.
+    /// Significance at every slope of the grid, from the first few lags.
     pub fn scores(&self, planes: &[Vec<f32>], variance: &[f64]) -> Vec<f64> {
         let score = |taps: &Vec<Tap>| {
             let (mut power, mut noise) = (0.0f64, 0.0f64);
@@ -129,7 +129,7 @@ impl SearchTable {
         self.taps.iter().map(score).collect()
     }
 
-    /// The nearest maximum of P, by Newton's method from `slope` on.
+    /// Maximum of P nearest to `slope`, by Newton's method.
     fn refined(&self, stack: &Stack<'_>, slope: [f64; 2], steps: usize) -> Option<Peak> {
         let axes = match self.track {
             Track::Plane => [[1.0, 0.0], [0.0, 1.0]],
@@ -160,7 +160,7 @@ impl SearchTable {
                 return answer;
             }
             let significance = middle / deviation;
-            // The smallest curvature of P, as a fraction of it.
+            // Smallest curvature of P.
             let mean = 0.5 * (bend_00 + bend_11);
             let min =
                 if both { mean - (0.25 * (bend_00 - bend_11).powi(2) + bend_01 * bend_01).sqrt() } else { bend_00 };
@@ -187,13 +187,13 @@ impl SearchTable {
     }
 }
 
-/// The index of the largest of those scores that count.
+/// Index of the largest of the scores that count.
 fn best(scores: &[f64], counts: impl Fn(usize) -> bool) -> Option<usize> {
     (0..scores.len()).filter(|i| counts(*i)).max_by(|a, b| scores[*a].total_cmp(&scores[*b]))
 }
 
 impl Tap {
-    /// Lag `lag` of `slope`; `None` where the window overlaps too little.
+    /// Tap for lag `lag` of `slope`; `None` where the window overlaps too little.
     fn new(slope: [f64; 2], lag: usize, overlap: &[f32]) -> Option<Self> {
         let shift = slope.map(|s| s * lag as f64);
         let w = overlap_at(overlap, shift);
@@ -207,7 +207,7 @@ impl Tap {
     }
 }
 
-/// Whole pixels and the fraction beyond them.
+/// Splits a shift into whole pixels and fractions.
 fn split(shift: [f64; 2]) -> ([i64; 2], [f64; 2]) {
     let whole = shift.map(f64::floor);
     (whole.map(|x| x as i64), [shift[0] - whole[0], shift[1] - whole[1]])
@@ -217,7 +217,7 @@ fn index(u: i64, v: i64) -> usize {
     v.rem_euclid(SIDE as i64) as usize * SIDE + u.rem_euclid(SIDE as i64) as usize
 }
 
-/// The window's overlap with itself at `shift`; 0 beyond the reach.
+/// Overlap of the window with itself at `shift`; 0 beyond the reach.
 fn overlap_at(overlap: &[f32], shift: [f64; 2]) -> f32 {
     if shift.iter().any(|d| d.abs() > REACH + 1.0) {
         return 0.0;
@@ -232,16 +232,16 @@ pub(super) fn unbiased(plane: &[f32], overlap: &[f32]) -> Vec<f32> {
     plane.iter().zip(overlap).map(|(a, w)| if *w < 0.2 * LEAST_OVERLAP { 0.0 } else { a / w }).collect()
 }
 
-/// The correlations of one window, or of several added up.
+/// Correlations of one window, or of the sum of several.
 struct Stack<'a> {
-    /// Over the overlap.
+    /// Correlations divided by the overlap.
     planes: &'a [Vec<f32>],
     variance: &'a [f64],
     overlap: &'a [f32],
 }
 
 impl Stack<'_> {
-    /// The overlap at each lag of `slope`.
+    /// Overlap at each lag of `slope`.
     fn weights(&self, slope: [f64; 2]) -> Vec<f64> {
         let weight = |lag: usize| f64::from(overlap_at(self.overlap, slope.map(|s| s * lag as f64)));
         (1..=self.planes.len()).map(weight).map(|w| if w < f64::from(LEAST_OVERLAP) { 0.0 } else { w }).collect()
@@ -257,7 +257,7 @@ impl Stack<'_> {
     }
 }
 
-/// The correlation at `shift` by cubic convolution: linear interpolation would prefer shifts of whole pixels.
+/// Correlation at `shift` by cubic convolution: linear interpolation would prefer shifts of whole pixels.
 pub(super) fn cubic(plane: &[f32], shift: [f64; 2]) -> f64 {
     let ([u, v], [fu, fv]) = split(shift);
     let (wu, wv) = (cubic_weights(fu), cubic_weights(fv));

@@ -1,7 +1,7 @@
-//! Frames made smaller for the slope finder: means over squares of pixels.
+//! Reduced frames for the slope finder: means over squares of pixels.
 //!
-//! The finder works at σ of about two to eight pixels, and what is coarser needs fewer samples. Level `l` has pixels of
-//! 2^l image pixels; a level pixel's value is the mean of the image pixels that it covers.
+//! The finder works at σ of about two to eight pixels, and coarser structure needs fewer samples. Level `l` has pixels
+//! of 2^l image pixels; a level pixel's value is the mean of the image pixels that it covers.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -9,15 +9,15 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Images of at most this many pixels are looked at from level 0 on.
+/// Number of pixels up to which images are examined from level 0 on.
 const SMALL_PIXELS: usize = 25_000;
-/// Images of at most this many pixels are looked at from level 1 on, larger ones from level 2 on: so the finder costs a
+/// Number of pixels up to which images are examined from level 1 on, larger ones from level 2 on: so the finder costs a
 /// small part of a detection.
 const MEDIUM_PIXELS: usize = 270_000;
-/// Levels that are looked at, at most.
+/// Maximum number of levels.
 const LEVELS: u32 = 3;
 
-/// The levels at which an image of `size` is looked at: those of [`LEVELS`] whose sides are at least `least_side` level
+/// Levels at which an image of `size` is examined: those of [`LEVELS`] whose sides are at least `min_side` level
 /// pixels.
 pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Range<u32> {
     let larger_than = |pixels: usize| u32::from(width * height > pixels);
@@ -27,7 +27,7 @@ pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Ra
     first..first + (first..first + LEVELS).take_while(fits).count() as u32
 }
 
-/// Every frame at each of `levels`.
+/// Computes every frame at each of `levels`.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -56,7 +56,7 @@ pub(super) fn pyramids(frames: &[&Plane], levels: Range<u32>, monitor: &Monitor)
     Ok(by_level)
 }
 
-/// The means over squares of `side` × `side` pixels; what is left over at the right and below is dropped.
+/// Means over squares of `side` × `side` pixels; left-over pixels at the right and below are dropped.
 fn means(plane: &Plane, side: usize) -> Plane {
     let (width, height) = (plane.width() / side, plane.height() / side);
     let mut out = Plane::zeros(width, height);

@@ -11,17 +11,17 @@ use rustfft::num_complex::Complex32;
 use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
-/// Rows and columns of a window, level pixels.
+/// Number of rows and of columns of a window, level pixels.
 pub(super) const SIDE: usize = 32;
 const AREA: usize = SIDE * SIDE;
-/// Values of half a spectrum; the other half follows from it, for the window's values are real.
+/// Number of values of half a spectrum; the other half follows from it, because the window's values are real.
 const HALF: usize = (SIDE / 2 + 1) * SIDE;
 /// σ of the band's inner Gaussian, level pixels: with the mean over a level pixel about 2 to 2.5 image pixels at level
 /// 1.
 const BAND_SIGMA: f64 = 1.0;
-/// The outer Gaussian's σ over the inner one's.
+/// Ratio of the outer Gaussian's σ to the inner one's.
 const BAND_RATIO: f64 = 1.6;
-/// The most lags that are used: pairs of frames further apart add little that is new.
+/// Largest lag that is used: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
 
 /// Half a spectrum, real and imaginary parts apart.
@@ -50,16 +50,16 @@ impl Spectrum {
 /// Products of pairs of frames over one or many windows.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CrossSpectra {
-    /// Summed over the pairs of lag 1, 2, ….
+    /// Products summed over the pairs of lag 1, 2, ….
     pub lags: Vec<Spectrum>,
     /// For each lag, the variance of a value of the correlation if the frames had nothing in common.
     pub variance: Vec<f64>,
-    /// Of frames t and t + 1, each pair for itself.
+    /// Products of frames t and t + 1, one for each pair.
     pub neighbours: Vec<Spectrum>,
 }
 
 impl CrossSpectra {
-    /// Of `frame_count` frames, nothing yet.
+    /// Empty sums for `frame_count` frames.
     pub fn zeros(frame_count: usize) -> Self {
         let gaps = frame_count.saturating_sub(1);
         let lags = gaps.min(MAX_LAG);
@@ -70,7 +70,7 @@ impl CrossSpectra {
         }
     }
 
-    /// Adds those of other windows.
+    /// Adds the products of other windows.
     pub fn add(&mut self, other: &Self) {
         self.lags.iter_mut().zip(&other.lags).for_each(|(a, b)| a.add(b));
         self.neighbours.iter_mut().zip(&other.neighbours).for_each(|(a, b)| a.add(b));
@@ -78,18 +78,18 @@ impl CrossSpectra {
     }
 }
 
-/// What all windows share: the transforms, the window, the band.
+/// Data shared by all windows: the transforms, the window function, the band.
 pub(super) struct Fourier {
     forward: Arc<dyn Fft<f32>>,
     inverse: Arc<dyn Fft<f32>>,
     window: Vec<f32>,
     /// Amplitude of the band-pass, for half a spectrum.
     band: Vec<f32>,
-    /// For a shift (v, u) modulo [`SIDE`], the overlap of the window with itself, 1 for none.
+    /// Overlap of the window with itself for a shift (v, u) modulo [`SIDE`]; 1 at shift 0.
     pub overlap: Vec<f32>,
 }
 
-/// Space that a thread uses again for every window.
+/// Buffers that a thread reuses for every window.
 pub(super) struct Scratch {
     packed: Vec<Complex32>,
     turned: Vec<Complex32>,
@@ -133,7 +133,7 @@ impl Fourier {
         }
     }
 
-    /// The products of the window of `frames` whose first pixel is (`u`, `v`).
+    /// Products for the window of `frames` whose first pixel is (`u`, `v`).
     pub fn products(&self, frames: &[Plane], (u, v): (usize, usize), scratch: &mut Scratch) -> CrossSpectra {
         // Two frames at a time: one as the real, one as the imaginary part.
         for first in (0..frames.len()).step_by(2) {
@@ -179,13 +179,13 @@ impl Fourier {
         }
     }
 
-    /// The correlations (row-major, shift (v, u) modulo [`SIDE`]) whose spectra are `spectra`.
+    /// Correlations (row-major, shift (v, u) modulo [`SIDE`]) whose spectra are `spectra`.
     pub fn correlations(&self, spectra: &[Spectrum], scratch: &mut Scratch) -> Vec<Vec<f32>> {
         let mut out = Vec::with_capacity(spectra.len());
         for two in spectra.chunks(2) {
             merge(&two[0], two.get(1), &mut scratch.packed);
-            // A spectrum has the frequencies of u first, as `transform` leaves it; so it is turned back by the same
-            // way.
+            // A spectrum has the frequencies of u first, as `transform` leaves it; applying it again restores the
+            // order.
             transform(&*self.inverse, &mut scratch.packed, &mut scratch.turned, &mut scratch.fft);
             let scale = 1.0 / AREA as f32;
             out.push(scratch.packed.iter().map(|z| z.re * scale).collect());
@@ -197,7 +197,7 @@ impl Fourier {
     }
 }
 
-/// A transform in both directions; what comes out has rows and columns exchanged.
+/// Transforms along both axes; the result has rows and columns exchanged.
 fn transform(fft: &dyn Fft<f32>, data: &mut [Complex32], turned: &mut [Complex32], scratch: &mut [Complex32]) {
     fft.process_with_scratch(data, scratch);
     for y in 0..SIDE {
@@ -209,12 +209,12 @@ fn transform(fft: &dyn Fft<f32>, data: &mut [Complex32], turned: &mut [Complex32
     data.copy_from_slice(turned);
 }
 
-/// The index of the opposite frequency.
+/// Index of the opposite frequency.
 fn opposite(i: usize) -> usize {
     (SIDE - i / SIDE) % SIDE * SIDE + (SIDE - i % SIDE) % SIDE
 }
 
-/// The band-passed half spectra of the two real images that were transformed as one complex image.
+/// Extracts the band-passed half spectra of the two real images that were transformed as one complex image.
 fn unpack(packed: &[Complex32], band: &[f32], a: &mut Spectrum, mut b: Option<&mut Spectrum>) {
     for (i, h) in band.iter().enumerate() {
         let (z, o) = (packed[i], packed[opposite(i)]);
@@ -226,7 +226,8 @@ fn unpack(packed: &[Complex32], band: &[f32], a: &mut Spectrum, mut b: Option<&m
     }
 }
 
-/// The whole spectrum whose transform has the first correlation as real and the second as imaginary part.
+/// Merges two half spectra into the whole spectrum whose transform has the first correlation as real and the second as
+/// imaginary part.
 fn merge(a: &Spectrum, b: Option<&Spectrum>, packed: &mut [Complex32]) {
     for (i, z) in packed.iter_mut().enumerate() {
         let (j, sign) = if i < HALF { (i, 1.0) } else { (opposite(i), -1.0) };
@@ -235,7 +236,7 @@ fn merge(a: &Spectrum, b: Option<&Spectrum>, packed: &mut [Complex32]) {
     }
 }
 
-/// Σ a·b over the whole spectrum, of which halves are given: rows 0 and SIDE/2 have no twin in the other half.
+/// Σ a·b over the whole spectrum, from its halves: rows 0 and SIDE/2 have no counterpart in the other half.
 fn whole_sum_of_products(a: &[f32], b: &[f32]) -> f64 {
     let sum = |range: std::ops::Range<usize>| {
         f64::from(a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum::<f32>())

@@ -1,23 +1,23 @@
-//! Whether the motion is straight: whether each frame is where a constant slope puts it.
+//! Test of whether the motion is straight: each frame is where a constant slope puts it.
 //!
-//! The correlations of frames t and t + 1, summed over the whole image, have their peak where the picture as a whole
-//! has moved to. A constant motion gives the same shift every time. The sum of the shifts is the picture's way; its
-//! largest distance from a straight one is what this file measures.
+//! The correlations of frames t and t + 1, summed over the whole image, have their peak at the shift of the picture as
+//! a whole. A constant motion gives an unchanging shift. The sum of the shifts is the picture's path; its largest
+//! distance from a straight one is measured here.
 
 use super::peak::{cubic, unbiased};
 use super::spectra::{CrossSpectra, Fourier, SIDE};
 
-/// Significance that every pair of neighbours must have.
+/// Minimum significance of every pair of neighbours.
 const LEAST_SIGNIFICANCE: f64 = 6.0;
-/// Steps up a peak at most, and where they end, level pixels.
+/// Maximum number of steps up a peak, and the step length below which they end, level pixels.
 const MAX_STEPS: usize = 60;
 const FINEST_STEP: f64 = 0.02;
 /// Standard error of a shift times the significance of its peak, level pixels: one over the root of the band's
 /// curvature.
 const SHIFT_ERROR: f64 = 1.2;
 
-/// The largest distance of the picture's way from a uniform one and what noise alone would make it, in level pixels;
-/// `None` where single pairs of frames are too noisy to tell.
+/// Largest distance of the picture's path from a uniform one, and the distance that noise alone would cause, in level
+/// pixels; `None` where single pairs of frames are too noisy to measure it.
 pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<[f64; 2]> {
     let frame_count = products.neighbours.len() + 1;
     let variance = products.variance.first()? / products.neighbours.len() as f64;
@@ -32,23 +32,23 @@ pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<[f
         let [x, y] = *way.last()?;
         way.push([x + u, y + v]);
     }
-    // Each shift errs by about a pixel over its significance; the errors add up along the way.
+    // Each shift has an error of about a pixel divided by its significance; the errors add up along the path.
     let noise = SHIFT_ERROR / min * (planes.len() as f64).sqrt();
     Some([distance_from_a_line(&way), noise])
 }
 
-/// The shift at which a correlation is largest, and its significance, if that is enough.
+/// Shift at which a correlation is largest, and its significance; `None` where that is too small.
 fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f64)> {
     let largest = (0..plane.len()).max_by(|a, b| plane[*a].total_cmp(&plane[*b]))?;
     let significance = f64::from(plane[largest]) / variance.sqrt();
-    // Frames that are not numbers have no significance either.
+    // Frames with values that are not finite have no significance either.
     if !significance.is_finite() || significance < LEAST_SIGNIFICANCE {
         return None;
     }
     let signed = |i: usize| if i > SIDE / 2 { i as f64 - SIDE as f64 } else { i as f64 };
     let mut at = [signed(largest % SIDE), signed(largest / SIDE)];
     let unbiased = unbiased(plane, overlap);
-    // Up the hill, by steps that are halved at each top.
+    // Hill climbing by steps that are halved at each top.
     let mut step = 0.5;
     for _ in 0..MAX_STEPS {
         let around = [[0.0, 0.0], [step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
@@ -66,8 +66,7 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f
     Some((at, significance))
 }
 
-/// The largest distance of points that follow each other in equal times from those of the uniform motion that fits them
-/// best.
+/// Largest distance of points that follow each other at equal intervals from the uniform motion that fits them best.
 fn distance_from_a_line(way: &[[f64; 2]]) -> f64 {
     let middle = 0.5 * (way.len() as f64 - 1.0);
     let times: Vec<f64> = (0..way.len()).map(|t| t as f64 - middle).collect();

@@ -6,24 +6,24 @@ fn find(burst: &Burst) -> SlopeFinding {
     find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
 }
 
-/// The right step for frames at the default levels, pixels per frame.
+/// Right step for frames at the default levels, pixels per frame.
 fn step(burst: &Burst) -> f64 {
     let space = ScaleSpace::of(&DetectorParams::default());
     2.0 * space.sigma_image(0, 0.0) / (burst.len() - 1) as f64
 }
 
-/// Whether the grid holds `slope`, give or take `around` pixels per frame.
+/// Whether the grid holds `slope`, with a tolerance of `around` pixels per frame.
 fn holds(grid: &SlopeGrid, slope: Slope, around: f64) -> bool {
     let [along, across] = turned(slope, f64::from(grid.direction_deg));
     let within = |x: f64, axis: &crate::detector::SlopeAxis| {
-        // What lies less than about half a step beside a line is on it.
+        // A slope less than about half a step beside a line is on it.
         let around = if axis.count == 1 { 0.3 } else { around };
         x >= f64::from(axis.min) - around && x <= f64::from(axis.max) + around
     };
     within(along, &grid.u) && within(across, &grid.v)
 }
 
-/// Frames of a picture made of waves that fade with their frequency, moved as `at` says, with noise of its own in each.
+/// Frames of a picture made of waves that fade with their frequency, moved by `at`, each with its own noise.
 fn moved(size: (usize, usize), noise: f32, frames: usize, at: impl Fn(usize) -> (f64, f64)) -> Burst {
     let mut stream = Stream::new(5, 0);
     let waves: Vec<[f64; 4]> = (0..60)
@@ -69,7 +69,7 @@ fn uniform_motion_in_any_direction_is_a_short_line() {
         assert!(!grid.is_plane() && grid.u.count <= 6, "{u} {v}: {grid:?}");
         let direction = f64::from(finding.direction_deg.expect("it moves"));
         assert!((v.atan2(u).to_degrees() - direction).abs() < 5.0, "{u} {v}: {direction}");
-        // It holds the slope with half a step to spare and ends about a step beyond it.
+        // The grid holds the slope with half a step to spare and ends about a step beyond it.
         assert!(holds(&grid, Slope::new(u as f32, v as f32), -half), "{u} {v}: {grid:?}");
         assert!(f64::from(grid.u.max - grid.u.min) <= 2.0 * step(&burst) + 2.0 * half, "{u} {v}: {grid:?}");
         assert!(finding.deviation_px.is_some_and(|d| d < 0.5), "{u} {v}: {:?}", finding.deviation_px);

@@ -1,6 +1,6 @@
-//! The motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
+//! Motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
 //!
-//! Numerics. Frame `t` is sampled at `x + (t − t0)·λ`. The offset is the same for every pixel, so it splits once into
+//! Numerics. Frame `t` is sampled at `x + (t − t0)·λ`. The offset is constant over the image, so it is split once into
 //! whole pixels and a fraction, and a row of the result is a weighted sum of at most two rows of each frame, read at
 //! whole-pixel distances: contiguous loads, no gather, and sums that stay in registers. A frame covers a pixel when the
 //! sampling point lies between the centres of its first and last pixel; the sum is divided by the number of frames that
@@ -16,35 +16,34 @@ use crate::plane::Plane;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Which frames of a burst take part.
+/// Frames of a burst that take part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrameTimes {
-    /// How many frames there are, N; t0 is their middle.
+    /// Number of frames, N; t0 is their middle.
     pub frame_count: usize,
-    /// Indices of those that take part, rising.
+    /// Indices of those that take part, in increasing order.
     pub kept: Vec<usize>,
 }
 
 impl FrameTimes {
-    /// All of `frame_count` frames.
+    /// Times at which all of `frame_count` frames take part.
     pub fn all(frame_count: usize) -> Self {
         Self { frame_count, kept: (0..frame_count).collect() }
     }
 
-    /// Of the offsets of all frames those of the frames that take part.
+    /// Selects the offsets of the frames that take part from those of all frames.
     pub fn of(&self, offsets: Vec<FrameOffset>) -> Vec<FrameOffset> {
         self.kept.iter().map(|&t| offsets[t]).collect()
     }
 }
 
-/// The offset (u, v), pixels, as `interpolation` reads it.
+/// Offset (u, v), pixels, as `interpolation` reads it.
 fn offset_at(u_px: f64, v_px: f64, interpolation: Interpolation) -> FrameOffset {
-    // A fraction under a millionth of a pixel is a rounding error of the slope; without it whole-pixel slopes stay
+    // A fraction under a millionth of a pixel is a rounding error of the slope; dropping it keeps whole-pixel slopes
     // exact.
     let split = |x: f64| match interpolation {
         Interpolation::Nearest => (x.round() as i64, 0.0, 0),
-        // Dropping the fraction of place + 1/2 is its floor, but for places between −1.5 and −0.5, which it takes
-        // for 0.
+        // Truncating place + 1/2 is its floor, except for places between −1.5 and −0.5, where it gives 0.
         Interpolation::Truncated => ((x + 0.5).floor() as i64, 0.0, i64::from((x + 0.5).fract() != 0.0)),
         Interpolation::Linear => {
             let (whole, part) = (x.floor(), x - x.floor());
@@ -61,12 +60,12 @@ fn offset_at(u_px: f64, v_px: f64, interpolation: Interpolation) -> FrameOffset 
     FrameOffset { whole_u, whole_v, part_u, part_v, before_u, before_v }
 }
 
-/// The offsets (t − t0)·λ of `frame_count` frames, in time order.
+/// Offsets (t − t0)·λ of `frame_count` frames, in time order.
 pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolation) -> Vec<FrameOffset> {
     shifted_offsets(frame_count, (f64::from(slope.u), f64::from(slope.v)), 0.0, interpolation)
 }
 
-/// The same for a slope in the frames' own pixels, with every frame read `shift_px` farther along both axes.
+/// Offsets for a slope in the frames' own pixels, with every frame read `shift_px` farther along both axes.
 pub(in crate::detector) fn shifted_offsets(
     frame_count: usize,
     slope_px_per_frame: (f64, f64),
@@ -82,7 +81,7 @@ pub(in crate::detector) fn shifted_offsets(
     (0..frame_count).map(offset).collect()
 }
 
-/// The variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at
+/// Variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at
 /// `offsets`: f(1 − f) for a fraction f.
 pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
     let mean = |part: fn(&FrameOffset) -> f32| {
@@ -92,25 +91,26 @@ pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
     (mean(|offset| offset.part_u), mean(|offset| offset.part_v))
 }
 
-/// Row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one size and
-/// their [`frame_offsets`].
+/// Computes row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one
+/// size and their [`frame_offsets`].
 pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
     RowStacker::new(frames, vec![offsets]).row(v, columns, &mut [out]);
 }
 
-/// How many frames cover the pixel (u, v) of an image of `size`.
+/// Number of frames that cover the pixel (u, v) of an image of `size`.
 pub fn coverage(offsets: &[FrameOffset], u: usize, v: usize, size: (usize, usize)) -> usize {
     offsets.iter().filter(|o| o.covers(u, v, size)).count()
 }
 
-/// The motion-stack image of `frames` (one size, in time order) at `slope`: the mean over the frames that cover a pixel
-/// of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`. Same size and unit as the frames. Rows in parallel.
+/// Computes the motion-stack image of `frames` (one size, in time order) at `slope`: the mean over the frames that
+/// cover a pixel of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`. Size and unit are those of the frames. Rows in
+/// parallel.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
 ///
 /// # Panics
-/// When there is no frame or the sizes differ.
+/// If there is no frame or the sizes differ.
 pub fn motion_stack(
     frames: &[&Plane],
     slope: Slope,

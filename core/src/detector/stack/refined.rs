@@ -1,10 +1,10 @@
 //! Stacks at a feature's own slope, between those of the grid, in any octave.
 //!
-//! Neighbouring slopes of a grid misalign the outermost frames by their step times (N − 1)/2 pixels, so what lies
-//! half-way between two of them is smeared in both, and a descriptor taken there matches less. The grid's stacks are no
-//! help: the frames have to be shifted anew. For octaves above 0 that is done on frames of that octave's resolution:
-//! each pixel the mean of 2^o × 2^o of a frame's. Averaging before shifting gives the same as after it, but for what is
-//! finer than the averages, which no level of that octave shows.
+//! Neighbouring slopes of a grid misalign the outermost frames by their step times (N − 1)/2 pixels, so a feature
+//! half-way between two of them is smeared in both, and a descriptor computed there matches less. The grid's stacks are
+//! no help: the frames have to be shifted again. For octaves above 0 that is done on frames of that octave's
+//! resolution: each pixel the mean of 2^o × 2^o of a frame's. Averaging before shifting equals averaging after it,
+//! except for detail finer than the averages, which no level of that octave shows.
 
 use crate::detector::params::Interpolation;
 use crate::detector::params::slope_grid::Slope;
@@ -16,18 +16,18 @@ use crate::plane::Plane;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The frames at the resolution of one octave.
+/// Frames at the resolution of one octave.
 pub(in crate::detector) struct OctaveFrames<'a> {
     octave: i32,
-    /// Means of 2^octave × 2^octave pixels of each frame; empty where the frames serve as they are.
+    /// Means of 2^octave × 2^octave pixels of each frame; empty where the frames are used unchanged.
     means: Cow<'a, [Plane]>,
     frames: &'a [&'a Plane],
     times: &'a FrameTimes,
 }
 
 impl<'a> OctaveFrames<'a> {
-    /// Of `frames` of one size, taken at `times`, for `octave`, −1 or more. Octaves 0 and −1 take the frames as they
-    /// are.
+    /// Makes the frames for `octave`, −1 or more, from `frames` of one size, taken at `times`. Octaves 0 and −1 use the
+    /// frames unchanged.
     pub(in crate::detector) fn new(
         frames: &'a [&'a Plane],
         times: &'a FrameTimes,
@@ -38,7 +38,7 @@ impl<'a> OctaveFrames<'a> {
         (0..octave).fold(finest, |finer, _| finer.coarser(in_parallel))
     }
 
-    /// The frames for the next octave, made from these: on all threads, or on the one that asks.
+    /// Makes the frames for the next octave from these: on all threads, or on the calling one.
     pub(in crate::detector) fn coarser(&self, in_parallel: bool) -> Self {
         let octave = self.octave + 1;
         let means = match octave > 0 {
@@ -49,7 +49,7 @@ impl<'a> OctaveFrames<'a> {
         Self { octave, means: Cow::Owned(means), frames: self.frames, times: self.times }
     }
 
-    /// Those of `octave` whose means were made before: see [`Self::into_means`].
+    /// Frames for `octave` whose means were computed before: see [`Self::into_means`].
     pub(in crate::detector) fn with_means(
         frames: &'a [&'a Plane],
         times: &'a FrameTimes,
@@ -59,31 +59,31 @@ impl<'a> OctaveFrames<'a> {
         Self { octave, means: Cow::Borrowed(means), frames, times }
     }
 
-    /// The means of 2^octave × 2^octave pixels of each frame; none where the frames serve as they are.
+    /// Means of 2^octave × 2^octave pixels of each frame; empty where the frames are used unchanged.
     pub(in crate::detector) fn into_means(self) -> Vec<Plane> {
         self.means.into_owned()
     }
 
-    /// The frames, to be borrowed by [`Self::base`].
+    /// The frames by reference, as [`Self::base`] borrows them.
     pub(in crate::detector) fn planes(&self) -> Vec<&Plane> {
         if self.means.is_empty() { self.frames.to_vec() } else { self.means.iter().collect() }
     }
 
-    /// Where [`Self::planes`] are read at `slope` (input px per frame).
+    /// Offsets at which [`Self::planes`] are read at `slope` (input px per frame).
     pub(in crate::detector) fn offsets(&self, slope: Slope, interpolation: Interpolation) -> Vec<FrameOffset> {
         let pixel = 2f64.powi(self.octave.max(0));
-        // The mean of 2^o pixels lies at their middle, the octave's pixel at the first of them.
+        // The mean of 2^o pixels is at their centre, the octave's pixel at the first of them.
         let shift_px = -0.5 * (1.0 - 1.0 / pixel);
         let in_octave = (f64::from(slope.u) / pixel, f64::from(slope.v) / pixel);
         self.times.of(shifted_offsets(self.times.frame_count, in_octave, shift_px, interpolation))
     }
 
-    /// What the octave's pixels are made from: `planes` read at `offsets`.
+    /// Source of the octave's pixels: `planes` read at `offsets`.
     pub(in crate::detector) fn base<'b>(&self, planes: &'b [&'b Plane], offsets: &'b [FrameOffset]) -> Base<'b> {
         Base::Frames { frames: planes, offsets, octave: self.octave.min(0) }
     }
 
-    /// σ of that, in octave pixels: the input's, the averages', and that of reading between pixels.
+    /// σ of that source, in octave pixels: of the input, the averages, and the reading between pixels.
     pub(in crate::detector) fn sigma_octave(&self, offsets: &[FrameOffset]) -> f64 {
         let pixel = 2f64.powi(self.octave);
         let average = if self.octave > 0 { (1.0 - 1.0 / (pixel * pixel)) / 12.0 } else { 0.0 };
@@ -94,7 +94,7 @@ impl<'a> OctaveFrames<'a> {
     }
 }
 
-/// The mean of each 2 × 2 pixels; of the size of the next octave.
+/// Means of 2 × 2 pixels; of the size of the next octave.
 fn halved(plane: &Plane) -> Plane {
     let (width, height) = octave_size(plane.size(), 1);
     let mut out = Plane::zeros(width, height);
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
     use crate::kernel::patch::{Patch, PatchScratch};
 
-    /// A Gaussian blob of σ 6 px that moves by `slope`, at (70, 50) in the middle of the burst.
+    /// Frames with a Gaussian blob of σ 6 px that moves by `slope`, at (70, 50) in the middle of the burst.
     fn moving(slope: Slope) -> Vec<Plane> {
         (0..7)
             .map(|t| {
@@ -144,7 +144,7 @@ mod tests {
             for y in rows {
                 for (x, value) in columns.clone().zip(patch.row(y)) {
                     let (du, dv) = (x as f32 * pixel - 70.0, y as f32 * pixel - 50.0);
-                    // What averages and interpolation add to σ².
+                    // Increase of σ² by averages and interpolation.
                     let added = (of_octave.sigma_octave(&offsets).powi(2) as f32
                         - (SIGMA_INPUT as f32 / pixel).powi(2))
                         * pixel

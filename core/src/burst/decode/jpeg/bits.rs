@@ -1,16 +1,16 @@
 //! The bits of a scan of a JPEG: bytes up to a marker, in which 0xFF is followed by 0x00.
 
-/// Reads bits. After the last one there are zeros without end, which are counted.
+/// Reader of bits. After the last one it returns zeros without end, and counts them.
 #[derive(Debug)]
 pub(super) struct Bits<'a> {
     bytes: &'a [u8],
     /// Index of the next byte; at the marker once there are no more.
     at: usize,
-    /// The next bits, the first one at the top.
+    /// Next bits, the first one at the top.
     buffer: u64,
-    /// How many bits the buffer holds, with those that were made up.
+    /// Number of bits in the buffer, padding included.
     held: u32,
-    /// How many of them were made up; more than are held once such a one was used.
+    /// Number of padding bits; more than `held` once one was used.
     made_up: u32,
     ended: bool,
 }
@@ -21,23 +21,23 @@ impl<'a> Bits<'a> {
         Self { bytes, at, buffer: 0, held: 0, made_up: 0, ended: false }
     }
 
-    /// Whether bits were used that are not in the file.
+    /// Whether padding bits were used.
     #[inline]
     pub(super) fn overran(&self) -> bool {
         self.made_up > self.held
     }
 
-    /// A place at or before the marker that ends the data, and after all markers before it.
+    /// Position at or before the marker that ends the data, and after all markers before it.
     pub(super) fn place(&self) -> usize {
         self.at
     }
 
-    /// Begins anew at the next place, as after a restart marker.
+    /// Starts again at `at`, as after a restart marker.
     pub(super) fn restart_at(&mut self, at: usize) {
         *self = Self::new(self.bytes, at);
     }
 
-    /// At least 32 bits in the buffer.
+    /// Fills the buffer with at least 32 bits.
     #[inline]
     fn fill(&mut self) {
         if self.held > 32 {
@@ -45,7 +45,7 @@ impl<'a> Bits<'a> {
         }
         if let Some(next) = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<4>()) {
             let word = u32::from_be_bytes(*next);
-            // No byte is 0xFF: none of the complement is 0.
+            // No byte of the word is 0xFF: none of the complement is 0.
             let complement = !word;
             let has_ff = complement.wrapping_sub(0x0101_0101) & !complement & 0x8080_8080 != 0;
             if !has_ff && !self.ended {
@@ -80,14 +80,14 @@ impl<'a> Bits<'a> {
         }
     }
 
-    /// The next 16 bits, which stay.
+    /// Next 16 bits, without consuming them.
     #[inline]
     pub(super) fn peek16(&mut self) -> u32 {
         self.fill();
         (self.buffer >> 48) as u32
     }
 
-    /// Passes over `count` bits, at most 32 (after a peek: 16 of the code and 16 of its value).
+    /// Skips `count` bits, at most 32 (after a peek: 16 of the code and 16 of its value).
     #[inline]
     pub(super) fn skip(&mut self, count: u32) {
         self.fill();
@@ -95,7 +95,7 @@ impl<'a> Bits<'a> {
         self.held -= count;
     }
 
-    /// The next `count` bits, at most 16.
+    /// Consumes and returns the next `count` bits, at most 16.
     #[inline]
     pub(super) fn take(&mut self, count: u32) -> u32 {
         let value = self.peek16() >> (16 - count);

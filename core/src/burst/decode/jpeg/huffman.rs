@@ -1,22 +1,23 @@
-//! A table of Huffman codes of a JPEG (ITU-T T.81, annexes C and F.2.2.3), for reading how long codes are.
+//! A table of Huffman codes of a JPEG (ITU-T T.81, annexes C and F.2.2.3), used to find the lengths of codes.
 
-/// Codes of up to this many bits are looked up at once.
+/// Length of code, bits, up to which one table look-up is enough.
 const LOOK_BITS: u32 = 10;
 
 /// The codes of one table.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
-    /// For each start of [`LOOK_BITS`] bits: the code's length times 256, and its value; 0 for longer codes.
+    /// For each value of the next [`LOOK_BITS`] bits: the code's length times 256, plus its value; 0 for longer codes.
     short: Vec<u16>,
-    /// For each length from 1 to 16: one more than the largest code of that length, at the top of 16 bits.
+    /// For each length from 1 to 16: one more than the largest code of that length, aligned to the top of 16 bits.
     ends: [u32; 17],
-    /// For each length: what to add to a code of it to get the place of its value.
+    /// For each length: offset from a code to the index of its value.
     offsets: [i32; 17],
     values: Vec<u8>,
 }
 
 impl Table {
-    /// The table with `counts[l − 1]` codes of length l for `values`; `None` where there are more than can be.
+    /// Table with `counts[l − 1]` codes of length l for `values`; `None` where there are more codes than the length
+    /// allows, or fewer values.
     pub(super) fn new(counts: &[u8; 16], values: &[u8]) -> Option<Self> {
         let mut table =
             Self { short: vec![0; 1 << LOOK_BITS], ends: [0; 17], offsets: [0; 17], values: values.to_vec() };

@@ -1,9 +1,9 @@
-//! Whether the picture data of a JPEG is all there.
+//! Check of whether the picture data of a JPEG is complete.
 //!
-//! The decoder fills in whatever is missing and says nothing. So the file is read here once more, without computing a
-//! pixel: its markers are followed to the end of the picture (EOI), and every Huffman code of every scan is read. Data
-//! that ends before its last block, that holds a code of no table, or that lacks a scan, is damage. Bytes after the end
-//! of the picture are allowed: cameras put films and second pictures there.
+//! The decoder fills in missing data without an error. So the file is read here once more, without computing a pixel:
+//! its markers are followed to the end of the picture (EOI), and every Huffman code of every scan is read. Data that
+//! ends before its last block, that holds a code of no table, or that lacks a scan, is damage. Bytes after the end of
+//! the picture are allowed: cameras put films and second pictures there.
 
 mod bits;
 mod huffman;
@@ -17,18 +17,18 @@ use scan::{Component, Frame, Scan};
 pub(super) enum Soundness {
     /// All data is there.
     Whole,
-    /// The decoder would make up a part of the picture: why.
+    /// The decoder would make up a part of the picture; the reason.
     Damaged(String),
-    /// Of a kind that is not read here (arithmetic coding, lossless, 12 bit): the decoder says what it thinks of it.
+    /// Of a kind that is not read here (arithmetic coding, lossless, 12 bit): left to the decoder.
     Unknown,
 }
 
-/// Reads the JPEG `bytes`, which begin with its start marker. `tables` are the segments of a file that keeps them
-/// apart, as TIFF does; usually empty.
+/// Reads the JPEG `bytes`, which begin with its start marker. `tables` are the segments of a file that stores them
+/// separately, as TIFF does; usually empty.
 pub(super) fn soundness(bytes: &[u8], tables: &[u8]) -> Soundness {
     let mut reader = Reader::default();
     if !tables.is_empty() {
-        // Tables alone have no picture and may lack their end.
+        // Tables alone have no picture and may lack their end marker.
         let _ = reader.read(tables);
     }
     match reader.read(bytes) {
@@ -44,15 +44,16 @@ pub(super) fn soundness(bytes: &[u8], tables: &[u8]) -> Soundness {
 struct Reader {
     dc_tables: [Option<Table>; 4],
     ac_tables: [Option<Table>; 4],
-    /// Minimum coded units between restart markers; 0 for none.
+    /// Number of minimum coded units between restart markers; 0 for none.
     restart_interval: usize,
     frame: Option<Frame>,
     scans: usize,
-    /// Whether there is something that is not read here.
+    /// Whether the file uses a feature that is not read here.
     unknown: bool,
 }
 
-/// Scans beyond which a file is left to the decoder, which refuses it: many scans of few bytes would take long.
+/// Number of scans above which a file is left to the decoder, which refuses it: many scans of few bytes would take
+/// long.
 const MAX_SCANS: usize = 100;
 const TOO_EARLY: &str = "it ends too early";
 
@@ -75,7 +76,7 @@ impl Reader {
             match marker {
                 0xc4 => self.read_huffman_tables(segment)?,
                 0xc0..=0xc2 => self.read_frame(segment, marker == 0xc2)?,
-                // Lossless, differential and arithmetic kinds; the number of lines after the scan.
+                // Lossless, differential and arithmetic kinds; a number of lines that follows the scan.
                 0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf | 0xdc => self.unknown = true,
                 0xdd => {
                     let interval = segment.first_chunk::<2>().ok_or(TOO_EARLY)?;
@@ -115,7 +116,7 @@ impl Reader {
         let components = components.iter().take(usize::from(*count));
         let components: Vec<Component> =
             components.map(|[id, sampling, _]| Component::new(*id, sampling >> 4, sampling & 15)).collect();
-        // A height of 0 is told after the scan. What the decoder refuses as wrong, it shall say itself.
+        // A height of 0 means that it follows the scan. Files that the decoder refuses are left to its own error.
         let read_here = *bits == 8
             && width > 0
             && height > 0
@@ -131,7 +132,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads the scan whose header is `segment` and whose data begins at `start`; answers where it ends.
+    /// Reads the scan whose header is `segment` and whose data begins at `start`; returns the position of its end.
     fn read_scan(&mut self, segment: &[u8], bytes: &[u8], start: usize) -> Result<usize, String> {
         self.scans += 1;
         if self.scans > MAX_SCANS {
@@ -164,8 +165,7 @@ impl Reader {
     }
 }
 
-/// The next marker from `at` on, and the place after it. Bytes between segments that are no marker are passed over, as
-/// the decoder does.
+/// Next marker from `at` on, and the position after it. Other bytes between segments are skipped, as the decoder does.
 fn marker_from(bytes: &[u8], at: usize) -> Option<(u8, usize)> {
     let mut at = at;
     loop {

@@ -1,34 +1,34 @@
 //! Scans of a JPEG (ITU-T T.81, F.2 and G.2): every code is read for its length, no coefficient is computed. Of a
-//! progressive picture it is remembered which coefficients are not zero, because later scans depend on that.
+//! progressive picture the coefficients that are not zero are recorded, because later scans depend on that.
 
 use super::bits::Bits;
 use super::huffman::Table;
 use crate::plane::memory;
 
-/// Coefficients of a block.
+/// Number of coefficients of a block.
 const BLOCK: usize = 64;
-/// Value of `missing_bits` for a coefficient of which no scan came yet.
+/// Value of `missing_bits` for a coefficient that no scan has given yet.
 const NEVER: u8 = 255;
 
 /// A component of the picture: brightness or a colour.
 #[derive(Debug)]
 pub(super) struct Component {
-    /// Its number in the headers of scans.
+    /// Identifier in the headers of scans.
     pub id: u8,
     across: usize,
     down: usize,
-    /// Blocks of 8×8 that hold pixels.
+    /// Number of 8×8 blocks (columns, rows) that hold pixels.
     size: (usize, usize),
-    /// Blocks in a row of the picture when it is filled up to whole coded units.
+    /// Blocks in a row of the picture when it is padded to whole coded units.
     stride: usize,
-    /// For each block of a progressive picture: which coefficients are not zero.
+    /// For each block of a progressive picture: bit set of the coefficients that are not zero.
     nonzero: Vec<u64>,
-    /// For each coefficient: how many low bits are still to come.
+    /// For each coefficient: number of low bits still to come, or `NEVER`.
     missing_bits: [u8; BLOCK],
 }
 
 impl Component {
-    /// One of `across`×`down` blocks in each coded unit.
+    /// Component of `across`×`down` blocks in each coded unit.
     pub(super) fn new(id: u8, across: u8, down: u8) -> Self {
         Self {
             id,
@@ -41,7 +41,7 @@ impl Component {
         }
     }
 
-    /// Whether the standard allows it.
+    /// Whether the standard allows the sampling.
     pub(super) fn is_possible(&self) -> bool {
         (1..=4).contains(&self.across) && (1..=4).contains(&self.down)
     }
@@ -50,34 +50,34 @@ impl Component {
 /// A picture's components.
 #[derive(Debug)]
 pub(super) struct Frame {
-    /// In the order of the file.
+    /// Components in the order of the file.
     pub components: Vec<Component>,
-    /// Coded units of the picture, when all components are interleaved.
+    /// Coded units (columns, rows) of the picture, when all components are interleaved.
     units: (usize, usize),
     progressive: bool,
 }
 
-/// The header of a scan.
+/// Header of a scan.
 #[derive(Debug)]
 pub(super) struct Scan {
-    /// Index of each component, of its table for DC and of that for AC.
+    /// Index of each component, of its DC table and of its AC table.
     pub components: Vec<(usize, usize, usize)>,
-    /// The first coefficient.
+    /// First coefficient.
     pub first: usize,
-    /// The last coefficient.
+    /// Last coefficient.
     pub last: usize,
-    /// Low bits that were still to come before this scan; 0 for the first one of a coefficient.
+    /// Number of low bits that were still to come before this scan; 0 for the first one of a coefficient.
     pub high: u8,
-    /// Low bits that are still to come after it.
+    /// Number of low bits that are still to come after it.
     pub low: u8,
-    /// Coded units between restart markers; 0 for none.
+    /// Number of coded units between restart markers; 0 for none.
     pub restart_interval: usize,
 }
 
 /// Tables for DC and for AC.
 type Tables<'a> = [&'a [Option<Table>; 4]; 2];
 
-/// Why a block could not be read.
+/// Reason why a block could not be read.
 enum Fault {
     NoCode,
     Overfull,
@@ -90,7 +90,7 @@ impl Frame {
         let down = components.iter().map(|c| c.down).max().unwrap_or(1);
         let units = (width.div_ceil(8 * across), height.div_ceil(8 * down));
         if let [single] = &mut components[..] {
-            // One component alone is never interleaved, whatever it says of its sampling.
+            // A single component is never interleaved, whatever its sampling.
             (single.across, single.down) = (1, 1);
             single.size = (width.div_ceil(8), height.div_ceil(8));
             single.stride = single.size.0;
@@ -105,7 +105,7 @@ impl Frame {
         Self { components, units, progressive }
     }
 
-    /// Reads the data of `scan` from `start` on; answers where it ends.
+    /// Reads the data of `scan` from `start` on; returns the position of its end.
     ///
     /// # Errors
     /// A description of the damage, as the end of a sentence.
@@ -117,7 +117,7 @@ impl Frame {
         start: usize,
     ) -> Result<usize, String> {
         self.check_header(scan)?;
-        // Each block takes a bit at least, but in scans of AC alone, where one code may stand for many.
+        // Each block takes a bit at least, except in scans of AC alone, where one code may stand for many.
         let blocks: usize = match &scan.components[..] {
             [(index, ..)] => self.components[*index].size.0 * self.components[*index].size.1,
             several => several.iter().map(|(index, ..)| self.blocks_of(*index)).sum(),
@@ -141,19 +141,19 @@ impl Frame {
         Ok(state.bits.place())
     }
 
-    /// How many blocks a component has, with those that fill up coded units.
+    /// Number of blocks of a component, with those that pad coded units.
     fn blocks_of(&self, index: usize) -> usize {
         let component = &self.components[index];
         component.stride * self.units.1 * component.down
     }
 
-    /// Whether the header of a scan is possible for this picture.
+    /// Checks that the header of a scan is possible for this picture.
     fn check_header(&self, scan: &Scan) -> Result<(), String> {
         if scan.first > scan.last || scan.last >= BLOCK {
             return Err("the header of a scan is damaged".to_owned());
         }
         let ac = scan.first > 0;
-        // What refines comes after what it refines, and all of it after the DC of a block.
+        // A refining scan comes after the scan that it refines, and every AC scan after the DC of its component.
         let before = if scan.high > 0 { scan.first } else { 0 };
         let is_begun = |index: usize| self.components[index].missing_bits[before] != NEVER;
         let possible = (1..=4).contains(&scan.components.len())
@@ -165,10 +165,10 @@ impl Frame {
         if possible { Ok(()) } else { Err("the header of a scan is damaged".to_owned()) }
     }
 
-    /// Whether all scans came.
+    /// Checks that all scans came.
     ///
     /// # Errors
-    /// That some are missing.
+    /// A description of the missing scans.
     pub(super) fn check_complete(&self) -> Result<(), String> {
         let missing = |component: &Component| component.missing_bits.iter().any(|bits| *bits != 0);
         match self.components.iter().filter(|component| missing(component)).count() {
@@ -188,7 +188,7 @@ struct ScanState<'a> {
     tables: Tables<'a>,
     progressive: bool,
     bits: Bits<'a>,
-    /// Blocks that are still covered by the last code that ended several at once.
+    /// Blocks that the last end-of-band code still covers.
     run: u32,
 }
 
@@ -227,7 +227,7 @@ impl ScanState<'_> {
         Ok(())
     }
 
-    /// Passes over the restart marker that follows interval `interval`.
+    /// Skips the restart marker that follows interval `interval`.
     fn pass_restart(&mut self, bytes: &[u8], interval: usize) -> Result<(), &'static str> {
         let (marker, next) = super::marker_from(bytes, self.bits.place()).ok_or("its picture data ends")?;
         if !(0xd0..=0xd7).contains(&marker) {
@@ -276,7 +276,7 @@ impl ScanState<'_> {
         Ok(())
     }
 
-    /// All coefficients from `first` to `last`.
+    /// Reads all coefficients from `first` to `last`.
     fn read_ac(&mut self, table: usize, first: usize, last: usize) -> Result<(), Fault> {
         let tables = self.tables;
         let table = tables[1][table].as_ref().ok_or(Fault::NoCode)?;
@@ -293,7 +293,7 @@ impl ScanState<'_> {
         if k > last + 1 { Err(Fault::Overfull) } else { Ok(()) }
     }
 
-    /// The first scan of coefficients, of which one code may end many blocks.
+    /// Reads the first scan of coefficients, in which one code may end many blocks.
     fn read_ac_first(&mut self, nonzero: &mut u64, table: usize) -> Result<(), Fault> {
         if self.run > 0 {
             self.run -= 1;
@@ -323,7 +323,7 @@ impl ScanState<'_> {
         if k > self.scan.last + 1 { Err(Fault::Overfull) } else { Ok(()) }
     }
 
-    /// A later scan of coefficients: a bit more of those that are not zero, and new ones.
+    /// Reads a later scan of coefficients: one more bit of those that are not zero, and new ones.
     fn read_ac_refinement(&mut self, nonzero: &mut u64, table: usize) -> Result<(), Fault> {
         let tables = self.tables;
         let (mut k, last) = (self.scan.first, self.scan.last);
@@ -332,7 +332,7 @@ impl ScanState<'_> {
                 let symbol = self.symbol(&tables[1][table])?;
                 let (mut zeros, size) = (u32::from(symbol >> 4), symbol & 15);
                 if size == 0 && zeros < 15 {
-                    // This block is one of the run.
+                    // This block belongs to the run.
                     self.run = (1 << zeros) + self.bits.take(zeros);
                     break;
                 }

@@ -1,9 +1,9 @@
-//! Sound pictures are whole, cut ones are not, wherever they are cut.
+//! Complete pictures are recognised, and cut ones are not, wherever they are cut.
 
 use super::*;
 use proptest::prelude::*;
 
-/// Pictures of 45×37 with colours: progressive and not, halved colours, restart markers, a scan for each component.
+/// Colour pictures of 45×37: progressive and not, halved colours, restart markers, a scan for each component.
 const SAMPLES: [(&str, &[u8]); 4] = [
     ("progressive", include_bytes!("samples/progressive.jpg")),
     ("restarts", include_bytes!("samples/restarts.jpg")),
@@ -23,8 +23,8 @@ fn sound_pictures_are_whole_and_cut_ones_damaged_wherever_they_are_cut() {
         for cut in 2..bytes.len() {
             assert!(is_damaged(&bytes[..cut]), "{name} cut at {cut} of {}", bytes.len());
         }
-        // With an end put where it was cut. The last two bytes are the end itself. An end that falls into the header of
-        // the picture makes a kind of picture of it that is left to the decoder, which finds no data.
+        // With an end marker added at the cut. The last two bytes are that marker itself. An end within the header of
+        // the picture gives a kind that is left to the decoder, which finds no data.
         for cut in 2..bytes.len() - 3 {
             let cut_and_ended = [&bytes[..cut], &END].concat();
             let is_left = matches!(soundness(&cut_and_ended, &[]), Soundness::Unknown);

@@ -1,22 +1,22 @@
 //! The directories of a TIFF file, and of raw files that are TIFFs by their structure (DNG, NEF, CR2, ARW and others).
 //!
 //! A directory is a list of entries: a tag, a type, a count of values, and the values or their place. A decoder that
-//! takes the count at its word takes memory for four thousand million values of a file of two hundred bytes. Here every
-//! count is compared with the file's length, and nothing is kept but a few numbers of each directory.
+//! trusts the count allocates memory for four thousand million values of a file of two hundred bytes. Here every count
+//! is compared with the file's length, and only a few numbers of each directory are kept.
 
 use super::{Refusal, read_at};
 use std::collections::HashSet;
 use std::io::{Read, Seek};
 
-/// Directories that are looked at, at most; a burst has fewer frames.
+/// Maximum number of directories that are read; a burst has fewer frames.
 const MAX_DIRECTORIES: usize = 1 << 14;
-/// Entries of all directories together, at most: real files have some tens a directory.
+/// Maximum number of entries of all directories together: real files have some tens a directory.
 const MAX_ENTRIES: usize = 1 << 20;
-/// Texts are read whole by decoders; none is longer than this.
+/// Longest text allowed, bytes: decoders read texts whole.
 pub(in crate::burst::decode) const MAX_TEXT_BYTES: u64 = 1 << 26;
-/// The values of all entries together may be this many times the file, because several may share a place.
+/// Largest total of all entries' values, as a multiple of the file's length: several entries may share a place.
 const MAX_SHARING: u64 = 4;
-/// And this much besides, bytes, for small files.
+/// Further allowance for the values of all entries, bytes: for small files.
 const SMALL_VALUES: u64 = 1 << 24;
 
 /// Tags that are understood here.
@@ -34,7 +34,7 @@ mod tag {
     pub(super) const GPS: u16 = 34853;
     pub(super) const INTEROPERABILITY: u16 = 40965;
     pub(super) const DNG_VERSION: u16 = 50706;
-    /// Tags below this one are those of the standard, above it anybody's.
+    /// The standard's tags are below this one; those from here on are private.
     pub(super) const PRIVATE: u16 = 32768;
 }
 
@@ -43,9 +43,9 @@ mod tag {
 struct Values {
     kind: u16,
     count: u64,
-    /// Where they are, unless in the entry itself.
+    /// Position in the file; `None` where the values are in the entry itself.
     at: Option<u64>,
-    /// The entry's own field, where the values stand in it.
+    /// The entry's own field, where it holds the values.
     inline: [u8; 8],
 }
 
@@ -55,47 +55,47 @@ impl Values {
     }
 }
 
-/// The few numbers that are kept of a directory.
+/// The numbers that are kept of a directory.
 #[derive(Debug, Default)]
 pub(in crate::burst::decode) struct Directory {
-    /// Columns; 0 where it says nothing.
+    /// Columns; 0 where not given.
     pub width: u64,
-    /// Rows; 0 where it says nothing.
+    /// Rows; 0 where not given.
     pub height: u64,
-    /// Whether it says that it is a smaller copy of another.
+    /// Whether it is marked as a smaller copy of another.
     pub is_thumbnail: bool,
-    /// Place and length of its description.
+    /// Position and length of its description, bytes.
     description: Option<(u64, u64)>,
-    /// Places of the strips or tiles, and their lengths.
+    /// Positions of the strips or tiles, and their lengths.
     chunks: [Option<Values>; 2],
 }
 
 /// The directories of a file.
 #[derive(Debug)]
 pub(in crate::burst::decode) struct Directories {
-    /// Pages and the directories that they point at, in the order in which they are found.
+    /// Pages and the directories that they refer to, in the order in which they are found.
     pub list: Vec<Directory>,
-    /// Whether the first one says that the file is a DNG.
+    /// Whether the first one is marked as that of a DNG.
     pub is_dng: bool,
     big_endian: bool,
 }
 
-/// A place where a directory is said to be.
+/// Announced position of a directory.
 #[derive(Debug, Clone, Copy)]
 struct Pointer {
     at: u64,
     /// Whether it is one of the file's pages, and another may follow it.
     in_chain: bool,
-    /// Whether it holds notes (EXIF): what they point at need not be there, and decoders pass over it.
+    /// Whether it holds notes (EXIF): the data that they refer to may be absent, and decoders skip it.
     is_notes: bool,
 }
 
 impl Directories {
-    /// Looks at no more than `most` pages of `file`, a TIFF of `length` bytes. A file that is `raw` by its name, or a
-    /// DNG, must hold all values of all its directories of pictures.
+    /// Reads at most `most` pages of `file`, a TIFF of `length` bytes. A file that is `raw` by its name, or a DNG, must
+    /// hold all values of all its directories of pictures.
     ///
     /// # Errors
-    /// [`Refusal`] of a file that announces more than it can hold.
+    /// [`Refusal`] of a file that announces more than it can hold, or that cannot be read.
     pub(in crate::burst::decode) fn read(
         file: &mut (impl Read + Seek),
         length: u64,
@@ -116,12 +116,12 @@ impl Directories {
         Ok(walk.found)
     }
 
-    /// The largest (columns × rows) that a directory announces.
+    /// Largest size (columns × rows) that a directory announces.
     pub(in crate::burst::decode) fn pixels(&self) -> u64 {
         self.list.iter().map(|d| d.width.saturating_mul(d.height)).max().unwrap_or(0)
     }
 
-    /// The beginning of the first page's description; at most `most` bytes of it.
+    /// Beginning of the first page's description; at most `most` bytes of it.
     pub(in crate::burst::decode) fn description(&self, file: &mut (impl Read + Seek), most: usize) -> Option<String> {
         let (at, length) = self.list.first()?.description?;
         let mut bytes = vec![0; most.min(usize::try_from(length).ok()?)];
@@ -130,10 +130,10 @@ impl Directories {
         Some(String::from_utf8_lossy(&bytes).into_owned())
     }
 
-    /// Whether all strips and tiles of full pictures lie in the file of `length` bytes.
+    /// Checks that all strips and tiles of full pictures lie in the file of `length` bytes.
     ///
     /// # Errors
-    /// That it ends before one of them.
+    /// [`Refusal`] of a file that ends before one of them.
     pub(in crate::burst::decode) fn check_chunks(
         &self,
         file: &mut (impl Read + Seek),
@@ -174,7 +174,7 @@ impl Numbers {
         if self.big_endian { a << 32 | b } else { b << 32 | a }
     }
 
-    /// `bytes` as whole numbers of the type `kind`; none for types that are no such numbers.
+    /// `bytes` as whole numbers of the type `kind`; none for other types.
     fn of_bytes(self, kind: u16, bytes: &[u8]) -> impl Iterator<Item = u64> {
         let size = match kind {
             1 | 3 | 4 | 13 | 16 | 18 => size_of_kind(kind) as usize,
@@ -188,7 +188,7 @@ impl Numbers {
         })
     }
 
-    /// The values of an entry whose count was compared with the file's length, as whole numbers.
+    /// Values of an entry, as whole numbers. Its count has been compared with the file's length.
     fn list(self, file: &mut (impl Read + Seek), values: Values) -> Result<Vec<u64>, Refusal> {
         let Some(at) = values.at else {
             let inline = &values.inline[..values.bytes() as usize];
@@ -200,7 +200,7 @@ impl Numbers {
     }
 }
 
-/// Bytes of a value of each type; 1 for types that are not known, as decoders take them.
+/// Bytes of a value of each type; 1 for unknown types, as decoders take them.
 fn size_of_kind(kind: u16) -> u64 {
     match kind {
         3 | 8 => 2,
@@ -214,13 +214,13 @@ fn is_known(kind: u16) -> bool {
     (1..=13).contains(&kind) || (16..=18).contains(&kind)
 }
 
-/// The way through a file.
+/// State of the walk through a file.
 struct Walk<'a, R> {
     file: &'a mut R,
     length: u64,
     numbers: Numbers,
     big: bool,
-    /// Whether the file is raw, by its name or as a DNG: its decoder reads all that its directories point at.
+    /// Whether the file is raw, by its name or as a DNG: its decoder reads all data that its directories refer to.
     raw: bool,
     entries: usize,
     value_bytes: u64,
@@ -241,7 +241,7 @@ impl<R: Read + Seek> Walk<'_, R> {
             pages += 1;
             while let Some(pointer) = pointed_at.pop() {
                 others += 1;
-                // Two directories may point at one; a circle is no more than that.
+                // Two directories may refer to the same one; a cycle ends here too.
                 if others < MAX_DIRECTORIES && self.seen.insert(pointer.at) {
                     self.read_directory(pointer, &mut pointed_at)?;
                 }
@@ -250,7 +250,8 @@ impl<R: Read + Seek> Walk<'_, R> {
         Ok(())
     }
 
-    /// Reads the directory there; answers where the next page is, and adds those that it points at to `pointed_at`.
+    /// Reads the directory at `pointer`; returns the position of the next page, and adds the directories that it refers
+    /// to to `pointed_at`.
     fn read_directory(&mut self, pointer: Pointer, pointed_at: &mut Vec<Pointer>) -> Result<Option<Pointer>, Refusal> {
         let Some((entries, next)) = self.table_at(pointer)? else { return Ok(None) };
         let entry_bytes = if self.big { 20 } else { 12 };
@@ -287,7 +288,7 @@ impl<R: Read + Seek> Walk<'_, R> {
         Ok((pointer.in_chain && next != 0).then_some(Pointer { at: next, ..pointer }))
     }
 
-    /// The entries of a directory, and the place of the next page; nothing where notes are not there.
+    /// Entries of a directory, and the position of the next page; `None` for notes that are absent.
     fn table_at(&mut self, pointer: Pointer) -> Result<Option<(Vec<u8>, u64)>, Refusal> {
         let (count_bytes, entry_bytes, offset_bytes) = if self.big { (8, 20, 8) } else { (2, 12, 4) };
         let left = self.length.saturating_sub(pointer.at);
@@ -335,7 +336,7 @@ impl<R: Read + Seek> Walk<'_, R> {
         Values { inline, ..values }
     }
 
-    /// The value of an entry that has one whole number; 0 for others.
+    /// Value of an entry with one whole number; 0 for others.
     fn single(&self, entry: &[u8]) -> u64 {
         match self.values_of(entry) {
             values @ Values { count: 1, at: None, .. } => {

@@ -1,8 +1,8 @@
-//! A look at what a file declares, before any decoder sees it.
+//! Checks of the sizes that a file declares, before any decoder reads it.
 //!
 //! A decoder takes memory and time as the file tells it to. So the sizes in the file's own structures are compared with
-//! how long the file is: what announces more than the file could hold is damaged, and is refused with words. The look
-//! reads headers only, and is bounded itself in what it reads and keeps.
+//! the file's length: a file that announces more than it could hold is damaged, and is refused with a reason. The check
+//! reads headers only, and bounds its own memory.
 
 mod directories;
 mod pictures;
@@ -14,10 +14,10 @@ pub(super) use refusal::Refusal;
 
 use std::io::{Read, Seek, SeekFrom};
 
-/// The bytes of `file` from `at` on, as many as `buffer` has.
+/// Reads bytes of `file` from `at` on, as many as fill `buffer`.
 ///
 /// # Errors
-/// [`Refusal::Corrupt`] where the file ends before.
+/// `Refusal::Io` where the file ends before or cannot be read.
 fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: &mut [u8]) -> Result<(), Refusal> {
     file.seek(SeekFrom::Start(at))?;
     Ok(file.read_exact(buffer)?)

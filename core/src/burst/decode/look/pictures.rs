@@ -1,14 +1,14 @@
-//! What single pictures declare: the chunks of PNG and WebP, and the pixels of BMP and PNM, which are as long as the
-//! header says.
+//! Checks of single pictures: the chunks of PNG and WebP, and the pixels of BMP and PNM, whose length follows from the
+//! header.
 
 use super::{Refusal, read_at};
 use image::ImageFormat;
 use std::io::{Read, Seek};
 
-/// Deflate makes at most about this many bytes of one.
+/// Largest ratio of deflated data's length to its compressed length, about.
 const DEFLATE_GAIN: u64 = 1040;
 
-/// Looks at a picture of `length` bytes.
+/// Checks a picture of `length` bytes.
 ///
 /// # Errors
 /// [`Refusal`] of a picture that announces more than it can hold.
@@ -26,8 +26,8 @@ pub(in crate::burst::decode) fn check_picture(
     }
 }
 
-/// The chunks up to the first one of the picture: each within the file; and the picture's rows, which cannot be more
-/// than deflate makes of such a file.
+/// Checks that the chunks up to the first one of the picture lie within the file, and that the picture has no more rows
+/// than deflate can make of such a file.
 fn check_png(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> {
     const CHUNKS: usize = 4096;
     let mut at = 8;
@@ -64,7 +64,7 @@ fn check_png(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> 
                 )));
             }
         }
-        // The decoder says best where within the picture's data the file ends.
+        // Where the file ends within the picture's data, the decoder's message is better.
         if &name == b"IDAT" {
             return Ok(());
         }
@@ -77,12 +77,12 @@ fn check_png(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> 
     Err(Refusal::corrupt(format!("it has more than {CHUNKS} chunks before its picture data")))
 }
 
-/// The chunks: each within the file.
+/// Checks that each chunk lies within the file.
 fn check_webp(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> {
     const CHUNKS: usize = 1 << 16;
     let mut head = [0; 8];
     read_at(file, 0, &mut head)?;
-    // Bytes after the announced end are nobody's.
+    // Bytes after the announced end are ignored.
     let all = 8 + u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]]));
     let mut at = 12;
     for _ in 0..CHUNKS {
@@ -101,7 +101,7 @@ fn check_webp(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal>
     Err(Refusal::corrupt(format!("it has more than {CHUNKS} chunks")))
 }
 
-/// Pixels that are not compressed: as many as the header says.
+/// Checks that uncompressed pixels are as many as the header says.
 fn check_bmp(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> {
     const PLAIN: [u32; 4] = [0, 3, 6, 11];
     let mut head = [0; 34];
@@ -110,7 +110,7 @@ fn check_bmp(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> 
     }
     read_at(file, 0, &mut head)?;
     let number = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
-    // Headers of 12 bytes are of another form, and older than any camera.
+    // Headers of 12 bytes have another form, and are older than any camera.
     if number(14) < 40 || !PLAIN.contains(&number(30)) {
         return Ok(());
     }
@@ -125,7 +125,7 @@ fn check_bmp(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> 
     Ok(())
 }
 
-/// Binary pixels: as many as the header says. Pixels in digits: a digit and a blank for each.
+/// Checks that binary pixels are as many as the header says, and that pixels in digits have a digit and a blank each.
 fn check_pnm(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> {
     // Headers are short, but may have comments; a longer one is left to the decoder.
     let mut head = vec![0; usize::try_from(length).unwrap_or(usize::MAX).min(4096)];
@@ -148,8 +148,8 @@ fn check_pnm(file: &mut (impl Read + Seek), length: u64) -> Result<(), Refusal> 
     Ok(())
 }
 
-/// Columns, rows and the largest value (1 where there is none) of the header of a P1 to P6; nothing for what is no such
-/// header, which the decoder says better.
+/// Columns, rows and the largest value (1 where there is none) of the header of a P1 to P6; `None` for other data,
+/// which is left to the decoder's error.
 fn pnm_numbers(head: &[u8]) -> Option<[u64; 3]> {
     let mut numbers = [0, 0, 1];
     let mut rest = head.get(2..)?;

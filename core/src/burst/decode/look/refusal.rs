@@ -1,21 +1,21 @@
-//! Why a file is refused before a decoder sees it.
+//! Refusals of files before a decoder reads them.
 
 use crate::burst::error::OpenError;
 use std::path::Path;
 
-/// Why a file is refused before a decoder sees it.
+/// Reason why a file is refused before a decoder reads it.
 #[derive(Debug)]
 pub(in crate::burst::decode) enum Refusal {
-    /// It announces what cannot be: the end of a sentence about the file.
+    /// The file announces the impossible: the end of a sentence about the file.
     Corrupt(String),
-    /// It announces more than anybody needs.
+    /// The file announces more than the limit.
     TooLarge {
         /// The announced size, in words.
         found: String,
-        /// How much is allowed.
+        /// Largest size allowed, in words.
         limit: String,
     },
-    /// It could not be read.
+    /// The file ends early or could not be read.
     Io(std::io::Error),
 }
 
@@ -26,12 +26,12 @@ impl From<std::io::Error> for Refusal {
 }
 
 impl Refusal {
-    /// A file that announces what cannot be.
+    /// Refusal of a file that announces the impossible.
     pub(in crate::burst::decode) fn corrupt(reason: impl Into<String>) -> Self {
         Self::Corrupt(reason.into())
     }
 
-    /// The error about the file `path` of the format `kind`.
+    /// Converts to an error about the file `path` of the format `kind`.
     pub(in crate::burst::decode) fn into_error(self, path: &Path, kind: &'static str) -> OpenError {
         let path = path.to_path_buf();
         match self {

@@ -1,11 +1,11 @@
-//! From the sums in the cells to the bytes of a descriptor.
+//! Conversion of the sums in the cells to the bytes of a descriptor.
 
 use super::cells::{BINS, DIRECTIONS};
 use crate::detector::feature::Descriptor;
 use crate::kernel::patch::LANES;
 use multiversion::multiversion;
 
-/// The sum of `f` over the bins, in as many partial sums as a vector has lanes.
+/// Sum of `f` over the bins, in as many partial sums as a vector has lanes.
 #[inline(always)]
 fn sum_of(bins: &[f32; BINS], f: impl Fn(f32) -> f32) -> f32 {
     let mut sums = [0.0f32; LANES];
@@ -26,7 +26,7 @@ fn normalise(bins: &mut [f32; BINS]) {
     }
 }
 
-/// From the 128 sums to bytes, in UBC/COLMAP's order: within each cell the directions run the other way round than
+/// Converts the 128 sums to bytes, in UBC/COLMAP's order: within each cell the directions run the other way round than
 /// VLFeat's, the first stays.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 pub(super) fn quantise(mut bins: [f32; BINS]) -> Descriptor {
@@ -41,7 +41,7 @@ pub(super) fn quantise(mut bins: [f32; BINS]) -> Descriptor {
     to_vlfeat_order(&scaled)
 }
 
-/// The same descriptor in VLFeat's order; its own inverse.
+/// Converts a descriptor to VLFeat's order; its own inverse.
 pub fn to_vlfeat_order(descriptor: &Descriptor) -> Descriptor {
     let mut out = [0; BINS];
     for (out, cell) in out.chunks_exact_mut(DIRECTIONS).zip(descriptor.chunks_exact(DIRECTIONS)) {

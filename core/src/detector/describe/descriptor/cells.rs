@@ -1,39 +1,39 @@
-//! The cells of a descriptor and what pixels add to them: samples, made in vectors, added one by one.
+//! Cells of a descriptor, and the samples that pixels add to them: computed in vectors, added one by one.
 
 use crate::kernel::gradient::Lane;
 use crate::kernel::patch::LANES;
 
-/// Cells along a side.
+/// Number of cells along a side.
 pub(super) const CELLS: usize = 4;
-/// Directions in a cell.
+/// Number of directions in a cell.
 pub(super) const DIRECTIONS: usize = 8;
-/// Sums of a descriptor.
+/// Number of sums of a descriptor.
 pub(super) const BINS: usize = CELLS * CELLS * DIRECTIONS;
-/// A cell more on each side takes what falls outside, so that no weight needs a test.
+/// Number of cells along a side with one more at each end for pixels outside, so that no weight needs a test.
 const PADDED: usize = CELLS + 2;
-/// Sums that take turns, so that one needn't wait for the one before it.
+/// Number of independent accumulators, so that an addition need not wait for the one before it.
 const TURNS: usize = 4;
 
-/// Pairs in a row of cells.
+/// Number of pairs in a row of cells.
 pub(super) const PAIRS: usize = PADDED - 1;
 
-/// What is to be added for some pixels, in the order of the pixels. Cells and directions are counted from the padded
-/// ones' first.
+/// Values that some pixels add, in the order of the pixels. Cells and directions are counted from the first padded
+/// ones.
 #[derive(Debug, Default)]
 pub(super) struct Samples {
-    /// The pair of cells above which, and between which, the pixel lies.
+    /// Pair of cells above the pixel, between which it lies.
     cell: Vec<u32>,
-    /// The direction before the pixel's, and how far that is past it, of a direction's distance.
+    /// Direction before the pixel's, and the pixel's distance from it, in steps of directions.
     direction: Vec<u32>,
     past_direction: Vec<f32>,
-    /// How far the pixel is from the pair's left cell to its right one.
+    /// Distance of the pixel from the pair's left cell, as a fraction of the way to the right one.
     past_column: Vec<f32>,
-    /// The weights in the pair and in the one below it.
+    /// Weights in the pair and in the one below it.
     upper: Vec<f32>,
     lower: Vec<f32>,
 }
 
-/// A vector's worth of [`Samples`], to be written.
+/// [`Samples`] of one vector, to be written.
 pub(super) struct SampleVector<'a> {
     pub(super) cell: &'a mut [u32; LANES],
     pub(super) direction: &'a mut [u32; LANES],
@@ -44,7 +44,7 @@ pub(super) struct SampleVector<'a> {
 }
 
 impl Samples {
-    /// Makes room for `count` samples and a vector that is only partly used.
+    /// Makes room for `count` samples and a partly used vector.
     pub(super) fn room(&mut self, count: usize) {
         let count = count + LANES;
         if self.cell.len() < count {
@@ -56,7 +56,7 @@ impl Samples {
         }
     }
 
-    /// The samples from `at` on.
+    /// Samples of one vector from `at` on.
     #[inline(always)]
     pub(super) fn vector(&mut self, at: usize) -> SampleVector<'_> {
         fn part<T>(values: &mut [T], at: usize) -> &mut [T; LANES] {
@@ -73,12 +73,12 @@ impl Samples {
     }
 }
 
-/// Sums for each pair of neighbouring cells of a row: what samples between the two give the left one, then the right
-/// one. A sample adds to one pair and to the one below it; kept apart, pairs never overlap.
+/// Sums for each pair of neighbouring cells of a row: the parts of samples between the two for the left one, then for
+/// the right one. A sample adds to one pair and to the one below it; kept apart, pairs never overlap.
 #[repr(C, align(64))]
 pub(super) struct PairedCells([[[f32; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS]);
 
-/// For each direction, the shares of a pair's directions at it, and how they change towards the next one.
+/// For each direction, its share in each of a pair's directions, and the change of that towards the next direction.
 #[repr(C, align(64))]
 struct Shares([[[f32; 2 * DIRECTIONS]; 2]; DIRECTIONS]);
 
@@ -105,7 +105,7 @@ impl PairedCells {
     /// Adds the first `count` samples.
     #[inline(always)]
     pub(super) fn add(&mut self, samples: &mut Samples, count: usize) {
-        // What is missing of a full turn adds nothing.
+        // Unused samples of the last turn add nothing.
         samples.upper[count..count + TURNS].fill(0.0);
         samples.lower[count..count + TURNS].fill(0.0);
         let count = count.next_multiple_of(TURNS);
@@ -133,7 +133,7 @@ impl PairedCells {
         }
     }
 
-    /// The sums of the cells that are not padding.
+    /// Sums of the cells that are not padding.
     pub(super) fn sums(&self) -> [f32; BINS] {
         let mut out = [0.0; BINS];
         for (cell, out) in out.chunks_exact_mut(DIRECTIONS).enumerate() {

@@ -1,21 +1,21 @@
-//! What is measured of frames and of pairs of them: how noisy they are, how bright beside one another, what their noise
-//! shares.
+//! Measurements of frames and of pairs of frames: their noise, the ratio of their brightness, the correlation of their
+//! noise.
 
 use crate::detector::noise_model::high_pass::{FREE_VALUES, HighPass, quiet_variance};
 use rayon::prelude::*;
 
-/// Correlations of consecutive frames below this are taken for none.
+/// Correlation of consecutive frames below which it is taken for none.
 const LEAST_CORRELATION: f32 = 0.15;
 
-/// What the squares of single frames and of neighbours show.
+/// Variances in the squares of single frames and of differences of neighbours.
 pub(super) struct Looks {
     /// For each frame, the variance in each square.
     pub(super) frames: Vec<Vec<f32>>,
-    /// Of the quiet part of each.
+    /// For each frame, the variance of the quiet squares.
     pub(super) noise: Vec<f32>,
     /// For each frame but the last, the variance of its difference to the next in each square.
     pairs: Vec<Vec<f32>>,
-    /// Of the quiet part of each.
+    /// For each of these differences, the variance of the quiet squares.
     in_pairs: Vec<f32>,
 }
 
@@ -28,7 +28,7 @@ impl Looks {
         Self { noise: quiet(&frames), in_pairs: quiet(&pairs), frames, pairs }
     }
 
-    /// The variance of the noise of one frame that the difference of two shows.
+    /// Variance of the noise of one frame, measured in the difference of two.
     pub(super) fn in_pair(&self, squares: &HighPass, a: usize, b: usize) -> f32 {
         if a + 1 == b {
             self.in_pairs[a]
@@ -38,7 +38,7 @@ impl Looks {
     }
 }
 
-/// The ratio of brightnesses that the brighter squares agree on: the median, each with its brightness as weight.
+/// Ratio of brightnesses: the median over the squares, weighted by the reference's brightness.
 pub(super) fn bright_ratio(squares: &[f32], reference: &[f32]) -> f32 {
     let mut ratios: Vec<(f32, f32)> =
         squares.iter().zip(reference).filter(|(_, r)| **r > 0.0).map(|(x, r)| (x / r, *r)).collect();
@@ -54,7 +54,7 @@ pub(super) fn bright_ratio(squares: &[f32], reference: &[f32]) -> f32 {
     1.0
 }
 
-/// The standard deviation of values around their straight line over time; 0 for fewer than three.
+/// Standard deviation of values around their straight line over time; 0 for fewer than three.
 pub(super) fn spread_without_trend(points: &[(f32, f32)]) -> f32 {
     let n = points.len() as f32;
     if points.len() < 3 {
@@ -67,14 +67,13 @@ pub(super) fn spread_without_trend(points: &[(f32, f32)]) -> f32 {
     (points.iter().map(|p| (p.1 - x - slope * (p.0 - t)).powi(2)).sum::<f32>() / (n - 2.0)).sqrt()
 }
 
-/// The correlation of the noise of consecutive frames, from the flattest squares; 0 where texture may be what they
-/// share.
+/// Correlation of the noise of consecutive frames, from the flattest squares; 0 where shared texture may explain it.
 pub(super) fn correlation(squares: &HighPass, looks: &Looks, kept: &[usize]) -> f32 {
     if kept.len() < 5 {
         return 0.0;
     }
-    // The squares are chosen by the first frames and measured in the others, so that choosing does not change what is
-    // measured.
+    // The squares are chosen by the first frames and measured in the others, so that the choice does not bias the
+    // measurement.
     let (choosing, measuring) = kept.split_at(2);
     let mean = |variances: &[&[f32]]| -> Vec<f32> {
         let n = variances.len() as f32;
@@ -102,7 +101,7 @@ pub(super) fn correlation(squares: &HighPass, looks: &Looks, kept: &[usize]) -> 
     if shared > LEAST_CORRELATION && spread < 1.6 { shared.min(0.95) } else { 0.0 }
 }
 
-/// The middle value; 0 of none.
+/// Median of `values` (the upper one of two); 0 where there are none.
 pub(in crate::detector::noise_model) fn median(mut values: Vec<f32>) -> f32 {
     if values.is_empty() {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Which frames are left out, and what is measured of the others.
+//! Tests of which frames are left out, and of the measurements of the others.
 
 use super::*;
 use crate::monitor::Monitor;

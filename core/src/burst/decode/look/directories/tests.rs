@@ -1,4 +1,4 @@
-//! Directories as files have them, and as nobody's file should.
+//! Directories as in real files, and damaged ones.
 
 use super::*;
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use std::io::Cursor;
 
 const LONG: u16 = 4;
 
-/// A TIFF of one directory after `before` bytes of something else, with its entries: tag, type, count, value.
+/// TIFF of one directory after `before` bytes of other data, with entries (tag, type, count, value).
 fn tiff(entries: &[(u16, u16, u32, u32)], before: usize) -> Vec<u8> {
     let mut bytes = b"II*\0".to_vec();
     bytes.extend((8 + before as u32).to_le_bytes());
@@ -20,7 +20,7 @@ fn tiff(entries: &[(u16, u16, u32, u32)], before: usize) -> Vec<u8> {
     bytes
 }
 
-/// A BigTIFF of one directory, most significant byte first.
+/// BigTIFF of one directory, most significant byte first.
 fn big_tiff(entries: &[(u16, u16, u64, u64)], before: usize) -> Vec<u8> {
     let mut bytes = b"MM\0+\0\x08\0\0".to_vec();
     bytes.extend((16 + before as u64).to_be_bytes());
@@ -38,7 +38,7 @@ fn read(bytes: &[u8], raw: bool) -> Result<Directories, Refusal> {
     Directories::read(&mut Cursor::new(bytes), bytes.len() as u64, raw, usize::MAX)
 }
 
-/// Why a file is refused.
+/// Reason why a file is refused.
 fn reason(bytes: &[u8], raw: bool) -> String {
     match read(bytes, raw) {
         Err(Refusal::Corrupt(reason)) => reason,
@@ -60,7 +60,7 @@ fn sizes_and_descriptions_are_read_in_both_forms_and_byte_orders() {
 
 #[test]
 fn counts_beyond_the_file_are_refused() {
-    // The file of 226 bytes whose decoder asks for 34 GB.
+    // A file of 226 bytes whose decoder asks for 34 GB.
     for kind in [1, 2, 5, 7, 10, 12, 99] {
         for raw in [true, false] {
             let bytes = tiff(&[(256, LONG, 1, 4), (33434, kind, u32::MAX, 8)], 180);
@@ -70,7 +70,7 @@ fn counts_beyond_the_file_are_refused() {
     }
     let reason = reason(&big_tiff(&[(270, 2, 4 << 30, 16)], 10), false);
     assert!(reason.contains("tag 270"), "{reason}");
-    // A text as long as a long file is too long all the same.
+    // A text that is as long as a long file is too long as well.
     let bytes = tiff(&[(270, 2, 1 << 27, 8)], 0);
     let length = 1 << 30;
     let refused = Directories::read(&mut Cursor::new(&bytes), length, false, 1).expect_err("128 MiB of text");
@@ -81,10 +81,10 @@ fn counts_beyond_the_file_are_refused() {
 fn values_behind_the_end_are_refused_where_somebody_reads_them() {
     let beyond = |tag| tiff(&[(tag, LONG, 9, 100)], 90);
     assert!(reason(&beyond(273), false).contains("it ends before the values of tag 273"));
-    // What only another program knows does not spoil a TIFF; the decoder of raw files reads everything.
+    // A damaged private tag does not spoil a TIFF; the decoder of raw files reads every tag.
     assert!(read(&beyond(50000), false).is_ok());
     assert!(reason(&beyond(50000), true).contains("tag 50000"));
-    // So does a DNG, by whatever name.
+    // So it is for a DNG, whatever its name.
     let dng = tiff(&[(50000, LONG, 9, 100), (50706, 1, 4, 1)], 60);
     assert!(reason(&dng, false).contains("tag 50000"));
 }
@@ -100,7 +100,7 @@ fn circles_and_places_behind_the_end_are_refused() {
     for cut in 8..bytes.len() {
         assert!(read(&bytes[..cut], false).is_err(), "cut at {cut}");
     }
-    // A directory that points at itself as a part of it is read once.
+    // A directory that names itself as its part is read once.
     let own = tiff(&[(330, LONG, 1, 8)], 0);
     assert_eq!(read(&own, true).expect("no circle of pages").list.len(), 1);
     // Many entries that share a long place.
@@ -122,7 +122,7 @@ fn strips_lie_within_the_file() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases.max(400), ..ProptestConfig::default() })]
 
-    /// Any answer will do; what is read and kept is bounded by the file.
+    /// Any answer is right; the data that is read and kept is bounded by the file.
     #[test]
     fn damaged_directories_are_looked_through(
         entries in prop::collection::vec((prop_oneof![254..300u16, 320..335u16, Just(34665), Just(50706), any::<u16>()], 0..20u16, prop_oneof![0..9u32, any::<u32>()], prop_oneof![0..300u32, any::<u32>()]), 0..12),
@@ -142,7 +142,7 @@ proptest! {
             let place = place.index(bytes.len());
             bytes[place] = value;
         }
-        // A file may become shorter between two looks at it.
+        // A file may become shorter between two reads.
         let length = (bytes.len() as u64).max(claimed.min(1 << 20));
         let mut file = Cursor::new(&bytes);
         if let Ok(found) = Directories::read(&mut file, length, raw, usize::MAX) {
