@@ -11,16 +11,17 @@
 //! module may use the modules below it, never those above:
 //!
 //! ```text
-//! inspect             why: the fate of a place, which slopes a burst needs, what a change did
-//! figures             every figure and table of the paper, remade
-//! evaluate            how good the detector is, measured against known truth
-//! dataset             many bursts along a way, and on to COLMAP
-//! baseline, matching  what it is compared with; descriptors to matches
-//! export              one file a format
+//! inspect             explanations: the fate of a candidate, the slopes a burst needs, the effect of a change
+//! figures             every figure and table of the paper, reproduced
+//! evaluate            the quality of the detector, measured against known truth
+//! dataset             many bursts along a path, and their export to COLMAP
+//! baseline, matching  methods for comparison; from descriptors to matches
+//! export              one source file for each format
 //! detector, synth     the method; bursts with known truth
 //! burst               opening, decoding and calibrating frames
-//! plane, files         one float image; small text files and names of files
-//! monitor              progress and cancellation
+//! kernel              vector code of the detector's steps
+//! plane, files        one float image; small text files and names of files
+//! monitor             progress and cancellation
 //! ```
 //!
 //! # Conventions

@@ -123,7 +123,7 @@ impl Monitor {
     /// Fails once the work was cancelled. Loops call it at least every few milliseconds.
     ///
     /// # Errors
-    /// [`Cancelled`] once [`Self::cancel`] was called.
+    /// [`Cancelled`] once the work was cancelled.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }

@@ -120,7 +120,7 @@ pub fn export_colmap(
     export_colmap_from(&mut FeatureStore::open(out, &job.features)?, bursts, job, on, monitor)
 }
 
-/// Exports as [`export_colmap`], into the folder of `store`, which was opened with [`ColmapJob::features`].
+/// Exports as `export_colmap` does, into the folder of `store`, which was opened with [`ColmapJob::features`].
 ///
 /// # Errors
 /// As [`export_colmap`].

@@ -430,8 +430,7 @@ pub fn image_name(source: &BurstSource) -> String {
 ///
 /// # Errors
 /// [`DatasetError`] when it concerns all bursts, or the work was cancelled. A burst that cannot be opened is reported
-/// as
-/// [`BurstEvent::Failed`] and left out.
+/// as [`BurstEvent::Failed`] and left out.
 pub fn detect_all(
     store: &mut FeatureStore,
     bursts: &[BurstSource],

@@ -114,7 +114,7 @@ impl AccuracyStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// Runs the study as [`Self::run`]; calls `tell` with the report so far whenever a chart is finished, as
+    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
     /// [`ChartStudy::run_telling`](super::ChartStudy::run_telling) does.
     ///
     /// # Errors

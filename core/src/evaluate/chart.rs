@@ -149,9 +149,9 @@ impl ChartStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// Runs the study as [`Self::run`]; calls `tell` with the report so far whenever a chart is finished, from any
-    /// thread, one call at a time. Charts of one seed at all ratios come before those of the next, so that every point
-    /// of a curve exists early and then improves.
+    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, from any thread,
+    /// one call at a time. Charts of one seed at all ratios come before those of the next, so that every point of a
+    /// curve exists early and then improves.
     ///
     /// # Errors
     /// As [`Self::run`].

@@ -87,7 +87,7 @@ impl FramesStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// Runs the study as [`Self::run`]; calls `tell` with the report so far whenever a chart is finished, as
+    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
     /// [`ChartStudy::run_telling`] does.
     ///
     /// # Errors

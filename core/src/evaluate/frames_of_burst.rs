@@ -121,7 +121,7 @@ impl BurstFramesStudy {
         self.run_telling(burst, second, truth, monitor, &|_| {})
     }
 
-    /// Runs the study as [`Self::run`]; calls `tell` with the report so far after every number of frames.
+    /// Runs the study as `run` does; calls `tell` with the report so far after every number of frames.
     ///
     /// # Errors
     /// As [`Self::run`].

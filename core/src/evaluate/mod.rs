@@ -4,9 +4,8 @@
 //! Four studies of the detector, each one command (`burstscope evaluate chart|frames|accuracy|noise`):
 //!
 //! - [`chart`]: in the dark. The number of a chart's discs that each method finds before a tenth of its features are
-//! false,
-//! and true against false features over the threshold (the ROC curve).
-//! - [`frames`]: the measures of [`chart`] over the number of frames of a burst; [`frames_of_burst`] for a given burst.
+//!   false, and true against false features over the threshold (the ROC curve).
+//! - [`frames`]: the measures of `chart` over the number of frames of a burst; [`frames_of_burst`] for a given burst.
 //! - [`accuracy`]: in enough light. Errors of positions, scales and motions.
 //! - [`pure_noise`]: on noise alone. The number of features found where all are false.
 //!

@@ -23,9 +23,9 @@ const HIDDEN_PREFIX: &str = ".burstscope";
 pub const TEMPORARY_SUFFIX: &str = ".tmp";
 /// Suffix of the names of locks that lie beside their folders.
 const LOCK_SUFFIX: &str = ".lock";
-/// Most bytes of a folder's name that are used in the name of the lock beside it.
+/// Maximum length of a folder's name in the name of the lock beside it, bytes.
 const LONGEST_NAME: usize = 200;
-/// Most attempts to take a lock whose file keeps being removed in the meantime.
+/// Maximum number of attempts to take a lock whose file keeps being removed in the meantime.
 const TRIES: usize = 64;
 
 /// Whether a file of this name is one that a run of this program creates for itself and removes at its end; a killed

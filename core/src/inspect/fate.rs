@@ -130,8 +130,7 @@ pub struct Fate {
     /// Verdict as one sentence.
     pub verdict: String,
     /// Setting that would keep it; `None` for a kept candidate, where no setting would, and for duplicates in a list
-    /// (see
-    /// [`super::remedy::duplicate_remedy`]).
+    /// (see [`super::remedy::duplicate_remedy`]).
     pub remedy: Option<Remedy>,
 }
 

@@ -130,8 +130,7 @@ pub fn shares(
 }
 
 /// Computes the coherence (see [`Shares::coherence`]) of each feature of the detection of `trail`: for each the value
-/// from
-/// [`shares`] at its octave and level, along its motion.
+/// from [`shares`] at its octave and level, along its motion.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

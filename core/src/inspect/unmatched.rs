@@ -44,7 +44,7 @@ pub struct Rivalry {
     pub ratio: f32,
     /// Distance from the place that the geometry expects, pixels; `None` where none is known.
     pub error_px: Option<f32>,
-    /// Its slope, px/frame.
+    /// Slope, px/frame.
     pub slope: Slope,
     /// Whether it lies on the same blob as the first of the list; then the two count as one.
     pub is_same_blob: bool,

@@ -6,8 +6,7 @@
 //! and second derivatives are known in closed form, so Newton's steps find the extremum. There are two:
 //!
 //! - [`RIM`], p = 1 + 3q − 24q²: flat in the middle and steepest where it is zero. With that radius on a blob's rim the
-//! place
-//! is determined best, and nothing beyond 1.9 radii matters.
+//!   place is determined best, and nothing beyond 1.9 radii matters.
 //! - [`SOFT`], p = 1 − 10q + 24q² − 21q³: much like the DoG, for structure without such a rim; it reaches 2.65 radii.
 //!
 //! The noise of a position is that of the gradient over the curvature. For a disc it is √(∫h'²ρ dρ)/(r·h'(r)), in units

@@ -25,7 +25,7 @@ pub(crate) const BLOCK_COLUMNS: usize = 32;
 /// Rows that the filter bank finishes before it begins the next ones: few enough that the values between the passes
 /// stay in the second cache.
 pub(crate) const BATCH_ROWS: usize = 112;
-/// Most rows of one level computed at once; half of them where vectors are shorter and registers fewer.
+/// Maximum number of rows of one level computed at once; half of them where vectors are shorter and registers fewer.
 pub(crate) const MAX_LEVEL_ROWS: usize = 8;
 /// Rows of a patch that are combined together: neighbouring rows read the same source rows but one.
 pub(crate) const PATCH_ROWS_TOGETHER: usize = 4;
@@ -35,13 +35,13 @@ pub(crate) const TILE_COLUMNS: usize = 148;
 /// Rows of a tile where the window does not require fewer: enough that the margin of rows for its filters matters
 /// little.
 pub(crate) const TILE_ROWS: usize = 548;
-/// Most bytes of DoG tiles that the windows of slopes of all threads hold together.
+/// Maximum size of the DoG tiles of the windows of slopes of all threads together, bytes.
 pub(crate) const WINDOWS_BYTES: usize = 128 << 20;
-/// Most bytes that one window holds: as much as stays in a thread's share of the third cache. Fewer rows than that
+/// Maximum size of one window, bytes: as much as stays in a thread's share of the third cache. Fewer rows than that
 /// repeat too much of the filters' margin around a tile.
 pub(crate) const WINDOW_BYTES: usize = 6 << 20;
-/// Most slopes whose frames are stacked together: whole rows of the grid where it has two axes, which share the mixing
-/// of rows.
+/// Maximum number of slopes whose frames are stacked together: whole rows of the grid where it has two axes, which
+/// share the mixing of rows.
 pub(crate) const STACKED_SLOPES: usize = 16;
 /// Width of the strips in which keypoints are described, columns, each from top to bottom: pixels of the frames that
 /// their patches share are then still in the cache.

@@ -50,7 +50,7 @@ struct Run<'a> {
     taps: Vec<Vec<Tap<'a>>>,
 }
 
-/// Part of a row of one frame: its pixels from column `left` on, and their offset for a slope's pixel.
+/// Part of a row of one frame: its pixels from column `left` of the frame on.
 struct Source<'s> {
     frame: usize,
     pixels: &'s [f32],

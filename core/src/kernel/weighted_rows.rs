@@ -9,7 +9,7 @@ use crate::kernel::vectors::{MAX_VECTORS, in_vectors, load, store};
 use crate::plane::aligned::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Most values in a vector of any processor.
+/// Maximum number of values in a vector of any processor.
 const LONGEST: usize = 16;
 
 /// Pixels of one frame in a sum, from the first one that is read.
@@ -44,7 +44,6 @@ impl Default for WeightedRows {
 impl WeightedRows {
     /// Writes rows `rows` of the sum of `taps`, `columns` values each, to `out`, where rows lie `stride` apart. Row 0
     /// is the first one of the taps' pixels; the taps' rows lie `width` apart, and each holds a pixel more than
-    /// `columns`.
     /// `columns`.
     pub fn make(
         &mut self,

@@ -1,9 +1,8 @@
 //! Colour maps: from a position in [0, 1] to a colour.
 //!
-//! All colour maps are defined here. The window, the exported pictures and the legends read the same tables.
-//! Perceptual maps run from dark to light in even steps, so that equal differences in value look equally large.
-//! Diverging maps have an exactly neutral grey at the centre and are meant for values with a sign, such as the DoG
-//! response.
+//! All colour maps are defined here. The window, the exported pictures and the legends read the same tables. Perceptual
+//! maps run from dark to light in even steps, so that equal differences in value look equally large. Diverging maps
+//! have an exactly neutral grey at the centre and are meant for values with a sign, such as the DoG response.
 
 use serde::{Deserialize, Serialize};
 

@@ -17,7 +17,7 @@ pub struct ProfileSample {
     pub value: f32,
 }
 
-/// Most samples of a profile: a screen shows no more.
+/// Maximum number of samples of a profile: a screen shows no more.
 const MAX_SAMPLES: usize = 1 << 14;
 
 /// The values of `plane` along the line from `from` to `to`, both (u, v) in pixels of which `px_per_plane_px` make one

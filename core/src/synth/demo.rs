@@ -46,7 +46,7 @@ pub fn demo_burst() -> Burst {
     demo_burst_at("demo", 0.0, SEED)
 }
 
-/// The same street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst. Its layers have
+/// The demo's street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst. Its layers have
 /// moved on by as many slopes: three of them horizontally, as for a camera that moves sideways past a still street,
 /// while the lanterns rise and fit no such camera.
 pub fn later_demo_burst() -> Burst {

@@ -35,15 +35,15 @@ const COARSEST_PRIOR_SIGMA: f32 = 2.0;
 const RADIUS: i32 = 1;
 /// Search radius around no motion at the coarsest level, whole pixels.
 const COARSEST_RADIUS: i32 = 4;
-/// Least share of a tile's pixels that must lie in both frames for a comparison.
+/// Minimum share of a tile's pixels that must lie in both frames for a comparison.
 const LEAST_SHARE: f32 = 0.25;
 
 /// Shift of every tile of an image, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ShiftField {
-    /// The tiles.
+    /// Grid of the tiles.
     pub grid: TileGrid,
-    /// Their shifts.
+    /// Shift of each tile.
     pub shifts: Vec<Shift>,
 }
 
@@ -124,7 +124,7 @@ struct FramePair<'a> {
 /// A tile and its predictions.
 struct Tile<'a> {
     pair: &'a FramePair<'a>,
-    /// Its pixels inside the reference.
+    /// Columns and rows of its pixels inside the reference.
     columns: Range<i64>,
     rows: Range<i64>,
     predictions: &'a [Shift],

@@ -24,7 +24,7 @@ use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
 
-/// Least noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bit, so that noiseless frames
+/// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bit, so that noiseless frames
 /// cause no division by zero.
 const LEAST_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
 

@@ -4,7 +4,7 @@
 use super::tiles::TILE;
 use crate::plane::Plane;
 
-/// Most levels, with the image itself: enough to follow motion of up to about 100 pixels.
+/// Maximum number of levels, with the image itself: enough to follow motion of up to about 100 pixels.
 const MAX_LEVELS: usize = 5;
 
 /// The image and its coarser copies, finest first; at least one level. Each coarser level's sides are at least a

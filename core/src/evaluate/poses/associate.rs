@@ -1,12 +1,11 @@
 //! Pairing of the poses of the estimate with those of the truth.
 //!
 //! - **By name**: both are of the same image. Names are compared as they are; if no two agree, without their folders
-//! and endings.
+//!   and endings.
 //! - **By time**: the time stamps are nearest and not too far apart. A sparse model has no times; there the last number
-//! in the image's name is used, such as 23 of `image.0023.png` or 1305031102.175304 of `1305031102.175304.png`.
+//!   in the image's name is used, such as 23 of `image.0023.png` or 1305031102.175304 of `1305031102.175304.png`.
 //! - **By order**: both have the same position in their sequence. For a model that is the image's id, so that images
-//! which
-//! were not registered leave gaps.
+//!   which were not registered leave gaps.
 //!
 //! Without a given rule, names are used where both sides have them; otherwise times, if every pose of the estimate has
 //! a partner by time; otherwise the order.

@@ -59,7 +59,7 @@ pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>)
     parse_colmap(path, &read_text(path, MAX_TABLE_BYTES).map_err(read)?)
 }
 
-/// Parses the `text` of a file that [`write_colmap`] wrote; `path` is for messages.
+/// Parses the `text` of a file that `write_colmap` wrote; `path` is for messages.
 ///
 /// # Errors
 /// [`ExportError::Text`] with the line that is not in this format.

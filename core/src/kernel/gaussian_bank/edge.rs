@@ -54,7 +54,7 @@ impl Dense {
 #[derive(Debug, Clone)]
 pub(crate) struct Edges {
     levels: Vec<Dense>,
-    /// Least pixels of a line for which the other border has no effect.
+    /// Minimum number of pixels of a line for which the other border has no effect.
     far: usize,
 }
 

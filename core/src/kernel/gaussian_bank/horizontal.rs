@@ -23,7 +23,7 @@ pub(crate) struct Packed {
     radii: Vec<usize>,
 }
 
-/// All levels of `axis`, in as few groups of equal size as [`MOST`] allows.
+/// All levels of `axis`, in as few groups of (nearly) equal size as [`MOST`] allows.
 pub(crate) fn packed(axis: &Axis) -> Vec<Packed> {
     let count = axis.levels.len();
     let size = count.div_ceil(count.div_ceil(MOST).max(1)).max(1);

@@ -169,7 +169,7 @@ const fn products() -> [[usize; 20]; 20] {
     table
 }
 
-/// Indices of x, y, z and 1 in [`MONOMIALS`].
+/// Indices of x, y, z and 1 in `MONOMIALS`.
 const LINEAR: [usize; 4] = [12, 15, 18, 19];
 /// Indices of the monomials up to the second degree.
 const QUADRATIC: [usize; 10] = [5, 7, 9, 11, 12, 14, 15, 17, 18, 19];

@@ -27,7 +27,7 @@ pub enum TwoViewModel {
     Homography {
         /// H, from A to B.
         forward: Matrix3<f64>,
-        /// Its inverse, from B to A.
+        /// Inverse of H, from B to A.
         backward: Matrix3<f64>,
     },
 }
@@ -66,8 +66,7 @@ impl TwoViewModel {
         self.locus(a, size, false)
     }
 
-    /// Possible places in image A, of `size` (columns, rows), of the point `b` of image B, as [`Self::locus_in_b`]
-    /// gives them.
+    /// Possible places in image A, of `size` (columns, rows), of the point `b` of image B, in the form of `locus_in_b`.
     pub fn locus_in_a(&self, b: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
         self.locus(b, size, true)
     }

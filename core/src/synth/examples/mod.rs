@@ -3,10 +3,8 @@
 //!
 //! | example | content | where to probe |
 //! | --- | --- | --- |
-//! | aliasing | three garlands with a small lamp every 8 px, under larger lamps that stand apart, all moving by 1
-//! px/frame: the garlands respond again at −7 px/frame | a dark gap beside a lamp, which is kept at −7 px/frame |
-//! | low contrast | nine discs, each fainter than the one before, the last ones hidden by noise | a disc that only the
-//! gate rejects |
+//! | aliasing | three garlands with a small lamp every 8 px, under larger lamps that stand apart, all moving by 1 px/frame: the garlands respond again at −7 px/frame | a dark gap beside a lamp, which is kept at −7 px/frame |
+//! | low contrast | nine discs, each fainter than the one before, the last ones hidden by noise | a disc that only the gate rejects |
 //! | many depths | a column of lamps at each of nine depths, slope 0 on the left to 2.4 px/frame on the right: a fan in the x–t slice | a lamp in the middle |
 //! | tripod | a still camera: everything has slope 0, so depths cannot be told apart | a disc |
 //! | hot pixels | lamps that move by 1 px/frame, behind sixty hot pixels of the sensor | a hot pixel |
@@ -51,7 +49,7 @@ pub enum Example {
     HotPixels,
     /// Textured walls in the dark.
     Street,
-    /// The walls of [`Self::Street`] a little later.
+    /// The walls of `Street` a little later.
     StreetLater,
 }
 
