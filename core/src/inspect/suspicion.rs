@@ -25,7 +25,7 @@ pub enum Kind {
     Ghost,
     /// The slope is on the rim of the grid and the response rises beyond.
     AtLimit,
-    /// The texture is periodic, and another slope, whole periods away, responds as well or better.
+    /// The texture is periodic, and another slope, whole periods away, responds nearly as strongly, or more.
     Alias,
 }
 
@@ -183,8 +183,8 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
     })
 }
 
-/// Suspicion that the feature is an alias: another slope of the range, whole periods of the texture away, responds as
-/// well.
+/// Suspicion that the feature is an alias: another slope of the range, whole periods of the texture away, responds
+/// nearly as strongly, or more.
 fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
     let Some((period, direction)) = period_at(trail, feature, monitor)? else {
         return Ok(None);
