@@ -1,8 +1,8 @@
-//! Small text files that people write or hand over, and how a file's name is said.
+//! Reading small text files that people write or hand over, and file names as text.
 //!
-//! A parameter file is a few lines. Whatever is much larger, or is a device or a pipe, is no such file: it is refused
-//! before it fills the memory or is waited for. A file's name need not be text; where text is wanted (JSON, a manifest)
-//! its other bytes are written as `\xNN`, so that nothing fails over a name and two names stay two.
+//! A parameter file is a few lines. A file that is much larger, a device or a pipe is refused before it fills the
+//! memory or is waited for. A file name need not be text; where text is needed (JSON, a manifest) its other bytes are
+//! written as `\xNN`, so that no name causes a failure and two different names stay different.
 
 pub mod lock;
 
@@ -13,25 +13,25 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// The largest parameter or camera file, bytes: far above what a person writes.
+/// Largest parameter or camera file, bytes: far more than a person writes.
 pub const MAX_SETTINGS_BYTES: u64 = 1 << 20;
-/// The largest session file, bytes. It holds the views of all panes and nothing of the pictures.
+/// Largest session file, bytes. It holds the views of all panes and no pixels.
 pub const MAX_SESSION_BYTES: u64 = 16 << 20;
-/// The largest file of numbers as text or JSON, bytes: features, poses, the truth of a synthetic burst.
+/// Largest text or JSON file of numbers, bytes: features, poses, the truth of a synthetic burst.
 pub const MAX_TABLE_BYTES: u64 = 1 << 30;
 
-/// The bytes of the regular file `path`, at most `max_bytes` of them.
+/// Reads the regular file `path`, at most `max_bytes` bytes.
 ///
 /// # Errors
-/// What the system says; [`io::ErrorKind::InvalidInput`] for what is no regular file (a folder, a device, a pipe), and
-/// [`io::ErrorKind::FileTooLarge`] for a file beyond the limit.
+/// The system's error; [`io::ErrorKind::InvalidInput`] for a path that is no regular file (a folder, a device, a pipe),
+/// and [`io::ErrorKind::FileTooLarge`] for a file beyond the limit.
 pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
-    // Before it is opened, because opening a pipe waits for whoever writes into it.
+    // Checked before the file is opened, because opening a pipe waits for its writer.
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file; name one"));
     }
     let mut bytes = Vec::new();
-    // A file may grow while it is read, so the limit is on what is read.
+    // A file may grow while it is read, so the limit applies to the bytes read.
     File::open(path)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > max_bytes {
         let problem = format!("this file is larger than {} MiB, too large for what it shall hold", max_bytes >> 20);
@@ -40,10 +40,10 @@ pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The same as text.
+/// Reads the regular file `path` as UTF-8 text, at most `max_bytes` bytes.
 ///
 /// # Errors
-/// As [`read_bytes`], and [`io::ErrorKind::InvalidData`] for what is not UTF-8.
+/// As [`read_bytes`], and [`io::ErrorKind::InvalidData`] for bytes that are not UTF-8.
 pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
     String::from_utf8(read_bytes(path, max_bytes)?)
         .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "this is not text; save it as UTF-8"))
@@ -51,16 +51,16 @@ pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
 
 /// The program's version.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
-/// How the line begins that says who wrote a file.
+/// Beginning of the line that names the program version that wrote a file.
 pub const WRITTEN_BY: &str = "# Written by Burstscope ";
 
-/// The first line of a parameter or session file: which version of the program wrote it.
+/// First line of a parameter or session file: the version of the program that wrote it.
 pub fn written_by() -> String {
     format!("{WRITTEN_BY}{VERSION}\n")
 }
 
-/// The `problem` with a parameter or session file of this text; if a newer program wrote the file, it says so, because
-/// what is unknown here may be known there.
+/// Returns the `problem` with a parameter or session file of this text; adds that a newer program wrote the file if so,
+/// because that version may know what is unknown here.
 pub fn explained(text: &str, problem: &str) -> String {
     let numbers = |version: &str| -> Option<Vec<u64>> { version.split('.').map(|part| part.parse().ok()).collect() };
     let writer = text.lines().find_map(|line| line.strip_prefix(WRITTEN_BY)).map(str::trim);
@@ -74,7 +74,7 @@ pub fn explained(text: &str, problem: &str) -> String {
     }
 }
 
-/// Why a file could not be written, in words.
+/// Reason why a file could not be written, in words.
 pub fn write_problem(error: &io::Error) -> String {
     if is_size_limit(error) {
         format!("it becomes larger than this system or the limit of this process (ulimit -f) allows ({error})")
@@ -83,13 +83,13 @@ pub fn write_problem(error: &io::Error) -> String {
     }
 }
 
-/// Whether the system's limit on the size of files is behind the error, which an encoder may have wrapped.
+/// Whether the system's limit on file size caused the error, which an encoder may have wrapped.
 fn is_size_limit(error: &(dyn Error + 'static)) -> bool {
     let Some(io) = error.downcast_ref::<io::Error>() else { return error.source().is_some_and(is_size_limit) };
     io.kind() == io::ErrorKind::FileTooLarge || io.get_ref().is_some_and(|inner| is_size_limit(inner))
 }
 
-/// The path as text: as it is where it is text, with its other bytes as `\xNN`.
+/// The path as text, with bytes that are not UTF-8 as `\xNN`.
 pub fn path_text(path: &Path) -> String {
     let mut text = String::new();
     for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
@@ -102,7 +102,7 @@ pub fn path_text(path: &Path) -> String {
     text
 }
 
-/// For `#[serde(serialize_with)]`: [`path_text`].
+/// [`path_text`] for `#[serde(serialize_with)]`.
 ///
 /// # Errors
 /// Those of the serializer.
@@ -110,7 +110,7 @@ pub fn serialize_path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok
     serializer.serialize_str(&path_text(path))
 }
 
-/// For `#[serde(serialize_with)]`: [`path_text`] of each.
+/// [`path_text`] of each path, for `#[serde(serialize_with)]`.
 ///
 /// # Errors
 /// Those of the serializer.

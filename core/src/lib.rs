@@ -1,26 +1,27 @@
 //! Burstscope finds and shows *burst features*.
 //!
 //! A robot at night takes bursts of dark, noisy frames. One frame shows little; but if the frames are shifted by the
-//! right apparent motion (a *slope*, in pixels per frame) and averaged, what moves that way comes out of the noise.
-//! Which motion is right differs from place to place, so the detector tries a whole grid of slopes, filters each mean
-//! image over a range of scales, and keeps what is an extremum over place and scale: at each slope for itself, with one
-//! keypoint for each blob, or, as in the paper, jointly over slope too. This is the method of Ravendran, Bryson and Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv
-//! 2209.09470).
+//! right apparent motion (a *slope*, in pixels per frame) and averaged, everything that moves that way stands out from
+//! the noise. The right motion differs from place to place, so the detector tries a whole grid of slopes, filters each
+//! mean image over a range of scales, and keeps the extrema over place and scale: at each slope for itself, with one
+//! keypoint for each blob, or, as in the paper, jointly over slope too. This is the method of Ravendran, Bryson and
+//! Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv 2209.09470).
 //!
-//! This is the library: everything that needs no window and no command line, which the package `burstscope` puts on top.
-//! A room may use the rooms below it, never those above:
+//! This is the library: everything that needs no window and no command line; the package `burstscope` adds those. A
+//! module may use the modules below it, never those above:
 //!
 //! ```text
-//! inspect             why: the fate of a place, which slopes a burst needs, what a change did
-//! figures             every figure and table of the paper, remade
-//! evaluate            how good the detector is, measured against known truth
-//! dataset             many bursts along a way, and on to COLMAP
-//! baseline, matching  what it is compared with; descriptors to matches
-//! export              one file a format
+//! inspect             explanations: the fate of a candidate, the slopes a burst needs, the effect of a change
+//! figures             every figure and table of the paper, reproduced
+//! evaluate            the quality of the detector, measured against known truth
+//! dataset             many bursts along a path, and their export to COLMAP
+//! baseline, matching  methods for comparison; from descriptors to matches
+//! export              one source file for each format
 //! detector, synth     the method; bursts with known truth
 //! burst               opening, decoding and calibrating frames
-//! plane, files         one float image; small text files and names of files
-//! monitor              progress and cancellation
+//! kernel              vector code of the detector's steps
+//! plane, files        one float image; small text files and names of files
+//! monitor             progress and cancellation
 //! ```
 //!
 //! # Conventions

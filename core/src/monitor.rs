@@ -1,4 +1,4 @@
-//! Progress out, cancellation in: the one handle that long work carries.
+//! Progress and cancellation: the one handle that long work carries.
 //!
 //! A [`Monitor`] is cheap to clone; clones share the cancel flag and the listener. Long loops call [`Monitor::check`]
 //! once per strip, slope or file and return at once when it fails, without a partial result. Progress is a stage's name
@@ -12,10 +12,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// How far a piece of work is.
+/// Progress of a piece of work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// What is being done, as a person would say it, such as "Searching octave 1".
+    /// Current stage; its text is such as "Searching octave 1".
     pub stage: Stage,
     /// Fraction of the whole work done, 0 … 1.
     pub fraction: f32,
@@ -39,7 +39,7 @@ pub enum Stage {
     },
     /// Orientations and descriptors.
     Describe,
-    /// Comparing what single frames answer along the ways of features.
+    /// Comparing the responses of single frames along the tracks of features.
     Frames,
     /// Comparing descriptors, and verifying their matches geometrically.
     Match,
@@ -88,19 +88,19 @@ impl std::fmt::Debug for Monitor {
 }
 
 impl Monitor {
-    /// A monitor that tells `listener` of progress, from whichever thread does the work.
+    /// Creates a monitor that calls `listener` with progress, on whichever thread does the work.
     pub fn with_listener(listener: impl Fn(Progress) + Send + Sync + 'static) -> Self {
         Self { cancel: Arc::default(), listener: Some(Arc::new(listener)) }
     }
 
-    /// A monitor with the same cancel flag that reports to nobody: for a part of larger work, which reports progress of
-    /// its own.
+    /// Monitor with the same cancel flag that reports no progress: for a part of larger work, which reports progress
+    /// itself.
     pub fn silent(&self) -> Self {
         Self { cancel: self.cancel.clone(), listener: None }
     }
 
-    /// A monitor for a part of larger work: the same cancel flag, and its progress of 0 … 1 is told as `done` to
-    /// `done + share` of the whole.
+    /// Monitor for a part of larger work: the same cancel flag; its progress of 0 … 1 is reported as `done` to `done +
+    /// share` of the whole.
     pub fn part(&self, done: f32, share: f32) -> Self {
         let listener = self.listener.clone().map(|listener| -> Listener {
             Arc::new(move |p: Progress| {
@@ -120,10 +120,10 @@ impl Monitor {
         self.cancel.load(Ordering::Relaxed)
     }
 
-    /// To be called inside loops, at least every few milliseconds.
+    /// Fails once the work was cancelled. Loops call it at least every few milliseconds.
     ///
     /// # Errors
-    /// [`Cancelled`] once the work was asked to stop.
+    /// [`Cancelled`] once the work was cancelled.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }

@@ -1,4 +1,4 @@
-//! The plain mean of all frames: the simplest merge. It lowers the noise of what stands still and smears what moves.
+//! The plain mean of all frames: the simplest merge. It lowers the noise of static content and smears moving content.
 
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor};

@@ -1,12 +1,12 @@
-//! What burst features are compared with: a burst made into one image, on which an ordinary detector runs.
+//! Baselines for comparison with burst features: a burst made into one image, on which an ordinary detector runs.
 //!
 //! Each baseline is a function from a burst to a burst of one frame: [`merge_burst`], the robust merge of aligned
-//! frames, and [`plain_mean`]. The same detector then runs on it, so that a comparison shows what the burst search adds
-//! and nothing else. (SIFT on a single frame needs no baseline: that is the same detector on the burst itself, of which
-//! it takes the middle frame. Nor does the gold standard: it is SIFT on an image that was taken with enough light.)
+//! frames, and [`plain_mean`]. The same detector then runs on it, so that a comparison shows the effect of the burst
+//! search alone. (SIFT on a single frame needs no baseline: that is the same detector on the burst itself, of which it
+//! takes the middle frame. Neither does the gold standard: it is SIFT on an image that was taken with enough light.)
 //!
-//! [`detect`] is the detector with every [`Method`], and [`search`] finds the slopes first where they are to be found;
-//! [`prepare`] is what a method does before the search.
+//! [`detect`] runs the detector with every [`Method`], and [`search`] finds the slopes first if `params` ask for it;
+//! [`prepare`] is the part of a method before the search.
 
 mod mean;
 mod merge;
@@ -34,20 +34,20 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
     Ok(Detection { frames_used, ..detector::detect(&burst, &params, monitor)? })
 }
 
-/// What was found in a burst, and which slopes were searched for it.
+/// Features of a burst, with the slopes that were searched.
 #[derive(Debug, Clone)]
 pub struct Searched {
     /// The features.
     pub detection: Detection,
-    /// The parameters with which they were found: those that were asked for, with the slopes that were searched.
+    /// The parameters of the search: the requested ones, with the slopes that were searched.
     pub params: DetectorParams,
-    /// What was found of the slopes, if they were to be found.
+    /// The result of finding the slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// How long it took to find the slopes, seconds; 0 where they were given.
+    /// Time taken to find the slopes, seconds; 0 where they were given.
     pub slopes_secs: f32,
 }
 
-/// Part of the progress of a search that finding the slopes takes.
+/// Share of a search's progress that finding the slopes takes.
 const SLOPES_SHARE: f32 = 0.2;
 
 /// Finds the slopes of a burst if they are to be found, and then its features.
@@ -64,10 +64,10 @@ pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result
 }
 
 /// Checks, before the burst that `inputs` name is opened, that there is memory for its search. A file that cannot be
-/// read passes: the opener says what is wrong with it.
+/// read passes: opening it reports the error.
 ///
 /// # Errors
-/// How much memory the search needs at least, and what would make it less.
+/// The least memory that the search needs, and changes that would lower it.
 pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), ParamError> {
     match Declared::of(inputs, options) {
         Ok(Declared { frames, size }) => memory::check_before_opening(params, frames, size),
@@ -75,8 +75,7 @@ pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchPa
     }
 }
 
-/// The burst that is searched, and with which parameters: for [`Method::Merge`] one merged frame, otherwise just what
-/// is given.
+/// The burst to search and its parameters: for [`Method::Merge`] one merged frame, otherwise the given ones unchanged.
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
@@ -115,7 +114,7 @@ mod tests {
         assert!(!found.features.is_empty());
         assert_eq!((&found.features, &found.descriptors), (&by_hand.features, &by_hand.descriptors));
         assert_eq!((found.frames_used, found.slopes.len()), (1..6, 1));
-        // What the gate goes by is the merged image's noise: less than half of a frame's.
+        // The gate uses the merged image's noise: less than half of a frame's.
         let one = detect(&burst, &sift, &Monitor::default()).expect("detected").frame_noise;
         let ideal = one / 5f32.sqrt();
         assert!((found.frame_noise / ideal - 1.0).abs() < 0.15, "{} of {one}", found.frame_noise);

@@ -1,4 +1,4 @@
-//! What is known of the lens, and what is taken for it where nothing is known.
+//! The camera of a dataset, and the default for an unknown camera.
 
 use super::DatasetError;
 use crate::detector::ParamError;
@@ -6,21 +6,21 @@ use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use crate::matching::{Camera, CameraModel};
 use std::path::Path;
 
-/// The focal length of a camera of which nothing is known, over the larger side of its images: COLMAP's own guess.
+/// Ratio of the focal length of an unknown camera to the larger side of its images: COLMAP's own guess.
 pub const GUESSED_FOCAL_FACTOR: f64 = 1.2;
 
 /// The camera of a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraChoice {
-    /// Nothing is known: a focal length is guessed ([`GUESSED_FOCAL_FACTOR`]) and the centre taken as the principal
-    /// point, as COLMAP would. Images of different sizes have cameras of their own.
+    /// Unknown: a focal length is guessed ([`GUESSED_FOCAL_FACTOR`]) and the centre taken as the principal point, as
+    /// COLMAP does. Images of different sizes have separate cameras.
     Guessed(CameraModel),
     /// One known camera for all images.
     Known(Camera),
 }
 
 impl Default for CameraChoice {
-    /// COLMAP's default.
+    /// COLMAP's default model, unknown.
     fn default() -> Self {
         Self::Guessed(CameraModel::SimpleRadial)
     }
@@ -48,7 +48,7 @@ impl CameraChoice {
 }
 
 fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {
-    // 1.2 as 6/5, which leaves whole pixels whole.
+    // 1.2 as 6/5, which keeps whole pixels whole.
     let focal = width.max(height) as f64 * 6.0 / 5.0;
     let value = |name: &&str| match *name {
         "f" | "fx" | "fy" => focal,
@@ -62,7 +62,7 @@ fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {
 /// Reads a camera file: TOML with `model`, `width`, `height` and `params` (in COLMAP's order and convention).
 ///
 /// # Errors
-/// What is wrong with the file, and what would be right.
+/// The problem of the file, and what would be right.
 pub fn read_camera(path: &Path) -> Result<Camera, ParamError> {
     let fail = |problem: String| {
         ParamError {

@@ -1,8 +1,8 @@
-//! On to COLMAP: a folder from which its mapper can begin at once.
+//! Export of a dataset to COLMAP: a folder from which its mapper can start directly.
 //!
-//! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features as COLMAP's importer takes them, and
-//! `database.db` cameras, images, features, matches and verified geometries. Bursts that are finished are not done
-//! again, see [`super::features`]; matches are, for they take little time beside the features.
+//! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features in the form of COLMAP's importer, and
+//! `database.db` cameras, images, features, matches and verified geometries. Finished bursts are not computed again,
+//! see [`super::features`]; matches are, because they take little time compared with features.
 
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::geometry::{database_camera, database_geometry, match_indices};
@@ -17,100 +17,99 @@ use crate::monitor::Monitor;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The name of the database in the dataset's folder.
+/// Name of the database in the dataset's folder.
 const DATABASE_FILE: &str = "database.db";
 
-/// What is made of a dataset.
+/// Parameters of an export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColmapJob {
-    /// How features are found.
+    /// Parameters of finding features.
     pub features: FeatureJob,
-    /// How they are matched. Where the camera is known it is used for verification; [`MatchParams::camera`] is set from
-    /// it.
+    /// Parameters of matching. A known camera is used for verification; [`MatchParams::camera`] is set from it.
     pub matching: MatchParams,
-    /// Which bursts are matched with which.
+    /// Selection of the pairs of bursts that are matched.
     pub pairs: PairSelection,
     /// The camera.
     pub camera: CameraChoice,
 }
 
-/// What happens to a dataset, as it happens.
+/// Event of an export.
 #[derive(Debug)]
 pub enum Event<'a> {
-    /// A burst is begun.
+    /// A burst was started.
     Begin {
-        /// Its place in the dataset, from 0.
+        /// Index in the dataset, from 0.
         index: usize,
         /// Number of bursts.
         count: usize,
-        /// Its name.
+        /// Name of the burst.
         name: &'a str,
     },
-    /// A burst is finished.
+    /// A burst was finished.
     Done(&'a BurstFeatures),
-    /// A burst cannot be opened; the others go on.
+    /// A burst cannot be opened; the export continues with the others.
     Failed {
-        /// Its name.
+        /// Name of the burst.
         name: &'a str,
-        /// Why.
+        /// Reason.
         error: &'a DatasetError,
     },
-    /// All bursts are done, and this many pairs are matched.
+    /// All bursts are finished, and matching begins.
     Matching {
         /// Number of pairs.
         pairs: usize,
     },
 }
 
-/// One image of the database.
+/// Report of one image of the database.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImageReport {
-    /// Its id in the database.
+    /// Id in the database.
     pub id: u32,
-    /// The burst's name.
+    /// Name of the burst.
     pub burst: String,
-    /// Its file below the folder of images.
+    /// File below the folder of images.
     pub image: String,
     /// Number of features.
     pub features: usize,
-    /// Whether an earlier run had found them.
+    /// Whether an earlier run had found the features.
     pub resumed: bool,
 }
 
-/// One matched pair.
+/// Report of one matched pair.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PairReport {
-    /// The images' ids, the smaller one first.
+    /// Ids of the images, the smaller one first.
     pub ids: [u32; 2],
-    /// The numbers of the match.
+    /// Counts of the match.
     #[serde(flatten)]
     pub counts: MatchCounts,
 }
 
-/// What was written.
+/// Report of an export.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColmapReport {
-    /// The database.
+    /// Path of the database.
     #[serde(serialize_with = "serialize_path")]
     pub database: PathBuf,
-    /// The folder of images.
+    /// Folder of images.
     #[serde(serialize_with = "serialize_path")]
     pub images_folder: PathBuf,
-    /// The cameras, one for each size of image.
+    /// Cameras, one for each size of image.
     pub cameras: Vec<Camera>,
     /// Whether the focal length is known.
     pub known_camera: bool,
-    /// The images, by rising id.
+    /// Images, in ascending id.
     pub images: Vec<ImageReport>,
-    /// The pairs, in order.
+    /// Pairs, in order.
     pub pairs: Vec<PairReport>,
 }
 
-/// Finds the features of `bursts`, matches them, and writes what COLMAP's mapper takes into the folder `out`. `on`
-/// hears what happens. A burst that cannot be opened is left out.
+/// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder `out`. `on` is
+/// called with every event. A burst that cannot be opened is left out.
 ///
 /// # Errors
-/// [`DatasetError`]. Files are written whole or not at all; finished bursts stay finished.
+/// [`DatasetError`]. Files are written completely or not at all; finished bursts stay finished.
 pub fn export_colmap(
     bursts: &[BurstSource],
     out: &Path,
@@ -121,7 +120,7 @@ pub fn export_colmap(
     export_colmap_from(&mut FeatureStore::open(out, &job.features)?, bursts, job, on, monitor)
 }
 
-/// The same into the folder of `store`, which holds what [`ColmapJob::features`] says.
+/// Exports as `export_colmap` does, into the folder of `store`, which was opened with [`ColmapJob::features`].
 ///
 /// # Errors
 /// As [`export_colmap`].
@@ -181,7 +180,7 @@ pub fn export_colmap_from(
         let mut write = |(a, b): (usize, usize), result: &MatchResult| -> Result<(), DatasetError> {
             let ids = [report.images[a].id, report.images[b].id];
             report.pairs.push(PairReport { ids, counts: result.counts });
-            // COLMAP too has no row for a pair without a match.
+            // COLMAP also has no row for a pair without a match.
             if !result.matches.is_empty() {
                 let geometry = database_geometry(&all[a], &all[b], result);
                 database.add_pair(ids[0], ids[1], &match_indices(result), geometry.as_ref())?;
@@ -191,12 +190,12 @@ pub fn export_colmap_from(
         match_pairs(&all, &pairs, &matching, &mut write, monitor)?;
         Ok(monitor.check()?)
     })?;
-    // Should the folder have been removed since, it holds nothing but the database now.
+    // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
     Ok(report)
 }
 
-/// The features of every burst that can be opened.
+/// The features of all bursts that can be opened.
 fn features_of_all(
     bursts: &[BurstSource],
     store: &mut FeatureStore,
@@ -218,7 +217,7 @@ fn features_of_all(
 }
 
 impl ColmapJob {
-    /// The parameters of matching with the camera where it is known.
+    /// The parameters of matching, with the camera where it is known.
     fn verified_matching(&self) -> Result<MatchParams, DatasetError> {
         let camera = match &self.camera {
             CameraChoice::Known(camera) => Some(camera.clone()),

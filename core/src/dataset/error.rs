@@ -1,4 +1,4 @@
-//! Why a dataset came to nothing.
+//! Errors of datasets.
 
 use crate::burst::OpenError;
 use crate::detector::{DetectError, ParamError};
@@ -8,11 +8,11 @@ use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 use std::path::PathBuf;
 
-/// Why a burst, or the whole dataset, has no result.
+/// Reason why a burst, or the whole dataset, has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// It was cancelled. Bursts that were finished stay finished.
+    /// The work was cancelled. Finished bursts stay finished.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// A burst cannot be opened.
@@ -24,18 +24,18 @@ pub enum DatasetError {
     /// A file cannot be written or read back.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// The folder holds something else.
+    /// The folder holds other files.
     #[error("this folder holds files, but no dataset that was begun by this command; name a new or an empty folder: {}", .0.display())]
     Occupied(PathBuf),
-    /// Fewer than two bursts.
+    /// Fewer than two bursts have features.
     #[error(
         "{count} bursts have features, and matching needs two or more; name a folder of bursts, or cut a long sequence with --burst-length"
     )]
     TooFew {
-        /// How many there are.
+        /// Number of bursts with features.
         count: usize,
     },
-    /// Images of a size that the camera does not have.
+    /// The images have a size that the camera does not have.
     #[error("the camera is given for images of {}×{}, but this burst has {}×{}; give the camera of these images", camera.0, camera.1, images.0, images.1)]
     CameraSize {
         /// (columns, rows) of the camera.
@@ -46,8 +46,8 @@ pub enum DatasetError {
 }
 
 impl DatasetError {
-    /// Whether it concerns the whole dataset, so that the other bursts cannot go on. (Parameters are checked before the
-    /// first burst; what makes no sense later makes none for one burst, such as one with too few frames.)
+    /// Whether the error concerns the whole dataset, so that the other bursts cannot continue. (Parameters are checked
+    /// before the first burst; a later parameter error concerns only one burst, such as one with too few frames.)
     pub(super) fn is_final(&self) -> bool {
         !matches!(self, Self::Open(_) | Self::Param(_))
     }

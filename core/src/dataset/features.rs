@@ -1,4 +1,4 @@
-//! The features of each burst of a dataset: found once, kept in files, and taken from there the next time.
+//! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
 use super::kept::NotKept;
 use super::manifest::{DETECTOR_KEY, MANIFEST_FILE, Manifest, Record};
@@ -21,114 +21,114 @@ use std::time::Instant;
 /// The features of one burst, in COLMAP's convention.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BurstFeatures {
-    /// The burst's name.
+    /// Name of the burst.
     pub name: String,
-    /// The name of its picture, below the folder of images.
+    /// Name of its picture, below the folder of images.
     pub image_name: String,
-    /// (columns, rows).
+    /// Size of its frames (columns, rows).
     pub size: (usize, usize),
-    /// Places, scales and orientations, strongest first.
+    /// Positions, scales and orientations, strongest first.
     pub keypoints: Vec<ColmapKeypoint>,
-    /// A descriptor for each.
+    /// Descriptor of each keypoint.
     pub descriptors: Vec<Descriptor>,
-    /// Whether they were taken from files that an earlier run wrote.
+    /// Whether they were read from files of an earlier run.
     pub resumed: bool,
-    /// What was found of the burst's slopes, if they were to be found and were not found by an earlier run.
+    /// Result of finding the burst's slopes, if they were to be found and this run found them.
     pub slopes: Option<SlopeFinding>,
-    /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not
-    /// say.
+    /// Time taken to open the burst and find its features, seconds; `None` if an earlier version of the program did not
+    /// record it.
     pub seconds: Option<f64>,
 }
 
 impl BurstFeatures {
-    /// What is told of a finished burst without its features.
+    /// The numbers of the finished burst, without its features.
     pub fn summary(&self) -> FinishedBurst {
         FinishedBurst { features: self.keypoints.len(), seconds: self.seconds }
     }
 }
 
-/// A finished burst in numbers.
+/// Numbers of a finished burst.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FinishedBurst {
     /// Number of features.
     pub features: usize,
-    /// How long it took to open the burst and find them, seconds; `None` if an earlier version of the program did not
-    /// say.
+    /// Time taken to open the burst and find its features, seconds; `None` if an earlier version of the program did not
+    /// record it.
     pub seconds: Option<f64>,
 }
 
-/// How features are found, and what is kept of each burst.
+/// Parameters of finding features, and the kind of picture stored for each burst.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeatureJob {
-    /// The detector's parameters, and how the slopes are chosen.
+    /// Parameters of the detector, and the choice of slopes.
     pub detector: SearchParams,
-    /// How bursts are opened.
+    /// Options for opening bursts.
     pub open: OpenOptions,
-    /// The picture that stands for a burst.
+    /// Kind of picture that represents a burst.
     pub images: ImageKind,
 }
 
-/// The folder of pictures in the dataset's folder.
+/// Folder of pictures in the dataset's folder.
 pub const IMAGES_FOLDER: &str = "images";
-/// The folder of feature files in the dataset's folder.
+/// Folder of feature files in the dataset's folder.
 pub const FEATURES_FOLDER: &str = "features";
 
-/// What happens to the bursts of a dataset, as it happens.
+/// Event of finding the features of bursts.
 #[derive(Debug)]
 pub enum BurstEvent<'a> {
-    /// A burst is begun.
+    /// A burst was started.
     Begin {
-        /// Its place in the dataset, from 0.
+        /// Index in the dataset, from 0.
         index: usize,
     },
-    /// A burst is finished.
+    /// A burst was finished.
     Done {
-        /// Its place in the dataset, from 0.
+        /// Index in the dataset, from 0.
         index: usize,
-        /// What was found, now or earlier.
+        /// Features, found now or earlier.
         features: BurstFeatures,
     },
-    /// A burst cannot be opened; the others go on.
+    /// A burst cannot be opened; the work continues with the others.
     Failed {
-        /// Its place in the dataset, from 0.
+        /// Index in the dataset, from 0.
         index: usize,
-        /// Why.
+        /// Reason.
         error: &'a DatasetError,
     },
 }
 
-/// The files of a dataset: what is finished and what is not.
+/// The files of a dataset, with the state of its bursts.
 #[derive(Debug)]
 pub struct FeatureStore {
     folder: PathBuf,
     job: FeatureJob,
-    /// With what features are found now.
+    /// Program and settings with which features are found now.
     made_with: Manifest,
-    /// How frames are compared with those of finished bursts.
+    /// Comparison of frames with those of finished bursts.
     comparison: Comparison,
-    /// What must not be written over.
+    /// Rules for overwriting files.
     rules: OutputRules,
-    /// Taken when something is written first.
+    /// Lock of the folder, taken with the first write.
     lock: Option<FolderLock>,
 }
 
 impl FeatureStore {
-    /// The dataset in `folder`, begun or to begin. Nothing is written.
+    /// Opens the dataset in `folder`, existing or new. Nothing is written.
     ///
     /// # Errors
-    /// [`DatasetError::Occupied`] when the folder holds something else, [`DatasetError::Open`] when the bias or flat
-    /// frame cannot be read.
+    /// [`DatasetError::Occupied`] when the folder holds other files, [`DatasetError::Open`] when the bias or flat frame
+    /// cannot be read.
     pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self, DatasetError> {
         let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>, DatasetError> {
             let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
             Ok(stamps.iter().map(FileStamp::content).collect())
         };
-        // By way of text, because that is how the file has it: a number may look different as a value.
+        // Through text, because that is the file's form: a number may look different as a value.
         let mut settings = Map::new();
         settings.insert(DETECTOR_KEY.to_owned(), Value::String(job.detector.to_toml()));
         settings.insert("bias".to_owned(), json!(contents(&job.open.bias)?));
         settings.insert("full_scale".to_owned(), json!(job.open.full_scale));
-        // Named only where they are asked for, so that folders of before go on.
+        // Only set options are named, so that folders of earlier programs remain valid.
         if job.open.flat.is_some() {
             settings.insert("flat".to_owned(), json!(contents(&job.open.flat)?));
         }
@@ -150,12 +150,12 @@ impl FeatureStore {
         Ok(Self { folder: folder.into(), job: job.clone(), made_with, comparison, rules, lock: None })
     }
 
-    /// The same with frames compared so with those of finished bursts.
+    /// This store with another `comparison` of frames with those of finished bursts.
     pub fn comparing(self, comparison: Comparison) -> Self {
         Self { comparison, ..self }
     }
 
-    /// The files of another folder, for the same job.
+    /// The store of another folder, for the same job.
     pub(super) fn like(&self, folder: &Path) -> Self {
         let (comparison, rules) = (self.comparison, OutputRules::default());
         let (job, made_with) = (self.job.clone(), self.made_with.clone());
@@ -168,17 +168,16 @@ impl FeatureStore {
     }
 
     /// The parameters with which the features in `folder` were found; `None` where there are none, or where another
-    /// version of the program or another revision of the detector found them: the same parameters would not bring those
-    /// back.
+    /// version of the program or another revision of the detector found them: with the same parameters this one would
+    /// find other features.
     pub fn params_in(folder: &Path) -> Option<SearchParams> {
         SearchParams::from_toml(&Manifest::detector_text(folder)?).ok()
     }
 
-    /// Makes sure, now and whenever something is written, that no frame of `bursts` and no bias or flat frame is
-    /// written over.
+    /// Ensures, now and with every later write, that no frame of `bursts` and no bias or flat frame is overwritten.
     ///
     /// # Errors
-    /// [`ExportError::Input`] for a frame that lies where something is to be written, [`ExportError::Link`] for a link.
+    /// [`ExportError::Input`] for a frame in the place of an output file, [`ExportError::Link`] for a link.
     pub fn protect(&mut self, bursts: &[BurstSource]) -> Result<(), DatasetError> {
         let of_bursts = bursts.iter().flat_map(|burst| burst.files().unwrap_or_else(|_| burst.paths.clone()));
         let calibration =
@@ -193,7 +192,7 @@ impl FeatureStore {
         Ok(self.rules.check_own(&self.folder.join(MANIFEST_FILE))?)
     }
 
-    /// Whether `file` of the dataset's folder may be written.
+    /// Checks whether `file` of the dataset's folder may be written.
     ///
     /// # Errors
     /// As [`Self::protect`].
@@ -201,7 +200,7 @@ impl FeatureStore {
         Ok(self.rules.check_own(file)?)
     }
 
-    /// Whether `source` is finished, as far as can be told without reading its frames or its features.
+    /// The numbers of `source` if it is finished, judged without reading its frames or its features.
     pub fn finished(&self, source: &BurstSource) -> Option<FinishedBurst> {
         let files = source.files().ok()?;
         let Record { features, content, seconds, .. } =
@@ -210,10 +209,10 @@ impl FeatureStore {
         there.then_some(FinishedBurst { features, seconds })
     }
 
-    /// The features of `source` if it is finished, from its files.
+    /// Reads the features of `source` from its files if it is finished.
     ///
     /// # Errors
-    /// Why they are not taken.
+    /// The reason why they are not used.
     pub fn kept(&self, source: &BurstSource, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
         let files = source.files().map_err(DatasetError::from)?;
         Ok(self.kept_with_record(source, &files, monitor)?.0)
@@ -228,7 +227,7 @@ impl FeatureStore {
         let record = self.record(source, files, self.comparison, monitor)?;
         let (name, image_name) = (source.name.clone(), image_name(source));
         let path = self.feature_file(&image_name);
-        // A file of another length was altered; it is not even read.
+        // A file of another length was altered; it is not read.
         let bytes = record.content.is_as_long_as(&path).then(|| std::fs::read(&path).ok()).flatten();
         let bytes = bytes.filter(|bytes| Checksum::of(bytes) == record.content).ok_or(NotKept::Altered)?;
         let text = String::from_utf8(bytes).map_err(|_| NotKept::Altered)?;
@@ -242,11 +241,10 @@ impl FeatureStore {
         Ok((kept, record))
     }
 
-    /// The features of `source`, from its files if it is finished. Otherwise they are found, and written with its
-    /// picture.
+    /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
     ///
     /// # Errors
-    /// [`DatasetError`]; what was finished before stays finished.
+    /// [`DatasetError`]; finished bursts stay finished.
     pub fn features(
         &mut self,
         source: &BurstSource,
@@ -273,7 +271,7 @@ impl FeatureStore {
         camera: &CameraChoice,
         monitor: &Monitor,
     ) -> Result<BurstFeatures, DatasetError> {
-        // Before anything is read.
+        // Checked before anything is read.
         check_memory(&source.paths, &self.job.open, &self.job.detector)?;
         let stamps = FileStamp::with_checksums(files, monitor)?;
         let (found, burst) = self.find(source, camera, monitor)?;
@@ -298,8 +296,8 @@ impl FeatureStore {
         Ok(found)
     }
 
-    /// Writes anew what is missing of a burst whose features are kept: the picture, if it is another one than the one
-    /// that was written, and in the record the times of frames that have their content still.
+    /// Writes the missing files of a burst with stored features: the picture, if another kind is requested than was
+    /// written, and the record with the new times of frames whose content is unchanged.
     fn complete(
         &mut self,
         source: &BurstSource,
@@ -336,11 +334,11 @@ impl FeatureStore {
         Ok(Checksum::of_file(&path).map_err(|e| ExportError::write(&path, &e))?)
     }
 
-    /// Before anything is written: takes the folder for this process, clears what a killed run left, and says with what
-    /// the dataset is made. Later: makes sure that the folder is still the one that was taken.
+    /// Before the first write: locks the folder for this process, removes files that a killed run left, and writes the
+    /// manifest. Later: checks that the folder is still the locked one.
     ///
     /// # Errors
-    /// A folder that another process has, or that was removed meanwhile; what cannot be written.
+    /// A folder that another process has locked, or that was removed meanwhile; a file that cannot be written.
     pub(super) fn begin_writing(&mut self) -> Result<(), DatasetError> {
         if let Some(lock) = &self.lock {
             return Ok(lock.check()?);
@@ -355,7 +353,7 @@ impl FeatureStore {
         Ok(())
     }
 
-    /// Finds the features.
+    /// Finds the features of `source`; returns them with the opened burst.
     fn find(
         &self,
         source: &BurstSource,
@@ -381,7 +379,7 @@ impl FeatureStore {
         Ok((found, burst))
     }
 
-    /// The record of `source`, if it was made with what is asked for now from `files` as they are.
+    /// The record of `source`, if it was made with the current settings from `files` as they are now.
     fn record(
         &self,
         source: &BurstSource,
@@ -404,7 +402,7 @@ impl FeatureStore {
         Ok(Burst::open_with(&source.paths, &self.job.open, monitor)?)
     }
 
-    /// COLMAP's importer looks for the features of `a.png` in `a.png.txt`.
+    /// The path of a feature file; COLMAP's importer looks for the features of `a.png` in `a.png.txt`.
     fn feature_file(&self, image_name: &str) -> PathBuf {
         self.folder.join(FEATURES_FOLDER).join(format!("{image_name}.txt"))
     }
@@ -422,17 +420,17 @@ fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>, OpenError> 
     }
 }
 
-/// The name of the picture of a burst, below the folder of images; COLMAP calls its camera so.
+/// The name of the picture of a burst, below the folder of images; also its name in COLMAP.
 pub fn image_name(source: &BurstSource) -> String {
     format!("{}.png", safe_file_name(&source.name))
 }
 
-/// The features of every one of `bursts` in turn; `on` is handed what was found. `monitor` hears of the progress
-/// through all of them.
+/// Finds the features of all `bursts` in turn; `on` is called with every event. `monitor` receives the progress through
+/// all of them.
 ///
 /// # Errors
-/// [`DatasetError`] when it concerns all bursts, or it was cancelled. A burst that cannot be opened is told by
-/// [`BurstEvent::Failed`] and left out.
+/// [`DatasetError`] when it concerns all bursts, or the work was cancelled. A burst that cannot be opened is reported
+/// as [`BurstEvent::Failed`] and left out.
 pub fn detect_all(
     store: &mut FeatureStore,
     bursts: &[BurstSource],

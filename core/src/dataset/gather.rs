@@ -1,9 +1,9 @@
-//! What several runs have found, brought into one folder.
+//! Gathering the features that several runs have found into one folder.
 //!
-//! A dataset that outgrows one machine is split: each run takes some of its bursts and keeps their features in a folder
-//! of its own. Afterwards one run gathers them: of each burst that is not finished yet, the files of a run that found
-//! them with the same parameters in the same frames are copied. Nothing else is trusted: what does not fit is named, and
-//! found again.
+//! A dataset too large for one machine is split: each run takes some of its bursts and stores their features in a
+//! folder of its own. Afterwards one run gathers them: for each burst that is not finished yet, the files of a run that
+//! found them with the same parameters in the same frames are copied. Files that do not fit are reported, and their
+//! features found again.
 
 use super::features::{FEATURES_FOLDER, FeatureStore, IMAGES_FOLDER, image_name};
 use super::kept::NotKept;
@@ -17,27 +17,27 @@ use serde::{Serialize, Serializer};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What was gathered, and what was not.
+/// Report of gathering.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct GatherReport {
-    /// Names of the bursts whose features were brought.
+    /// Names of the bursts whose features were copied.
     pub brought: Vec<String>,
-    /// Bursts that a folder has features of which were not taken, and which no other folder brought.
+    /// Bursts whose features in some folder were not used, and which no other folder provided.
     pub left_out: Vec<LeftOut>,
     /// Folders that hold none of the bursts.
     #[serde(serialize_with = "crate::files::serialize_paths")]
     pub strange_folders: Vec<PathBuf>,
 }
 
-/// A burst whose features a folder has, and that were not taken from there.
+/// A burst whose features in a folder were not used.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// The folder.
+    /// Folder of the features.
     #[serde(serialize_with = "serialize_path")]
     pub folder: PathBuf,
-    /// The burst's name.
+    /// Name of the burst.
     pub burst: String,
-    /// Why they were not taken.
+    /// Reason why they were not used.
     #[serde(serialize_with = "as_text")]
     pub reason: NotKept,
 }
@@ -46,11 +46,11 @@ fn as_text<S: Serializer>(reason: &NotKept, serializer: S) -> Result<S::Ok, S::E
     serializer.collect_str(reason)
 }
 
-/// Copies into the folder of `store` what the runs in `folders` have finished of `bursts`.
+/// Copies the finished ones among `bursts` from the `folders` of other runs into the folder of `store`.
 ///
 /// # Errors
-/// A folder that is none, a file that cannot be read or written, a folder in which another process writes, or that it
-/// was cancelled.
+/// A path that is no folder, a file that cannot be read or written, a folder in which another process writes, or
+/// cancellation.
 pub fn gather(
     store: &mut FeatureStore,
     bursts: &[BurstSource],
@@ -71,7 +71,7 @@ pub fn gather(
         let (mut brought, mut left_out) = (false, Vec::new());
         for (other, knows_one) in others.iter().zip(&mut knows_one) {
             if is_finished || brought {
-                // Only whether the folder is of this dataset is of interest.
+                // Only checked to see whether the folder is of this dataset.
                 *knows_one = *knows_one || Record::read(other.folder(), &image_name(source)).is_some();
                 continue;
             }
@@ -99,7 +99,7 @@ pub fn gather(
     Ok(report)
 }
 
-/// Copies the files of a burst that is finished in `other`. A picture that is missing there is made again later.
+/// Copies the files of a burst that is finished in `other`. A picture that is missing there is made later.
 fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeatures) -> Result<(), DatasetError> {
     let image = &features.image_name;
     let Some(record) = Record::read(other.folder(), image) else { return Ok(()) };
@@ -116,7 +116,7 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
     Ok(record.write(store.folder(), image)?)
 }
 
-/// Copies a file whole or not at all.
+/// Copies a file completely or not at all.
 fn copy(from: &Path, to: &Path) -> Result<(), ExportError> {
     let bytes = std::fs::read(from).map_err(|e| ExportError::Read { path: from.into(), reason: e.to_string() })?;
     write_whole(to, |out| out.write_all(&bytes))

@@ -1,4 +1,4 @@
-//! From what the matching room found to what COLMAP's database holds.
+//! Conversion of matching results to the form of COLMAP's database.
 
 use super::BurstFeatures;
 use crate::export::{DatabaseCamera, DatabaseGeometry, GeometryKind};
@@ -15,7 +15,7 @@ fn model_id(model: CameraModel) -> u32 {
     }
 }
 
-/// The camera for the database. `known` says whether its focal length was given.
+/// The camera for the database. `known` is whether its focal length was given.
 pub(super) fn database_camera(camera: &Camera, known: bool) -> DatabaseCamera {
     DatabaseCamera {
         model_id: model_id(camera.model),
@@ -31,7 +31,7 @@ pub(super) fn match_indices(result: &MatchResult) -> Vec<[u32; 2]> {
     result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect()
 }
 
-/// What the verified matches of the bursts `a` and `b` agree on; `None` where they were not verified.
+/// The geometry that the verified matches of the bursts `a` and `b` agree on; `None` where they were not verified.
 pub(super) fn database_geometry(
     a: &BurstFeatures,
     b: &BurstFeatures,

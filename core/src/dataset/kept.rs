@@ -1,27 +1,27 @@
-//! Why features that were kept are not taken for those of a burst.
+//! Reasons why stored features of a burst are not used.
 
 use super::DatasetError;
 
-/// Why the features of a burst are found anew, though a folder of kept features is there.
+/// Reason why the features of a burst are found again although stored features exist.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotKept {
-    /// The folder has no record of this burst: it is not finished there.
+    /// The folder has no record of this burst: the burst is not finished there.
     #[error("it is not finished there")]
     NoRecord,
-    /// Another version of the program found them.
+    /// The features were found by another version of the program.
     #[error("another version of the program found its features")]
     OtherProgram,
-    /// They were found with other options, which are named.
+    /// The features were found with other options; these are named.
     #[error("its features were found with other options ({})", .0.join(", "))]
     OtherOptions(Vec<String>),
-    /// They were found in other frames.
+    /// The features were found in other frames.
     #[error("its features were found in other frames, or the frames have changed since")]
     OtherFiles,
-    /// The file of features is not the one that was written.
+    /// The file of features is missing or was altered.
     #[error("its file of features is missing or was altered")]
     Altered,
-    /// It could not be looked at.
+    /// The check failed.
     #[error(transparent)]
     Failed(#[from] DatasetError),
 }

@@ -1,10 +1,10 @@
-//! What has been begun and finished already, so that a dataset that was interrupted goes on where it was.
+//! State of a dataset on disk, so that an interrupted run continues.
 //!
-//! `manifest.json` says with which program and settings the folder was begun; it is written before anything else. Each
-//! finished burst has a record of its own, `records/NAME.png.json`, which names all that its features were made from,
-//! and the checksum of their file. It is removed before the features are written and written after them, so at whatever
-//! moment a run ends, a record speaks of the file that is there or there is no record. A burst without one, or with one
-//! that says anything else than what is asked for now, is done again: features of two detectors do not match one
+//! `manifest.json` names the program and settings with which the folder was begun; it is written before anything else.
+//! Each finished burst has a record of its own, `records/NAME.png.json`, which names all that its features were made
+//! from, and the checksum of their file. It is removed before the features are written and written after them, so
+//! whenever a run ends, either the record describes the existing file or there is no record. A burst without a record,
+//! or with one that differs from the current settings, is computed again: features of two detectors do not match one
 //! another as well as those of one.
 
 use super::DatasetError;
@@ -18,42 +18,44 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The name of the file.
+/// Name of the manifest file.
 pub(super) const MANIFEST_FILE: &str = "manifest.json";
-/// The folder of records in the dataset's folder.
+/// Folder of records in the dataset's folder.
 const RECORDS_FOLDER: &str = "records";
 
-/// The detector's parameters among the settings.
+/// Key of the detector's parameters in the settings.
 pub(super) const DETECTOR_KEY: &str = "detector";
 
-/// With what features are found, beside the bursts' own files.
+/// Program and settings with which features are found; the bursts' own files are not included.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Manifest {
-    /// The program's version.
+    /// Version of the program.
     version: String,
-    /// The detector's [`REVISION`]; absent in files of programs that had none.
+    /// Revision of the detector, [`REVISION`]; absent in files of programs that had none.
     #[serde(default)]
     detector_revision: Option<u32>,
-    /// Everything that decides the features.
+    /// All settings that affect the features.
     settings: serde_json::Value,
 }
 
 impl Manifest {
-    /// What this program finds with `settings`.
+    /// The manifest of this program with `settings`.
     pub(super) fn new(settings: serde_json::Value) -> Self {
         Self { version: env!("CARGO_PKG_VERSION").to_owned(), detector_revision: Some(REVISION), settings }
     }
 
+    /// Checks that `folder` is free or holds a dataset that this command began.
+    ///
     /// # Errors
-    /// [`DatasetError::Occupied`] when `folder` holds files but no manifest: it is somebody's own.
+    /// [`DatasetError::Occupied`] when `folder` holds files but no manifest: it belongs to somebody else.
     pub(super) fn check_folder(folder: &Path) -> Result<(), DatasetError> {
         let is_begun = folder.join(MANIFEST_FILE).is_file();
-        // What else keeps it from being read keeps it from being written; that is said then.
+        // Other errors of reading it also prevent writing; they are reported then.
         let is_usable = is_begun || is_free(folder).unwrap_or(true);
         if is_usable { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
     }
 
-    /// The one in `folder`, if it can be read.
+    /// The manifest in `folder`, if it can be read.
     fn read(folder: &Path) -> Option<Self> {
         serde_json::from_str(&read_text(&folder.join(MANIFEST_FILE), MAX_SETTINGS_BYTES).ok()?).ok()
     }
@@ -63,14 +65,14 @@ impl Manifest {
         self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == Some(REVISION)
     }
 
-    /// The detector's parameters, as text, with which this program found the features in `folder`; `None` where it did
-    /// not.
+    /// The detector's parameters, as text, with which this program found the features in `folder`; `None` where another
+    /// one did.
     pub(super) fn detector_text(folder: &Path) -> Option<String> {
         let manifest = Self::read(folder).filter(Self::is_of_this_program)?;
         manifest.settings.get(DETECTOR_KEY)?.as_str().map(str::to_owned)
     }
 
-    /// The names of the settings in which another one differs: `detector` is named by its parameters.
+    /// The names of the settings in which `other` differs: `detector` is replaced by the names of its parameters.
     pub(super) fn differences(&self, other: &Self) -> Vec<String> {
         let keys =
             |manifest: &Self| manifest.settings.as_object().map(|map| map.keys().cloned().collect::<BTreeSet<_>>());
@@ -89,32 +91,32 @@ impl Manifest {
         names.iter().map(|name| name.replace('_', "-")).collect()
     }
 
-    /// Writes it into `folder`, unless it is there.
+    /// Writes the manifest into `folder`, unless it is there already.
     pub(super) fn write(&self, folder: &Path) -> Result<(), ExportError> {
         if Self::read(folder).as_ref() == Some(self) { Ok(()) } else { write_json(&folder.join(MANIFEST_FILE), self) }
     }
 }
 
-/// What is known of a finished burst.
+/// Record of a finished burst.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Record {
-    /// With what its features were found.
+    /// Program and settings with which its features were found.
     #[serde(flatten)]
     pub made_with: Manifest,
-    /// Its files.
+    /// Stamps of its files.
     pub files: Vec<FileStamp>,
-    /// (columns, rows) of its frames.
+    /// Size of its frames (columns, rows).
     pub size: (usize, usize),
     /// Number of features.
     pub features: usize,
-    /// The file of features.
+    /// Checksum of the file of features.
     pub content: Checksum,
-    /// The kind of picture that was written.
+    /// Kind of the picture that was written.
     pub picture: super::ImageKind,
-    /// The picture; absent in records of earlier programs.
+    /// Checksum of the picture; absent in records of earlier programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub picture_content: Option<Checksum>,
-    /// How long it took to open the burst and find the features, seconds.
+    /// Time taken to open the burst and find its features, seconds.
     pub seconds: Option<f64>,
 }
 
@@ -123,17 +125,17 @@ impl Record {
         folder.join(RECORDS_FOLDER).join(format!("{image_name}.json"))
     }
 
-    /// The record of the burst with this image, if there is one that can be read.
+    /// Reads the record of the burst with this image, if there is a readable one.
     pub(super) fn read(folder: &Path, image_name: &str) -> Option<Self> {
         serde_json::from_str(&read_text(&Self::path(folder, image_name), MAX_SESSION_BYTES).ok()?).ok()
     }
 
-    /// Writes it.
+    /// Writes the record.
     pub(super) fn write(&self, folder: &Path, image_name: &str) -> Result<(), ExportError> {
         write_json(&Self::path(folder, image_name), self)
     }
 
-    /// Removes the record, before what it speaks of is changed.
+    /// Removes the record, before its files are changed.
     pub(super) fn remove(folder: &Path, image_name: &str) -> Result<(), ExportError> {
         let path = Self::path(folder, image_name);
         match std::fs::remove_file(&path) {
@@ -142,7 +144,7 @@ impl Record {
         }
     }
 
-    /// The folders in which a killed run may have left temporary files.
+    /// The folder of records, in which a killed run may have left temporary files.
     pub(super) fn folder(folder: &Path) -> PathBuf {
         folder.join(RECORDS_FOLDER)
     }
@@ -242,7 +244,7 @@ mod tests {
     }
 
     proptest! {
-        /// What cannot be read is as if it were not there; a damage that leaves it readable does not make it another.
+        /// Unreadable records count as missing; a damaged but readable one must not differ from the original.
         #[test]
         fn damaged_records_are_not_believed(at: prop::sample::Index, noise in prop::collection::vec(any::<u8>(), 1..6), cut: bool) {
             let sound = serde_json::to_vec_pretty(&record()).expect("plain values");

@@ -1,9 +1,8 @@
-//! A dataset: many bursts along a robot's way, and what is made of all of them together.
+//! A dataset: many bursts along a robot's path, and the results from all of them together.
 //!
-//! Features of each burst ([`features`]: found once, kept in files, and taken from these the next time), matches of
-//! chosen pairs of bursts ([`pairs`]), what several runs have found brought together ([`mod@gather`]), and the folder
-//! from which COLMAP goes on ([`colmap`]): images, feature files and its database. [`camera`] says what is known of the
-//! lens.
+//! Features of each burst ([`features`]: found once, stored in files, and read from these the next time), matches of
+//! chosen pairs of bursts ([`pairs`]), gathering of the features of several runs ([`mod@gather`]), and the folder for
+//! COLMAP ([`colmap`]): images, feature files and its database. [`camera`] describes the lens.
 
 pub mod camera;
 #[cfg(feature = "colmap")]

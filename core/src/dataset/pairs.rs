@@ -5,21 +5,21 @@ use crate::matching::{MatchParams, MatchResult, MatchSide, match_features};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 
-/// Pairs that are matched before they are handed on: enough for all threads, few enough for memory and for being told
-/// soon.
+/// Number of pairs that are matched before their results are passed on: enough for all threads, few enough for memory
+/// and for early results.
 const PAIRS_AT_ONCE: usize = 16;
 
-/// Takes the result of one pair, given by its places.
+/// Callback for the result of one pair, given by its indices.
 pub type OnPair<'a> = dyn FnMut((usize, usize), &MatchResult) -> Result<(), DatasetError> + 'a;
 
-/// Matches the bursts of each of `pairs` (indices into `bursts`); `on` is handed the results in the order of `pairs`.
+/// Matches the bursts of each of `pairs` (indices into `bursts`); `on` receives the results in the order of `pairs`.
 ///
 /// # Errors
 /// [`DatasetError::Param`] for parameters that make no sense, [`DatasetError::Cancelled`] once `monitor` was cancelled,
-/// and what `on` answers.
+/// and errors of `on`.
 ///
 /// # Panics
-/// When a pair has an index that `bursts` has not: a mistake of the caller.
+/// When a pair has an index outside `bursts`: a mistake of the caller.
 pub fn match_pairs(
     bursts: &[BurstFeatures],
     pairs: &[(usize, usize)],

@@ -1,4 +1,4 @@
-//! The picture of a burst for programs that take one image: of 8 bit, stretched so that a dark one can be seen.
+//! The picture of a burst for programs that take one image: 8 bit, stretched so that dark content is visible.
 
 use super::DatasetError;
 use crate::baseline::prepare;
@@ -12,41 +12,41 @@ use crate::plane::statistics::{Region, percentiles};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// What a burst's picture shows.
+/// Content of a burst's picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ImageKind {
-    /// The middle frame of those used, which lies at the features' reference time (half a frame after it for an even
-    /// number of frames).
+    /// Middle frame of those used, which lies at the features' reference time (half a frame after it for an even number
+    /// of frames).
     #[default]
     Middle,
-    /// The frames used, merged where the middle one is: what a dark burst shows.
+    /// The used frames, merged at the middle one: makes the content of a dark burst visible.
     Merged,
 }
 
-/// A picture of 8 bit, three bytes a pixel.
+/// 8-bit picture, three bytes for each pixel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BurstPicture {
-    /// (columns, rows).
+    /// Size (columns, rows).
     pub size: (usize, usize),
     /// Red, green, blue of each pixel, row by row.
     pub rgb: Vec<u8>,
 }
 
 impl BurstPicture {
-    /// As it is written.
+    /// The picture in the form for writing.
     pub fn picture(&self) -> Picture<'_> {
         Picture::rgb(self.size.0, self.size.1, &self.rgb)
     }
 }
 
-/// The percentiles of the pixels that become black and white.
+/// Percentiles of the pixels that become black and white.
 const BLACK_WHITE_PERCENT: [f32; 2] = [0.1, 99.9];
 
-/// The picture of `burst`, of the frames that `params` use.
+/// Makes the picture of `burst` from the frames that `params` use.
 ///
 /// # Errors
-/// Frames that the burst has not, or that it was cancelled.
+/// Frames that the burst does not have, or cancellation.
 pub fn burst_picture(
     burst: &Burst,
     kind: ImageKind,
@@ -77,7 +77,7 @@ pub(super) fn write_picture(
     Ok(write_png(path, burst_picture(burst, kind, params, monitor)?.picture())?)
 }
 
-/// The range that shows nearly all pixels.
+/// The display range that covers nearly all pixels.
 pub(super) fn stretched(plane: &Plane) -> Display {
     match percentiles(plane, &Region::whole(plane), &BLACK_WHITE_PERCENT).as_deref() {
         Some([black, white]) => Display::default().with_range(*black, *white),

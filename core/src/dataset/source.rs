@@ -1,31 +1,31 @@
-//! What a dataset is made of: which paths, and how long sequences among them are cut.
+//! The source of a dataset: its paths, and the cutting of long sequences.
 
 use crate::burst::{BurstSource, Entries, OpenError, SequenceCut, cut_sequence, find_entries, name_among_several};
 use crate::export::{make_file_names_unique, safe_file_name};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Where the bursts of a dataset come from.
+/// Source of the bursts of a dataset.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetSource {
-    /// A folder of bursts, several of them, stacks; or long sequences of frames, if they are cut.
+    /// A folder of bursts, or several of them, or stacks; or long sequences of frames, if they are cut.
     pub paths: Vec<PathBuf>,
-    /// Frames of each burst that a sequence is cut into; `None` if nothing is cut.
+    /// Number of frames of each burst that a sequence is cut into; `None` for no cutting.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub burst_length: Option<usize>,
-    /// Frames from the start of a burst to the start of the next; `None` for as many as a burst has.
+    /// Number of frames from the start of a burst to the start of the next; `None` for as many as a burst has.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub burst_step: Option<usize>,
 }
 
 impl DatasetSource {
-    /// Bursts that are there as such.
+    /// Source of separate bursts, without cutting.
     pub fn of_bursts(paths: Vec<PathBuf>) -> Self {
         Self { paths, burst_length: None, burst_step: None }
     }
 
-    /// Its bursts, in order, each with a name of its own. No pixel is read.
+    /// Lists the bursts, in order, each with a unique name. No pixel is read.
     ///
     /// # Errors
     /// See [`OpenError`]: a path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
@@ -34,7 +34,7 @@ impl DatasetSource {
         self.entries().map(|found| found.bursts)
     }
 
-    /// The same, with the pictures that lie beside the bursts and belong to none.
+    /// Lists the bursts as `bursts` does, with the pictures beside them that belong to none.
     ///
     /// # Errors
     /// As [`Self::bursts`].
@@ -55,7 +55,7 @@ impl DatasetSource {
         Ok(Entries { bursts: with_unique_names(bursts), strays })
     }
 
-    /// What a person calls it: the last part of its (first) path.
+    /// Label for the user: the last part of its (first) path.
     pub fn label(&self) -> String {
         let name = self.paths.first().and_then(|p| {
             let whole = std::path::absolute(p).unwrap_or_else(|_| p.clone());
@@ -64,8 +64,7 @@ impl DatasetSource {
         name.unwrap_or_else(|| "dataset".to_owned())
     }
 
-    /// The folder that keeps its features unless another is chosen: beside its (first) path, and another one for each
-    /// way to cut it.
+    /// The default folder for its features: beside its (first) path, with a different name for each way to cut it.
     pub fn default_folder(&self) -> Option<PathBuf> {
         let first = std::path::absolute(self.paths.first()?).ok()?;
         let mut name = format!("{}-burstscope", safe_file_name(&self.label()));

@@ -1,9 +1,9 @@
-//! What tells a file from another one, or from what it was before.
+//! Stamps of files, by which a changed file is recognised.
 //!
-//! A file that was read is known again by its path, its length, and the times at which it was written and at which the
-//! system last changed anything about it. The latter cannot be set: whoever puts another file of the same length and
-//! date in its place changes it. It also changes where the content does not, such as when access rights are set; there
-//! the checksum decides, for which the file is read.
+//! A file that was read is recognised by its path, its length, and the times at which it was written and at which the
+//! system last changed anything about it. The latter cannot be set: replacing the file by another one of the same
+//! length and date changes it. It also changes when the content does not, such as when access rights are set; then the
+//! checksum decides, for which the file is read.
 
 use super::DatasetError;
 use crate::burst::OpenError;
@@ -15,31 +15,31 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
-/// How thoroughly files are compared with their stamps.
+/// Thoroughness of the comparison of files with their stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Comparison {
     /// By length and times; where the times differ, by content.
     #[default]
     Times,
-    /// By content in any case.
+    /// By content in all cases.
     Content,
-    /// By length and times alone, without reading: what they do not tell counts as changed.
+    /// By length and times alone, without reading: a file with other times counts as changed.
     Glance,
 }
 
-/// A file as it was when it was read.
+/// Stamp of a file at the time when it was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct FileStamp {
-    /// See [`path_text`]: a name need not be text.
+    /// Path as text, see [`path_text`]: a name need not be text.
     path: String,
     bytes: u64,
-    /// When it was written, nanoseconds since 1970; 0 where the system does not say.
+    /// Time when it was written, nanoseconds since 1970; 0 where the system does not tell.
     modified_ns: u64,
-    /// When the system last changed anything about it, nanoseconds since 1970; absent where the system does not say, and
-    /// in records of earlier programs.
+    /// Time when the system last changed anything about it, nanoseconds since 1970; absent where the system does not
+    /// tell, and in records of earlier programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     changed_ns: Option<u64>,
-    /// Checksum of its content; absent in records of earlier programs.
+    /// Checksum of the content; absent in records of earlier programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     crc32: Option<u32>,
 }
@@ -50,8 +50,8 @@ impl FileStamp {
         files.iter().map(|path| Ok(Self::of_one(path).map_err(|e| unread(path, &e))?)).collect()
     }
 
-    /// The same with checksums. Each file's times are taken before it is read, so that one that is changed meanwhile
-    /// differs from its stamp.
+    /// Stamps of `files` as they are now, with checksums. Each file's times are taken before it is read, so that a file
+    /// that changes meanwhile differs from its stamp.
     pub fn with_checksums(files: &[PathBuf], monitor: &Monitor) -> Result<Vec<Self>, DatasetError> {
         let mut stamps = Self::of(files)?;
         for (stamp, path) in stamps.iter_mut().zip(files) {
@@ -72,16 +72,16 @@ impl FileStamp {
         })
     }
 
-    /// Whether these stamps say the same of lengths and times, so that no checksum is needed.
+    /// Whether the times of these stamps agree, so that no checksum is needed.
     fn has_times_of(&self, now: &Self) -> bool {
         self.modified_ns == now.modified_ns && (self.changed_ns.is_none() || self.changed_ns == now.changed_ns)
     }
 
-    /// Whether `files` are those of which `kept` tells, with the content that they had. Records of earlier programs,
-    /// which hold no checksum, are believed on what they hold; [`Comparison::Content`] does not believe them.
+    /// Whether `files` are those of the stamps `kept`, with unchanged content. Records of earlier programs without
+    /// checksums are accepted by their other values, but not with [`Comparison::Content`].
     ///
     /// # Errors
-    /// A file that cannot be read, or that it was cancelled.
+    /// A file that cannot be read, or cancellation.
     pub fn all_agree(
         kept: &[Self],
         files: &[PathBuf],
@@ -110,13 +110,13 @@ impl FileStamp {
         Ok(true)
     }
 
-    /// `kept` with the times of `files` as they are now; their contents are the same.
+    /// The stamps `kept` with the times of `files` as they are now; their contents are the same.
     pub fn with_times_of(kept: &[Self], files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
         let now = Self::of(files)?;
         Ok(kept.iter().zip(now).map(|(kept, now)| Self { crc32: kept.crc32, ..now }).collect())
     }
 
-    /// What stays the same wherever the file is read: where it is, its length and its checksum.
+    /// The values that do not depend on the times: path, length and checksum.
     pub fn content(&self) -> serde_json::Value {
         serde_json::json!({ "path": self.path, "bytes": self.bytes, "crc32": self.crc32 })
     }
@@ -138,7 +138,7 @@ fn unread(path: &Path, error: &io::Error) -> OpenError {
     OpenError::Read { path: path.into(), reason: error.to_string() }
 }
 
-/// Bytes that are read at once.
+/// Number of bytes that are read at once.
 const PIECE: usize = 1 << 18;
 
 /// The checksum of a file's content.
@@ -156,7 +156,7 @@ fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, DatasetError> {
     }
 }
 
-/// What tells a file that was written from an altered one.
+/// Length and checksum by which an altered file is recognised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Checksum {
     bytes: u64,
@@ -164,25 +164,25 @@ pub(crate) struct Checksum {
 }
 
 impl Checksum {
-    /// Of these bytes.
+    /// The checksum of these bytes.
     pub(crate) fn of(bytes: &[u8]) -> Self {
         Self { bytes: bytes.len() as u64, crc32: crc32fast::hash(bytes) }
     }
 
-    /// Of the file at `path`.
+    /// The checksum of the file at `path`.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub(super) fn of_file(path: &Path) -> io::Result<Self> {
         Ok(Self::of(&std::fs::read(path)?))
     }
 
-    /// Whether the file at `path` is as long, which is told without reading it.
+    /// Whether the file at `path` has the same length; checked without reading it.
     pub(super) fn is_as_long_as(&self, path: &Path) -> bool {
         std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == self.bytes)
     }
 
-    /// Whether the file at `path` has this content. One of another length is not even read.
+    /// Whether the file at `path` has this content. A file of another length is not read.
     pub(super) fn is_of(&self, path: &Path) -> bool {
         self.is_as_long_as(path) && Self::of_file(path).is_ok_and(|now| now == *self)
     }
@@ -202,7 +202,7 @@ mod tests {
 
     const ALL: [Comparison; 3] = [Comparison::Times, Comparison::Content, Comparison::Glance];
 
-    /// Gives `path` the date that another file has.
+    /// Sets the modification time of `path`.
     fn set_modified(path: &Path, modified: std::time::SystemTime) {
         File::options().write(true).open(path).and_then(|file| file.set_modified(modified)).expect("set");
     }
@@ -224,7 +224,7 @@ mod tests {
         if cfg!(unix) {
             assert!(!agree(&kept, &files, Comparison::Times) && !agree(&kept, &files, Comparison::Glance));
         }
-        // The same content once more: other times, and so a glance does not tell.
+        // The same content written again: other times, so a glance reports a change.
         std::fs::write(&path, "one").expect("written");
         assert!(agree(&kept, &files, Comparison::Times) && agree(&kept, &files, Comparison::Content));
         if cfg!(unix) {

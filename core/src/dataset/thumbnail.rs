@@ -1,4 +1,4 @@
-//! A small picture of a burst: what a list of many bursts shows of each.
+//! Thumbnails of bursts, for a list of many bursts.
 
 use super::picture::stretched;
 use crate::burst::{Burst, BurstSource, OpenError, OpenOptions};
@@ -6,7 +6,7 @@ use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
 
-/// A small picture, 8-bit RGB.
+/// Small picture, 8-bit RGB.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Thumbnail {
     /// Columns.
@@ -17,7 +17,7 @@ pub struct Thumbnail {
     pub rgb: Vec<u8>,
 }
 
-/// The middle frame of `source`, opened with `options`, stretched so that a dark one can be seen, and reduced by a
+/// The middle frame of `source`, opened with `options`, stretched so that dark content is visible, and reduced by a
 /// whole factor so that no side is longer than `max_side_px` (1 or more). Where each frame is a file, no other is read.
 ///
 /// # Errors
@@ -41,7 +41,7 @@ pub fn thumbnail(
 fn reduced(plane: &Plane, max_side_px: usize) -> Plane {
     let (width, height) = plane.size();
     let factor = width.max(height).div_ceil(max_side_px);
-    // A picture that is much longer than wide is not reduced away.
+    // The factor is limited to the shorter side, so that a very long picture keeps some pixels.
     let (factor_u, factor_v) = (factor.min(width), factor.min(height));
     let count = (factor_u * factor_v) as f32;
     Plane::from_fn(width / factor_u, height / factor_v, |u, v| {
@@ -72,7 +72,7 @@ mod tests {
             frame.save(home.path().join(format!("{t}.png"))).expect("written");
         }
         let source = BurstSource { name: "b".into(), paths: vec![home.path().into()] };
-        // With itself as the bias frame nothing is left of it.
+        // A frame minus itself as the bias frame is empty.
         let options = OpenOptions { bias: Some(home.path().join("1.png")), ..OpenOptions::default() };
         let dark = thumbnail(&source, 4, &options, &Monitor::default()).expect("a picture");
         assert!(dark.rgb.iter().all(|value| *value == dark.rgb[0]));

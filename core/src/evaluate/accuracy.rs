@@ -1,22 +1,22 @@
-//! In enough light: how far places, scales and motions of found discs are from the truth.
+//! Accuracy in enough light: errors of positions, scales and motions of the discs found.
 //!
 //! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by
-//! the rule of [`super::score`]) the strongest finding is compared with the truth at mid-burst. Discs may move faster
-//! than the grid reaches. What the detector marks as lying at the limit of the grid is counted, and left out of the
-//! errors: there it says itself that the motion may be wrong.
+//! the rule of [`super::score`]) the strongest feature that finds it is compared with the truth at mid-burst. Discs may
+//! move faster than the grid reaches. Features that the detector marks as lying at the limit of the grid are counted,
+//! and left out of the errors: the mark says that the motion may be wrong.
 //!
 //! # Two kinds of charts
 //! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings
-//! that a detector looks at, which draws the extremum of D aside, in place and above all to smaller scales: errors that
-//! no noise makes and no localisation undoes. On a chart of fewer discs that [stand apart](stands_apart) in all frames
-//! what remains is the detector's own. A study of each is made and told as what it is.
+//! that a detector looks at, which shifts the extremum of D, in position and above all to smaller scales: errors that
+//! noise does not cause and localisation does not remove. On a chart of fewer discs that [stand apart](stands_apart) in
+//! all frames the remaining errors are the detector's own. There is a study of each, reported separately.
 //!
-//! # The scale that is expected
-//! The Laplacian of a Gaussian answers a disc of radius r most strongly at σ = r/√2. A difference of Gaussians D =
-//! G(kσ) − G(σ) does so at another σ, and in VLFeat's convention the smaller of the two is reported. At the disc's
-//! centre G(σ) is 1 − exp(−r²/2σ²), so D is extremal where, with x = r²/2σ², exp(−x·(1 − 1/k²)) = 1/k²: at σ =
-//! r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that is 0.633·r, 10.5 % below r/√2. Scale errors are
-//! relative to that σ; no other correction is applied.
+//! # The expected scale
+//! The response of the Laplacian of a Gaussian to a disc of radius r is strongest at σ = r/√2. That of a difference of
+//! Gaussians D = G(kσ) − G(σ) is strongest at another σ, and in VLFeat's convention the smaller of the two is reported.
+//! At the disc's centre G(σ) is 1 − exp(−r²/2σ²), so D is extremal where, with x = r²/2σ², exp(−x·(1 − 1/k²)) = 1/k²:
+//! at σ = r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that is 0.633·r, 10.5 % below r/√2. Scale
+//! errors are relative to that σ; no other correction is applied.
 
 pub use super::accuracy_report::{AccuracyReport, AccuracyRow, RangeCount};
 use super::chart::LookedChart;
@@ -37,16 +37,16 @@ pub fn expected_sigma(radius: f64, levels: u32) -> f64 {
     radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
 }
 
-/// Which charts are searched, and how.
+/// Charts and detector parameters of a study of accuracy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyStudy {
-    /// The charts; their ratio and seed are set by the study.
+    /// Parameters of the charts; their ratio and seed are set by the study.
     pub chart: ChartParams,
     /// Per-pixel signal-to-noise ratios, one row each; infinite for charts without noise.
     pub snrs: Vec<f64>,
     /// The first seed.
     pub first_seed: u64,
-    /// How many seeds, counting up from the first; 1 or more.
+    /// Number of seeds, counting up from the first; 1 or more.
     pub seeds: u64,
     /// The detector's parameters, with the slopes that are searched.
     pub detector: DetectorParams,
@@ -68,8 +68,8 @@ impl AccuracyStudy {
         }
     }
 
-    /// The same study on charts of `discs` discs that all stand apart. The gap between rims at mid-burst makes room for
-    /// the surroundings of the largest disc and for any two motions against each other.
+    /// This study on charts of `discs` discs that all stand apart. The gap between rims at mid-burst makes room for the
+    /// surroundings of the largest disc and for the relative motion of any two discs.
     pub fn standing_apart(&self, discs: usize) -> Self {
         let chart = &self.chart;
         let axes: f64 = match chart.motion {
@@ -82,13 +82,13 @@ impl AccuracyStudy {
     }
 }
 
-/// How many discs a chart on which they stand apart has where nobody asks for another number: 20 on 800×600 pixels, in
-/// proportion to the area, at least 1.
+/// Default number of discs on a chart on which they stand apart: 20 on 800×600 pixels, in proportion to the area, at
+/// least 1.
 pub fn discs_apart(chart: &ChartParams) -> usize {
     (chart.width * chart.height / 24_000).max(1)
 }
 
-/// A chart and what was found of its discs.
+/// A chart and the features found for its discs.
 #[derive(Debug, Clone)]
 struct SearchedChart {
     /// Index of the ratio.
@@ -97,7 +97,7 @@ struct SearchedChart {
     found: Vec<FoundDisc>,
 }
 
-/// A disc and what found it.
+/// A disc and the strongest feature that found it.
 #[derive(Debug, Clone)]
 struct FoundDisc {
     disc: FeatureTruth,
@@ -106,7 +106,7 @@ struct FoundDisc {
 }
 
 impl AccuracyStudy {
-    /// Makes the charts, searches them and compares what is found with the truth.
+    /// Makes the charts, searches them and compares the features with the truth.
     ///
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
@@ -114,8 +114,8 @@ impl AccuracyStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// The same, and `tell` hears of the report so far whenever a chart is finished, as
-    /// [`ChartStudy::run_telling`](super::ChartStudy::run_telling) has it.
+    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
+    /// [`ChartStudy::run_telling`](super::ChartStudy::run_telling) does.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -150,7 +150,7 @@ impl AccuracyStudy {
         Ok(self.report(&charts))
     }
 
-    /// One chart of the study, and what is found on it: what a point of a curve stands for, to be looked at.
+    /// Makes and searches one chart of the study, for a look at a point of a curve.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -166,7 +166,7 @@ impl AccuracyStudy {
         ChartParams { snr, seed, ..self.chart.clone() }
     }
 
-    /// What is known once `charts` were searched, in any order: ratios of which no chart was are left out.
+    /// The report of the `charts` searched so far, in any order; ratios without a chart are left out.
     fn report(&self, charts: &[SearchedChart]) -> AccuracyReport {
         let row = |(row, &snr): (usize, &f64)| {
             let mut of_ratio: Vec<&SearchedChart> = charts.iter().filter(|chart| chart.row == row).collect();
@@ -230,19 +230,19 @@ fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
     let along = disc.slope_u * cos + disc.slope_v * sin;
     let across = disc.slope_v * cos - disc.slope_u * sin;
     let inside = |x: f64, min: f32, max: f32, count: usize| {
-        // One slope has no range: a line does not limit what moves across it.
+        // One slope has no range: a line does not limit the motion across it.
         count < 2 || (f64::from(min)..=f64::from(max)).contains(&x)
     };
     inside(along, grid.u.min, grid.u.max, grid.u.count) && inside(across, grid.v.min, grid.v.max, grid.v.count)
 }
 
-/// Around a disc a detector looks this far, in radii from its centre: three σ of the wider Gaussian that answers it,
-/// rounded up.
+/// Radius of the surroundings of a disc that a detector looks at, in radii of the disc: three σ of the wider Gaussian
+/// of its response, rounded up.
 pub const SURROUNDINGS_IN_RADII: f64 = 2.4;
 
-/// Whether no other disc of the chart comes into the surroundings of `disc` in any frame ([`SURROUNDINGS_IN_RADII`]).
-/// Where one does, it draws the extremum of D towards itself or away, and in a moving chart also smears over it: errors
-/// that no noise makes.
+/// Whether no other disc of the chart comes into the surroundings of `disc` in any frame ([`SURROUNDINGS_IN_RADII`]). A
+/// disc that does attracts or repels the extremum of D, and in a moving chart also smears over it: errors that noise
+/// does not cause.
 pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     let others = || truth.features.iter().filter(|other| other.id != disc.id);
     (0..truth.frames).all(|t| {
@@ -255,7 +255,7 @@ pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     })
 }
 
-/// Median and 95 % of the lengths of vectors.
+/// Median and 95 % quantile of the lengths of vectors.
 fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
     let mut lengths: Vec<f64> = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).collect();
     lengths.sort_by(f64::total_cmp);

@@ -1,14 +1,14 @@
-//! What a study of accuracy reports: the errors at each ratio.
+//! The report of a study of accuracy: the errors at each ratio.
 
 use super::chart_report::ChartSummary;
 use super::statistics::Errors;
 use crate::detector::DetectorParams;
 use serde::Serialize;
 
-/// What a study found.
+/// Report of a study of accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AccuracyReport {
-    /// The charts.
+    /// Parameters of the charts.
     pub chart: ChartSummary,
     /// The first seed.
     pub first_seed: u64,
@@ -16,7 +16,7 @@ pub struct AccuracyReport {
     pub seeds: u64,
     /// The detector's parameters.
     pub detector: DetectorParams,
-    /// One row a ratio.
+    /// One row for each ratio.
     pub rows: Vec<AccuracyRow>,
 }
 
@@ -27,36 +27,35 @@ pub struct AccuracyRow {
     pub snr: f64,
     /// Discs that move within the grid's range, between its outermost slopes.
     pub within: RangeCount,
-    /// Discs that move faster than that.
+    /// Discs that move faster than that range.
     pub beyond: RangeCount,
-    /// Columns, pixels.
+    /// Errors of the columns, pixels.
     pub u: Errors,
-    /// Rows, pixels.
+    /// Errors of the rows, pixels.
     pub v: Errors,
-    /// Distances from the true places, pixels: median and 95 %.
+    /// Distances from the true positions, pixels: median and 95 %.
     pub distance: [f64; 2],
-    /// How many of the discs compared stand apart, see [`super::accuracy::stands_apart`].
+    /// Number of compared discs that stand apart, see [`super::accuracy::stands_apart`].
     pub apart: usize,
-    /// Distances of those from their true places, pixels: median and 95 %.
+    /// Distances of those from their true positions, pixels: median and 95 %.
     pub distance_apart: [f64; 2],
-    /// σ over the expected one, minus 1.
+    /// Relative errors of scale: σ over the expected one, minus 1.
     pub scale: Errors,
-    /// Slopes to the right, pixels per frame.
+    /// Errors of the slopes to the right, pixels per frame.
     pub slope_u: Errors,
-    /// Slopes down, pixels per frame.
+    /// Errors of the slopes down, pixels per frame.
     pub slope_v: Errors,
     /// Lengths of the slopes' errors, pixels per frame: median and 95 %.
     pub slope_distance: [f64; 2],
 }
 
-/// How many discs there are, how many are found, and how many of those are marked as lying at the limit of the slopes
-/// searched.
+/// Numbers of discs, of discs found, and of those marked as lying at the limit of the slopes searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct RangeCount {
-    /// Discs.
+    /// Number of discs.
     pub discs: usize,
-    /// Discs that were found.
+    /// Number of discs that were found.
     pub found: usize,
-    /// Found discs whose feature is marked `at_slope_limit`.
+    /// Number of found discs whose feature is marked `at_slope_limit`.
     pub marked: usize,
 }

@@ -1,9 +1,9 @@
-//! In the dark: how many of a chart's discs each method finds, over signal-to-noise ratios and seeds.
+//! Detection in the dark: the discs of a chart that each method finds, over signal-to-noise ratios and seeds.
 //!
-//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. The number that a
-//! table shows is the count of discs found at the threshold where a tenth of the detections are false, the mean over
-//! the seeds. It is the best that a threshold can do, and so compares methods whatever their defaults; what they
-//! do *at* their defaults stands beside it.
+//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. The number in a
+//! table is the count of discs found at the threshold where a tenth of the detections are false, the mean over the
+//! seeds. It is the best that any threshold achieves, and so compares methods independently of their defaults; the
+//! counts *at* their defaults stand beside it.
 
 pub use super::chart_report::{ChartReport, ChartRow, ChartScore, ChartSummary, ComparisonSetup, MethodReport};
 use super::jobs::run_jobs;
@@ -18,31 +18,31 @@ use crate::monitor::Monitor;
 use crate::synth::{ChartParams, Truth, synth_chart};
 use std::sync::{Mutex, PoisonError};
 
-/// What is to be compared, and on which charts.
+/// Methods to be compared, and their charts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartStudy {
-    /// The charts; their ratio and seed are set by the study.
+    /// Parameters of the charts; their ratio and seed are set by the study.
     pub chart: ChartParams,
     /// Per-pixel signal-to-noise ratios, one row of the table each.
     pub snrs: Vec<f64>,
     /// The first seed.
     pub first_seed: u64,
-    /// How many seeds, counting up from the first; 1 or more.
+    /// Number of seeds, counting up from the first; 1 or more.
     pub seeds: u64,
     /// The methods, each at most once.
     pub methods: Vec<BurstMethod>,
     /// The detector's parameters, for all methods; method and slopes are set by each of them.
     pub detector: DetectorParams,
-    /// The slopes of BuFF 1D.
+    /// Slopes of BuFF 1D.
     pub slopes_1d: SlopeGrid,
-    /// The slopes of BuFF 2D.
+    /// Slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
-    /// The direction in which a method that finds slopes looks for them, degrees from +u towards +v; `None`: anywhere
-    /// in the plane.
+    /// Direction in which a method that finds slopes searches them, degrees from +u towards +v; `None`: anywhere in the
+    /// plane.
     pub direction_deg: Option<f32>,
-    /// By what features are ranked.
+    /// Quantity by which features are ranked.
     pub ranking: Ranking,
-    /// The share of false detections at which methods are compared, 0 … 1.
+    /// Share of false detections at which methods are compared, 0 … 1.
     pub false_fraction: f64,
 }
 
@@ -65,32 +65,32 @@ impl Default for ChartStudy {
     }
 }
 
-/// One chart by all methods of a study.
+/// Scores of all methods of a study on one chart.
 #[derive(Debug, Clone)]
 struct FinishedChart {
     /// Index of the ratio.
     row: usize,
     seed: u64,
-    /// In the study's order of methods.
+    /// Scores in the study's order of methods.
     scores: Vec<ChartScore>,
 }
 
-/// One chart, to be looked at.
+/// One chart with its search, for a look at it.
 #[derive(Debug, Clone)]
 pub struct LookedChart {
-    /// Its frames.
+    /// Frames of the chart.
     pub burst: Burst,
-    /// What is on it.
+    /// Discs of the chart.
     pub truth: Truth,
-    /// What the method found.
+    /// Detection of the method.
     pub detection: Detection,
-    /// The features, judged, strongest first.
+    /// Judgements of the features, strongest first.
     pub judged: Vec<Judged>,
 }
 
 impl ChartStudy {
-    /// The slopes of BuFF 1D and BuFF 2D where `given` ones are to be searched: a line of slopes is BuFF 1D's; a plane
-    /// is BuFF 2D's, and its u axis BuFF 1D's. What is not given is as in the published study.
+    /// The slopes of BuFF 1D and BuFF 2D for `given` slopes: a line of slopes is BuFF 1D's; a plane is BuFF 2D's, and
+    /// its u axis BuFF 1D's. Slopes that are not given are those of the published study.
     pub fn slopes_for(given: Option<SlopeGrid>) -> (SlopeGrid, SlopeGrid) {
         let default = Self::default();
         match given {
@@ -119,7 +119,7 @@ impl ChartStudy {
         Ok(())
     }
 
-    /// What reports say of how methods are compared.
+    /// The setup of the comparison, for reports.
     pub(super) fn setup(&self) -> ComparisonSetup {
         ComparisonSetup {
             first_seed: self.first_seed,
@@ -141,7 +141,7 @@ impl ChartStudy {
         }
     }
 
-    /// Makes the charts, runs the methods and scores what they find.
+    /// Makes the charts, runs the methods and scores their features.
     ///
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
@@ -149,9 +149,9 @@ impl ChartStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// The same, and `tell` hears of the report so far whenever a chart is finished, from any thread, one call at a
-    /// time. Charts of one seed at all ratios come before those of the next, so that every point of a curve is there
-    /// early and becomes better.
+    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, from any thread,
+    /// one call at a time. Charts of one seed at all ratios come before those of the next, so that every point of a
+    /// curve exists early and then improves.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -181,7 +181,7 @@ impl ChartStudy {
         Ok(self.report(&finished))
     }
 
-    /// One chart of the study, and what `method` finds on it: what a point of a curve stands for, to be looked at.
+    /// Makes one chart of the study and runs `method` on it, for a look at a point of a curve.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -203,8 +203,7 @@ impl ChartStudy {
         ChartParams { snr, seed, ..self.chart.clone() }
     }
 
-    /// What is known once the charts of `finished` are, in any order: ratios of which no chart is finished are left
-    /// out.
+    /// The report of the charts `finished` so far, in any order; ratios without a finished chart are left out.
     fn report(&self, finished: &[FinishedChart]) -> ChartReport {
         let row = |(row, &snr): (usize, &f64)| {
             let mut charts: Vec<&FinishedChart> = finished.iter().filter(|chart| chart.row == row).collect();

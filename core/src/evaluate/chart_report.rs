@@ -1,4 +1,4 @@
-//! What a study of charts reports: rows of ratios, in them methods, in them charts.
+//! The report of a study of charts: rows of ratios, which hold methods, which hold charts.
 
 use super::methods::BurstMethod;
 use super::motion_name;
@@ -8,38 +8,38 @@ use crate::detector::{DetectorParams, SlopeGrid};
 use crate::synth::{ChartParams, RadiusLaw};
 use serde::Serialize;
 
-/// What a study found.
+/// Report of a study of charts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChartReport {
-    /// The charts.
+    /// Parameters of the charts.
     pub chart: ChartSummary,
-    /// How methods were compared on them.
+    /// Setup of the comparison of methods.
     #[serde(flatten)]
     pub setup: ComparisonSetup,
-    /// One row a ratio.
+    /// One row for each ratio.
     pub rows: Vec<ChartRow>,
 }
 
-/// How methods were compared: what every report of charts says before its rows.
+/// Setup of a comparison of methods: the part before the rows of every report of charts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparisonSetup {
     /// The first seed.
     pub first_seed: u64,
     /// Number of seeds.
     pub seeds: u64,
-    /// By what features were ranked.
+    /// Quantity by which features were ranked.
     pub ranking: Ranking,
-    /// The share of false detections at which methods were compared.
+    /// Share of false detections at which methods were compared.
     pub false_fraction: f64,
     /// The detector's parameters; method and slopes were set by each method.
     pub detector: DetectorParams,
-    /// The slopes of BuFF 1D.
+    /// Slopes of BuFF 1D.
     pub slopes_1d: SlopeGrid,
-    /// The slopes of BuFF 2D.
+    /// Slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
 }
 
-/// The charts of a report.
+/// Parameters of the charts of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ChartSummary {
     /// Columns.
@@ -50,7 +50,7 @@ pub struct ChartSummary {
     pub discs: usize,
     /// Smallest and largest radius, pixels.
     pub radius: [f64; 2],
-    /// How radii are spread between these.
+    /// Distribution of the radii between these.
     pub radius_law: RadiusLaw,
     /// Intensity of a disc over that of the background.
     pub contrast: f64,
@@ -98,35 +98,35 @@ pub struct ChartRow {
 pub struct MethodReport {
     /// The method.
     pub method: BurstMethod,
-    /// Discs found at the threshold where the asked-for share of the detections is false.
+    /// Discs found at the threshold where the requested share of the detections is false.
     pub true_positives: Mean,
-    /// Discs found among all that the detector returned.
+    /// Discs found among all features that the detector returned.
     pub default_true_positives: Mean,
-    /// False features among all that the detector returned.
+    /// False features among all features that the detector returned.
     pub default_false_features: Mean,
-    /// The detector's estimate of a frame's noise over the true one at the background; absent for mean and merged
-    /// images and for charts without noise.
+    /// Ratio of the detector's estimate of a frame's noise to the true one at the background; absent for mean and
+    /// merged images and for charts without noise.
     pub noise_estimate_ratio: Option<Mean>,
     /// Mean count of discs found with at most 0, 1, 2 … false features.
     pub roc: Vec<f64>,
-    /// Each chart on its own, in the order of the seeds.
+    /// Scores on each chart, in the order of the seeds.
     pub charts: Vec<ChartScore>,
 }
 
-/// One method on one chart.
+/// Scores of one method on one chart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChartScore {
     /// The chart's seed.
     pub seed: u64,
-    /// Discs found at the threshold where the asked-for share of the detections is false.
+    /// Discs found at the threshold where the requested share of the detections is false.
     pub true_positives: usize,
-    /// Discs found among all that the detector returned.
+    /// Discs found among all features that the detector returned.
     pub default_true_positives: usize,
-    /// False features among all that the detector returned.
+    /// False features among all features that the detector returned.
     pub default_false_features: usize,
-    /// The estimate of a frame's noise over the true one, where that can be said.
+    /// Ratio of the estimate of a frame's noise to the true one, where both are known.
     pub noise_estimate_ratio: Option<f64>,
-    /// True against false features over all thresholds. Not part of the JSON, which has the mean over the seeds.
+    /// True against false features over all thresholds. Not part of the JSON, which holds the mean over the seeds.
     #[serde(skip)]
     pub curve: Curve,
 }

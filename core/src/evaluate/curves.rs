@@ -1,7 +1,7 @@
-//! What a study's report looks like as curves: which plots there are, and the points of every curve in them.
+//! The plots of a study's report: their titles and axes, and the points of every curve.
 //!
-//! The Lab draws these, and its files are written from these, so that a figure, a table and the screen show the same
-//! numbers.
+//! The Lab draws these plots, and its files are written from them, so that a figure, a table and the screen show the
+//! same numbers.
 
 use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, MethodReport};
@@ -14,27 +14,27 @@ use crate::export::CURVE_COLUMNS;
 use crate::export::sheet::{BLUE, RED};
 use std::fmt::Write;
 
-/// Colour and dashes of what is right, where curves are not of methods.
+/// Colour and dashes of correct results, where curves are not of methods.
 const GOOD: (&str, &str) = (BLUE, "");
-/// Colour and dashes of what is not, or not yet.
+/// Colour and dashes of wrong or unconfirmed results.
 const BAD: (&str, &str) = (RED, "7 4");
-/// Under the axis of ratios.
+/// Label of the axis of ratios.
 const SNR: &str = "SNR of one pixel in one frame";
-/// Under the axis of numbers of frames.
+/// Label of the axis of numbers of frames.
 const FRAMES: &str = "number of frames";
 
 /// One plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyPlot {
-    /// What it shows, as a heading.
+    /// Heading of the plot.
     pub title: String,
-    /// What is to the right, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x_label: &'static str,
-    /// What is upwards, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y_label: String,
-    /// Whether each point was measured for itself and is marked; a ROC curve is one line through all thresholds.
+    /// Whether each point was measured separately and is marked; a ROC curve is one line through all thresholds.
     pub marks_points: bool,
-    /// What the bars at the points are; empty where there are none.
+    /// Meaning of the bars at the points; empty where there are none.
     pub spread: &'static str,
     /// The curves, in the order of the methods.
     pub curves: Vec<StudyCurve>,
@@ -43,28 +43,28 @@ pub struct StudyPlot {
 /// One curve of a plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyCurve {
-    /// The method; `None` for the one search that a study of accuracy makes.
+    /// Method; `None` for the one search of a study of accuracy.
     pub method: Option<BurstMethod>,
-    /// What it is called.
+    /// Name of the curve.
     pub label: String,
-    /// Its colour, as `#rrggbb`: that of the method, and otherwise one that no other curve of its plot has.
+    /// Colour, as `#rrggbb`: that of the method, and otherwise one that no other curve of its plot has.
     pub colour: &'static str,
-    /// Its dashes in a figure, as SVG writes them; empty for a solid line.
+    /// Dashes in a figure, in SVG's form; empty for a solid line.
     pub dashes: &'static str,
-    /// Its points, from left to right.
+    /// Points, from left to right.
     pub points: Vec<StudyCurvePoint>,
 }
 
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyCurvePoint {
-    /// To the right.
+    /// Horizontal coordinate.
     pub x: f64,
-    /// Upwards.
+    /// Vertical coordinate.
     pub y: f64,
-    /// From where to where it spreads: one standard error to both sides of a mean, or a median and 95 %.
+    /// Ends of the spread: one standard error to both sides of a mean, or a median and 95 %.
     pub spread: Option<[f64; 2]>,
-    /// What is varied from row to row of the report, for the row that it belongs to: a ratio, or a number of frames.
+    /// Value of the report's row that the point belongs to: a ratio, or a number of frames.
     pub row_value: f64,
 }
 
@@ -75,8 +75,8 @@ impl StudyCurvePoint {
     }
 }
 
-/// The plots of a study in the dark: the ROC curves at one ratio (the row `roc_row`), and what is found against the
-/// ratio.
+/// The plots of a study in the dark: the ROC curves at one ratio (the row `roc_row`), and the features and discs found
+/// against the ratio.
 pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     let rows: Vec<(f64, &[MethodReport])> = report.rows.iter().map(|row| (row.snr, &row.methods[..])).collect();
     let mut plots = Vec::new();
@@ -96,8 +96,8 @@ pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     plots
 }
 
-/// The plots of a study over the number of frames: the ROC curves at one number (the row `roc_row`), and what is found
-/// against it.
+/// The plots of a study over the number of frames: the ROC curves at one number (the row `roc_row`), and the features
+/// and discs found against the number of frames.
 pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
     let rows: Vec<(f64, &[MethodReport])> =
         report.rows.iter().map(|row| (row.frames as f64, &row.methods[..])).collect();
@@ -113,8 +113,8 @@ pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
     plots
 }
 
-/// The plots of the middle frames of a burst: its features, what of them is confirmed, and the matches with a second
-/// burst.
+/// The plots of the middle frames of a burst: its features, the confirmed ones among them, and the matches with a
+/// second burst.
 pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
     let curve = |label: &str, (colour, dashes), value: &dyn Fn(&BurstFramesRow) -> Option<usize>| {
         let point = |row: &BurstFramesRow| {
@@ -150,7 +150,7 @@ pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
 /// The ROC curves of one row's methods.
 fn roc_plot(methods: &[MethodReport], row_value: f64, title: String, discs: usize) -> StudyPlot {
     let curve = |method: &MethodReport| {
-        // No chart has more false features than this; further right nothing was measured.
+        // No chart has more false features than this; nothing was measured further right.
         let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
         let points = method.roc.iter().take(measured + 1).enumerate();
         let point = |(count, &y): (usize, &f64)| StudyCurvePoint { x: count as f64, y, spread: None, row_value };
@@ -166,7 +166,7 @@ fn roc_plot(methods: &[MethodReport], row_value: f64, title: String, discs: usiz
     }
 }
 
-/// One number of every method against what is varied from row to row.
+/// One number of every method against the value that varies from row to row.
 fn against(
     rows: &[(f64, &[MethodReport])],
     title: String,
@@ -185,7 +185,7 @@ fn against(
     StudyPlot { title, x_label, y_label, marks_points: true, spread: "bars: standard error", curves }
 }
 
-/// The plots of a study of accuracy: errors of place, scale and slope against the ratio, median and 95 %.
+/// The plots of a study of accuracy: errors of position, scale and slope against the ratio, median and 95 %.
 pub fn accuracy_plots(report: &AccuracyReport) -> Vec<StudyPlot> {
     let plot = |title: &str, y_label: &str, errors: &dyn Fn(&AccuracyRow) -> [f64; 2]| {
         let point = |row: &AccuracyRow| {
@@ -227,8 +227,8 @@ fn percent(share: f64) -> String {
     format!("{} %", (1000.0 * share).round() / 10.0)
 }
 
-/// All points of named sets of plots as a table: `set,plot,curve,x,y,low,high`, one row a point; `low` and `high` are
-/// empty where nothing is said of the spread.
+/// All points of named sets of plots as a table: `set,plot,curve,x,y,low,high`, one row for each point; `low` and
+/// `high` are empty where there is no spread.
 pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
     let mut out = format!("{CURVE_COLUMNS}\n");
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));

@@ -1,4 +1,4 @@
-//! The plots of studies as a figure: SVG, readable alone, on light and dark pages and without colour.
+//! The plots of studies as a figure: self-contained SVG, for light and dark pages, readable without colour.
 //!
 //! Two plots stand side by side, each with its legend. Curves of one method have one colour in all sets; those of sets
 //! after the first are thinner and dotted.
@@ -11,7 +11,7 @@ const WIDTH: f64 = 880.0;
 const LEFT: f64 = 70.0;
 const HEIGHT: f64 = 280.0;
 
-/// The plots of named sets as an SVG document, plots of the same title over one another.
+/// The plots of named sets as an SVG document; plots of the same title are overlaid.
 pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
     let title = "Studies of the detector";
     let mut sheet = Sheet::new(WIDTH, title);
@@ -55,13 +55,13 @@ pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
     sheet.finish(top)
 }
 
-/// From 0 to a little above the largest value, however small: errors may be of hundredths.
+/// Range from 0 to a little above the largest value, however small: errors may be hundredths.
 fn range_from_zero(series: &[Series]) -> (f64, f64) {
     let tops = series.iter().flat_map(|s| &s.points).map(|&(_, y, spread)| y + spread.unwrap_or(0.0));
     (0.0, 1.06 * tops.filter(|y| y.is_finite()).fold(1e-6, f64::max))
 }
 
-/// A curve as lines: itself, and of errors the 95 % as a line of its own.
+/// The lines of a curve: the curve itself, and for errors the 95 % as a separate line.
 fn series_of(curve: &StudyCurve, set: Option<&str>) -> Vec<Series> {
     let label = set.map_or_else(|| curve.label.clone(), |set| format!("{}, {set}", curve.label));
     // Curves of sets after the first are thinner and dotted.
@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(texts.iter().filter(|text| **text == "Found").count(), 1);
         assert!(texts.contains(&"a & b, before") && texts.contains(&"a & b: 95 %"), "{texts:?}");
         assert!(!svg.contains("NaN"));
-        // Nothing to show is an empty sheet.
+        // Without plots the sheet is empty.
         roxmltree::Document::parse(&curves_svg(&[])).expect("sound XML");
     }
 }

@@ -1,9 +1,9 @@
-//! The ROC curves of a chart study as a figure: SVG, readable alone, on light and dark pages and without colour.
+//! The ROC curves of a chart study as a figure: self-contained SVG, for light and dark pages, readable without colour.
 //!
 //! One panel for each signal-to-noise ratio; false features to the right, discs found upwards. Methods differ in colour
 //! (M. Okabe and K. Ito's palette, which colour-blind readers can tell apart) *and* in dashes. A grey line marks where
-//! the asked-for share of the detections is false: the numbers of the table are read near it. The dot at the end of a
-//! curve is what the method finds at its default threshold.
+//! the requested share of the detections is false: the numbers of the table are read near it. The dot at the end of a
+//! curve marks the method's default threshold.
 
 use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::methods::BurstMethod;
@@ -11,7 +11,7 @@ use crate::export::sheet::{FAINT, GRID, INK};
 use crate::export::{SVG_COMMENT, Series};
 use std::fmt::Write;
 
-/// How a method's line looks: colour, dashes (empty for solid) and width in pixels.
+/// Line style of a method: colour, dashes (empty for solid) and width in pixels.
 pub fn method_line(method: BurstMethod) -> (&'static str, &'static str, f64) {
     match method {
         BurstMethod::SiftFrame => ("#666666", "1.5 4", 2.0),
@@ -31,9 +31,9 @@ pub(super) fn method_series(method: BurstMethod, points: Vec<(f64, f64, Option<f
 
 /// Width and height of a panel's plot, pixels.
 const PLOT: (f64, f64) = (270.0, 270.0);
-/// Left of a panel's plot (its labels), and right of it.
+/// Margins left of a panel's plot (for its labels) and right of it, pixels.
 const SIDES: (f64, f64) = (58.0, 14.0);
-/// Above the plots: caption, legend, the panels' titles. Below: axis labels.
+/// Margins above the plots (caption, legend, the panels' titles) and below (axis labels), pixels.
 const ABOVE: f64 = 92.0;
 const BELOW: f64 = 52.0;
 
@@ -87,7 +87,7 @@ fn write_header(out: &mut String, report: &ChartReport) -> std::fmt::Result {
             x + 36.0,
             x + 42.0
         )?;
-        // About 6.3 px a letter at this size.
+        // About 6.3 px for each letter at this size.
         x += 42.0 + 6.3 * label.chars().count() as f64 + 20.0;
     }
     Ok(())
@@ -134,7 +134,7 @@ fn write_panel(out: &mut String, report: &ChartReport, row: &ChartRow, left: f64
     )
 }
 
-/// The line on which the asked-for share of the detections is false.
+/// Draws the line on which the requested share of the detections is false.
 fn write_share_line(
     out: &mut String,
     report: &ChartReport,
@@ -150,7 +150,7 @@ fn write_share_line(
     let most_false = report.chart.discs.div_ceil(2).max(1) as f64;
     let false_at = |true_positives: f64| true_positives * share / (1.0 - share);
     let end = if false_at(most_true) <= most_false { most_true } else { most_false * (1.0 - share) / share };
-    // The label stands at the foot of the line, where good curves have left.
+    // The label stands at the foot of the line, which good curves do not reach.
     let foot = 0.07 * most_true;
     let (x, y) = (x_of(false_at(end)), y_of(end));
     writeln!(
@@ -171,7 +171,7 @@ fn write_curve(
     y_of: impl Fn(f64) -> f64,
 ) -> std::fmt::Result {
     let (colour, dashes, stroke) = method_line(method.method);
-    // No chart has more than this many; further right nothing was measured.
+    // No chart has more than this many; nothing was measured further right.
     let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
     let mut points = String::new();
     for (count, &mean) in method.roc.iter().enumerate().take(measured + 1) {
@@ -195,7 +195,7 @@ fn write_curve(
     Ok(())
 }
 
-/// Round numbers from 0 to `most`, about five of them.
+/// Round numbers from 0 to `max`, about five of them.
 fn ticks(max: f64) -> Vec<f64> {
     let rough = max / 5.0;
     let magnitude = 10f64.powf(rough.log10().floor());

@@ -1,8 +1,8 @@
-//! How many frames a burst needs: charts of a few frames and of many, at one signal-to-noise ratio.
+//! Detection over the number of frames of a burst: charts of few to many frames, at one signal-to-noise ratio.
 //!
-//! For every number of frames n there are charts of their own, with n frames and the truth at their own mid-burst; what
-//! is measured on them is what [`ChartStudy`] measures. (The paper's Fig. 6.) The effect on a burst that is given is
-//! measured by [`super::BurstFramesStudy`].
+//! Every number of frames n has its own charts, with n frames and the truth at their own mid-burst; the measured
+//! quantities are those of [`ChartStudy`]. (The paper's Fig. 6.) The effect on a given burst is measured by
+//! [`super::BurstFramesStudy`].
 
 use super::chart::{ChartReport, ChartStudy, ChartSummary, ComparisonSetup, MethodReport};
 use super::{EvaluateError, check_lists};
@@ -10,15 +10,15 @@ use crate::monitor::Monitor;
 use crate::synth::ChartParams;
 use serde::Serialize;
 
-/// The numbers of frames that are tried where none are given.
+/// Default numbers of frames.
 pub const FRAME_COUNTS: [usize; 9] = [2, 3, 4, 5, 6, 8, 10, 12, 15];
 
-/// What is to be compared, on which charts, and with how many frames.
+/// Methods to be compared, their charts, and the numbers of frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FramesStudy {
     /// The charts and the methods. Exactly one ratio; the charts' number of frames is set by the study.
     pub charts: ChartStudy,
-    /// Numbers of frames, one row of the table each; in any order, each counts once.
+    /// Numbers of frames, one row of the table for each; in any order, duplicates count once.
     pub frame_counts: Vec<usize>,
 }
 
@@ -29,17 +29,17 @@ impl Default for FramesStudy {
     }
 }
 
-/// What a study found.
+/// Report of a study over the number of frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FramesReport {
-    /// The charts; its `frames` is the largest of the numbers.
+    /// Parameters of the charts; `frames` is the largest of the numbers.
     pub chart: ChartSummary,
     /// Per-pixel signal-to-noise ratio.
     pub snr: f64,
-    /// How methods were compared on them.
+    /// Setup of the comparison of methods.
     #[serde(flatten)]
     pub setup: ComparisonSetup,
-    /// One row a number of frames, the smallest first.
+    /// One row for each number of frames, the smallest first.
     pub rows: Vec<FramesRow>,
 }
 
@@ -53,7 +53,7 @@ pub struct FramesRow {
 }
 
 impl FramesStudy {
-    /// The numbers of frames in order, each once.
+    /// The numbers of frames in ascending order, each once.
     pub fn counts(&self) -> Vec<usize> {
         let mut counts = self.frame_counts.clone();
         counts.sort_unstable();
@@ -79,7 +79,7 @@ impl FramesStudy {
         self.counts().into_iter().try_for_each(|frames| self.charts_of(frames).check())
     }
 
-    /// Makes the charts of every number of frames, runs the methods and scores what they find.
+    /// Makes the charts of every number of frames, runs the methods and scores their features.
     ///
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
@@ -87,8 +87,8 @@ impl FramesStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// The same, and `tell` hears of the report so far whenever a chart is finished, as [`ChartStudy::run_telling`] has
-    /// it.
+    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
+    /// [`ChartStudy::run_telling`] does.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -116,7 +116,7 @@ impl FramesStudy {
         Ok(self.report(&whole))
     }
 
-    /// The report of the numbers of frames that were studied so far, the smallest first.
+    /// The report of the numbers of frames studied so far, the smallest first.
     fn report(&self, studied: &[(usize, ChartReport)]) -> FramesReport {
         let row = |(frames, report): &(usize, ChartReport)| {
             report.rows.first().map(|row| FramesRow { frames: *frames, methods: row.methods.clone() })
@@ -168,7 +168,7 @@ mod tests {
         let alone = small().charts_of(6).run(&Monitor::default()).expect("a report");
         assert_eq!(alone.chart.frames, 6);
         assert_eq!(report.rows[1].methods, alone.rows[0].methods);
-        // More frames, less noise.
+        // More frames have less noise.
         let buff = |row: usize| report.rows[row].methods[1].true_positives.mean;
         assert!(buff(1) > buff(0), "{} {}", buff(0), buff(1));
         let heard = heard.lock().expect("not poisoned");

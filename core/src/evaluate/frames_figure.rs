@@ -1,4 +1,5 @@
-//! The studies over the number of frames as figures: SVG, readable alone, on light and dark pages and without colour.
+//! The studies over the number of frames as figures: self-contained SVG, for light and dark pages, readable without
+//! colour.
 
 use super::figure::method_series;
 use super::frames::FramesReport;

@@ -1,9 +1,9 @@
-//! How many frames a burst that is given would have needed: its middle n frames as a burst, for n = 2 … all.
+//! Detection over the number of frames of a given burst: its middle n frames as a burst, for n = 2 … all.
 //!
-//! The search of all frames is the judge: a feature of fewer frames is *confirmed* when that search found it too, by
-//! the rule of [`super::score`] (taking each of its features for a disc of radius √2·σ, and both bright or both dark).
+//! The search of all frames is the reference: a feature of fewer frames is *confirmed* when that search found it too,
+//! by the rule of [`super::score`] (each of its features taken as a disc of radius √2·σ, and both bright or both dark).
 //! The middle n frames have a mid-burst of their own, half a frame before the whole burst's where n is odd and the
-//! number of all frames even or the other way round; places are moved there along their slopes. Where the truth is
+//! number of all frames even or the other way round; positions are moved there along their slopes. Where the truth is
 //! known, discs found and false features are counted as well, and with a second burst the matches between the two.
 
 use super::EvaluateError;
@@ -19,60 +19,60 @@ use serde::Serialize;
 use std::f64::consts::SQRT_2;
 use std::ops::Range;
 
-/// How the bursts are searched and matched.
+/// Parameters of the search and matching of the bursts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BurstFramesStudy {
-    /// How features are found. Slopes that are to be found are found once, from all frames; of a range of frames the
-    /// middle ones are taken.
+    /// Parameters of the search. Slopes that are to be found are found once, from all frames; within a range of frames
+    /// the middle ones are used.
     pub search: SearchParams,
-    /// How features of the two bursts are matched and verified.
+    /// Parameters of matching and verification of the features of the two bursts.
     pub matching: MatchParams,
-    /// Numbers of frames, one row each, in any order; empty for all from 2.
+    /// Numbers of frames, one row for each, in any order; empty for all from 2.
     pub frame_counts: Vec<usize>,
 }
 
-/// What a study found.
+/// Report of a study of the middle frames of a burst.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BurstFramesReport {
-    /// The burst's name.
+    /// Name of the burst.
     pub burst: String,
-    /// The second burst's name.
+    /// Name of the second burst.
     pub second: Option<String>,
     /// The detector's parameters with the slopes that were searched in the burst.
     pub detector: DetectorParams,
-    /// The slopes that were searched in the second burst.
+    /// Slopes searched in the second burst.
     pub second_slopes: Option<SlopeGrid>,
-    /// Features that the search of all frames found; the orientations of one keypoint count once.
+    /// Number of features that the search of all frames found; the orientations of one keypoint count once.
     pub features: usize,
-    /// How many discs are known; absent without a truth.
+    /// Number of known discs; absent without a truth.
     pub discs: Option<usize>,
-    /// One row a number of frames, the smallest first.
+    /// One row for each number of frames, the smallest first.
     pub rows: Vec<BurstFramesRow>,
 }
 
-/// The search of the middle frames. The orientations of one keypoint count as one feature, but in matches.
+/// Result of the search of the middle frames. The orientations of one keypoint count as one feature, except in matches.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BurstFramesRow {
     /// Number of frames.
     pub frames: usize,
     /// Index of the first of them.
     pub first_frame: usize,
-    /// Features found.
+    /// Number of features found.
     pub features: usize,
-    /// Those that the search of all frames found too.
+    /// Number of features that the search of all frames found too.
     pub confirmed: usize,
-    /// Those that it did not.
+    /// Number of features that it did not find.
     pub unconfirmed: usize,
-    /// Discs of the truth that were found; absent without a truth.
+    /// Number of discs of the truth that were found; absent without a truth.
     pub discs_found: Option<usize>,
-    /// Features that are on no disc, or on one that was found already; only where the truth knows everything that is
-    /// to be found, as that of a chart does.
+    /// Number of features on no disc, or on one that was already found; only where the truth is complete, as that of a
+    /// chart is.
     pub false_features: Option<usize>,
-    /// The matches with as many middle frames of the second burst; absent where it has fewer.
+    /// Matches with as many middle frames of the second burst; absent where it has fewer.
     pub matches: Option<MatchCounts>,
 }
 
-/// A burst and what is searched in it.
+/// A burst and its search.
 struct Searched<'a> {
     burst: &'a Burst,
     params: DetectorParams,
@@ -98,7 +98,7 @@ impl<'a> Searched<'a> {
         Ok(detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)?)
     }
 
-    /// Mid-burst of `count` frames from `first` on, frames.
+    /// Mid-burst of `count` frames from `first` on, in frames.
     fn mid(first: usize, count: usize) -> f64 {
         first as f64 + (count as f64 - 1.0) / 2.0
     }
@@ -121,7 +121,7 @@ impl BurstFramesStudy {
         self.run_telling(burst, second, truth, monitor, &|_| {})
     }
 
-    /// The same, and `tell` hears of the report so far after every number of frames.
+    /// Runs the study as `run` does; calls `tell` with the report so far after every number of frames.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -144,7 +144,7 @@ impl BurstFramesStudy {
         let second = second.map(|burst| Searched::new(burst, &self.search, &silent)).transpose()?;
         let counts = self.counts(first.frames.len())?;
         let of_second = |count: usize| second.as_ref().filter(|second| second.frames.len() >= count);
-        // One search of all frames, and the rows'.
+        // One search of all frames, and those of the rows.
         let frames_of = |count: usize| count * (1 + usize::from(of_second(count).is_some()));
         let total = first.frames.len() + counts.iter().map(|&count| frames_of(count)).sum::<usize>();
         let mut done = first.frames.len();
@@ -176,7 +176,7 @@ impl BurstFramesStudy {
         Ok(report)
     }
 
-    /// The numbers of frames in order, of `frames` that there are.
+    /// The numbers of frames in ascending order, for a burst of `frames` frames.
     fn counts(&self, frames: usize) -> Result<Vec<usize>, EvaluateError> {
         if frames < 2 {
             let remedy = "name a burst of 2 frames or more";
@@ -237,7 +237,7 @@ fn row(
     }
 }
 
-/// The disc that a feature would be the image of.
+/// The disc whose image a feature would be.
 fn disc_of(feature: &Feature) -> FeatureTruth {
     FeatureTruth {
         id: 0,
@@ -252,7 +252,7 @@ fn disc_of(feature: &Feature) -> FeatureTruth {
     }
 }
 
-/// Where a disc is `dt` frames later.
+/// The disc `dt` frames later.
 fn moved(disc: FeatureTruth, dt: f64) -> FeatureTruth {
     let (u, v) = disc.position(dt);
     FeatureTruth { u, v, ..disc }
@@ -303,13 +303,13 @@ mod tests {
             assert_eq!(matches.putative, matches.keypoints_a, "a burst matches itself");
         }
         assert!(last.discs_found >= Some(7) && report.rows[0].discs_found < last.discs_found, "{:?}", report.rows);
-        // Seven frames have their middle half a frame before that of all: a disc of 3 px/frame is 1.5 px elsewhere.
+        // Seven frames have their middle half a frame before that of all: a disc of 3 px/frame is 1.5 px away.
         assert!(report.rows[5].features >= 7 && report.rows[5].unconfirmed <= 1, "{:?}", report.rows);
     }
 
     #[test]
     fn discs_are_looked_for_where_they_are_at_mid_burst_of_the_middle_frames() {
-        // Two small fast discs: within reach only if the half frame counts.
+        // Two small fast discs: found only if the half frame is taken into account.
         let params = ChartParams {
             width: 200,
             height: 150,
@@ -334,7 +334,7 @@ mod tests {
         let with = found(&truth);
         assert_eq!(with[0], with[1]);
         assert!(with[1] >= 3, "{with:?}");
-        // With other slopes they are sought elsewhere, but for the whole burst, whose mid-burst is the truth's.
+        // With other slopes they are searched elsewhere, except for the whole burst, whose mid-burst is the truth's.
         truth.features.iter_mut().for_each(|disc| disc.slope_v = 20.0);
         assert_eq!(found(&truth)[1], with[1]);
         assert!(found(&truth)[0] < with[0]);

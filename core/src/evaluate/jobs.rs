@@ -1,4 +1,4 @@
-//! Many independent pieces of work in parallel, with progress, cancellation and bounded memory.
+//! Independent jobs in parallel, with progress, cancellation and bounded memory.
 
 use super::EvaluateError;
 use crate::monitor::{Monitor, Stage};
@@ -13,19 +13,19 @@ pub(super) struct Steps<'a> {
 }
 
 impl Steps<'_> {
-    /// One step more is done.
+    /// Counts one more finished step.
     pub(super) fn done(&self) {
         let finished = 1 + self.finished.fetch_add(1, Ordering::Relaxed);
         self.monitor.report(Stage::Evaluate, finished as f32 / self.total.max(1) as f32);
     }
 }
 
-/// `f` of every job, in the order of the jobs. As many jobs run at a time as there are threads: what a job holds in
-/// memory is held that often. (A flat parallel loop would not keep to that: a thread that waits inside one job, for its
-/// own parallel parts, would begin another one.)
+/// Runs `f` on every job; results are in the order of the jobs. As many jobs run at a time as there are threads, so at
+/// most that many hold their memory. (A flat parallel loop would not ensure that: a thread that waits inside one job,
+/// for its own parallel parts, would begin another one.)
 ///
 /// # Errors
-/// The first failure in the order of the jobs, or that the work was cancelled.
+/// The first failure in the order of the jobs, or cancellation of the work.
 pub(super) fn run_jobs<J: Sync, R: Send>(
     jobs: &[J],
     steps_per_job: usize,

@@ -1,14 +1,14 @@
-//! How well the bursts of a dataset match: the columns of the paper's Table 1 that need no reconstruction.
+//! Matching between the bursts of a dataset: the columns of the paper's Table 1 that need no reconstruction.
 //!
-//! Every method finds the features of every burst, with the same parameters and a noise gate that promises the same
-//! rate of false features; the features of chosen pairs of bursts are matched and verified geometrically. As in the
-//! paper, an image's matches with all others are added up, so that ratios to its keypoints may pass 1.
+//! Every method finds the features of every burst, with the same parameters and a noise gate of the same rate of false
+//! features; the features of chosen pairs of bursts are matched and verified geometrically. As in the paper, an image's
+//! matches with all others are added up, so that ratios to its keypoints may exceed 1.
 //!
 //! # The gold standard
 //! Where sharp images of the same views are given, SIFT on them is a row of its own, and there is a further column for
-//! all rows: how many putative matches lie on the geometry that the *sharp* images' matches agree on. Inliers are
-//! counted against a geometry that the same matches were used to find, which flatters a method with few matches: some
-//! always agree on something. This column does not.
+//! all rows: the number of putative matches on the geometry that the *sharp* images' matches agree on. Inliers are
+//! counted against a geometry that was found with the same matches, which favours a method with few matches: some
+//! always agree on some geometry. This column does not.
 
 mod method;
 mod report;
@@ -26,16 +26,16 @@ use report::row;
 pub use method::MatchMethod;
 pub use report::{MatchReport, MatchRow, PairCounts};
 
-/// Which pictures of a view are asked for.
+/// Kind of pictures of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shot {
-    /// The burst whose features are compared.
+    /// Burst whose features are compared.
     Burst,
-    /// The sharp image; of several the middle one is taken.
+    /// Sharp image; of several the middle one is used.
     Gold,
 }
 
-/// What is to be compared.
+/// Methods to be compared, with the parameters of search and matching.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatchStudy {
     /// The rows, each at most once.
@@ -44,20 +44,20 @@ pub struct MatchStudy {
     pub has_gold: bool,
     /// The detector's parameters, for all methods; method and slopes are set by each of them.
     pub detector: DetectorParams,
-    /// The slopes of BuFF 1D.
+    /// Slopes of BuFF 1D.
     pub slopes_1d: SlopeGrid,
-    /// The slopes of BuFF 2D.
+    /// Slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
-    /// The direction in which a method that finds slopes looks for them, degrees from +u towards +v; `None`: anywhere
-    /// in the plane.
+    /// Direction in which a method that finds slopes searches them, degrees from +u towards +v; `None`: anywhere in the
+    /// plane.
     pub direction_deg: Option<f32>,
-    /// How features are matched and verified.
+    /// Parameters of matching and verification.
     pub matching: MatchParams,
-    /// Which bursts are matched with which.
+    /// Selection of the pairs of bursts that are matched.
     pub pairs: PairSelection,
 }
 
-/// Features as far as matching needs them.
+/// Features with only the data that matching needs.
 struct Features {
     places: Vec<[f64; 2]>,
     descriptors: Vec<Descriptor>,
@@ -108,10 +108,10 @@ impl MatchStudy {
     }
 
     /// Finds the features of every burst by every method, matches the pairs, and counts. `open` opens the pictures of
-    /// burst k; sharp ones are asked for only if there are any. One burst is held in memory at a time.
+    /// burst k; sharp ones are requested only if there are any. One burst is held in memory at a time.
     ///
     /// # Errors
-    /// A parameter that makes no sense, what `open` answers, or [`EvaluateError::Cancelled`].
+    /// A parameter that makes no sense, an error of `open`, or [`EvaluateError::Cancelled`].
     pub fn run<E: From<EvaluateError>>(
         &self,
         names: &[String],
@@ -120,8 +120,8 @@ impl MatchStudy {
     ) -> Result<MatchReport, E> {
         self.check(names.len())?;
         let pairs = self.pairs.pairs(names.len());
-        // The sharp images are searched whether or not their row is asked for, because their geometry is the judge of
-        // all.
+        // The sharp images are searched even if their row is not requested, because all rows are judged by their
+        // geometry.
         let mut methods = self.methods.clone();
         if self.has_gold && !methods.contains(&MatchMethod::Gold) {
             methods.push(MatchMethod::Gold);
@@ -145,7 +145,7 @@ impl MatchStudy {
                     MatchMethod::Burst(method) => self.searches().search(*method, &burst, &monitor.silent())?,
                     MatchMethod::Gold => {
                         let sharp = open(k, Shot::Gold)?;
-                        // The frames asked for are those of bursts; a sharp image may be the only one.
+                        // The requested frames are those of bursts; a sharp image may be the only one.
                         let detector = if sharp.len() == burst.len() {
                             self.detector.clone()
                         } else {
@@ -209,7 +209,7 @@ impl MatchStudy {
         }
     }
 
-    /// How many of the putative matches lie on `judge`.
+    /// The number of putative matches within the error limit of `judge`.
     fn agreeing(&self, result: &MatchResult, sides: [&Features; 2], judge: &TwoViewModel) -> usize {
         let max = f64::from(self.matching.max_error_px);
         let agrees = |m: &&crate::matching::Match| judge.error_px(sides[0].places[m.a], sides[1].places[m.b]) <= max;

@@ -1,5 +1,5 @@
-//! The ways from a burst to features that are compared: one frame, two merges, and the burst search over a line of
-//! slopes, over a plane of them, and over those that it finds for each burst.
+//! The methods from a burst to features that are compared: one frame, two merges, and the burst search over a line of
+//! slopes, over a plane of slopes, and over slopes found for each burst.
 
 use super::EvaluateError;
 use crate::baseline::{Searched, detect, plain_mean, search};
@@ -8,7 +8,7 @@ use crate::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoi
 use crate::monitor::Monitor;
 use serde::Serialize;
 
-/// A way from a burst to features.
+/// Method from a burst to features.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BurstMethod {
@@ -32,11 +32,11 @@ impl BurstMethod {
     /// All methods, in the order of tables.
     pub const ALL: [Self; 6] =
         [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d, Self::BuffAuto];
-    /// Those that find no slopes by themselves, in the same order.
+    /// All methods but those that find slopes by themselves, in the order of tables.
     pub const WITH_GIVEN_SLOPES: [Self; 5] =
         [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
 
-    /// The word for it on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::SiftFrame => "sift-frame",
@@ -48,7 +48,7 @@ impl BurstMethod {
         }
     }
 
-    /// What a table or figure calls it.
+    /// Name in a table or figure.
     pub fn label(self) -> &'static str {
         match self {
             Self::SiftFrame => "SIFT, one frame",
@@ -72,7 +72,7 @@ impl std::str::FromStr for BurstMethod {
 }
 
 /// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
-/// 2D has it on both axes.
+/// 2D has its axis on both axes.
 pub fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
     if slopes.is_plane() {
         return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
@@ -81,16 +81,16 @@ pub fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
     (slopes, SlopeGrid { u: axis, v: axis, ..slopes })
 }
 
-/// What the methods search with.
+/// Parameters of the methods' searches.
 #[derive(Debug, Clone, Copy)]
 pub struct Searches<'a> {
     /// The detector's parameters, for all methods; method and slopes are set by each of them.
     pub detector: &'a DetectorParams,
-    /// The slopes of BuFF 1D.
+    /// Slopes of BuFF 1D.
     pub slopes_1d: SlopeGrid,
-    /// The slopes of BuFF 2D.
+    /// Slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
-    /// The direction in which slopes are found, degrees from +u towards +v; `None`: anywhere in the plane.
+    /// Direction in which slopes are found, degrees from +u towards +v; `None`: anywhere in the plane.
     pub direction_deg: Option<f32>,
 }
 
@@ -122,7 +122,7 @@ impl Searches<'_> {
             return Ok(search(burst, &params, monitor)?);
         }
         let params = params.detector;
-        // SIFT uses one frame; the mean is of all those that the burst search would use.
+        // SIFT uses one frame; the mean is of all frames that the burst search would use.
         params.validate_for(burst.len(), burst.size())?;
         let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
         let used = Burst { frames: burst.frames[all].to_vec(), ..burst.clone() };
@@ -167,8 +167,8 @@ mod tests {
             f64::from(found.detection.frame_noise)
         };
         let one = noise(BurstMethod::SiftFrame, None);
-        // Ten frames have a √10 lower noise, four of them half of it. The merge keeps a little more of the middle
-        // frame's.
+        // Ten frames have a √10 lower noise, four of them half of it. The merge keeps slightly more of the middle
+        // frame's noise.
         for (method, tolerance) in [(BurstMethod::SiftMean, 0.05), (BurstMethod::SiftMerge, 0.1)] {
             assert!((noise(method, None) * 10f64.sqrt() / one - 1.0).abs() < tolerance, "{method:?}");
             assert!((noise(method, Some("3..7")) * 2.0 / one - 1.0).abs() < tolerance, "{method:?}");

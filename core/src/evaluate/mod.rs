@@ -1,24 +1,24 @@
-//! How good the detector is, measured on input whose truth is known exactly, and how good the camera poses are that
-//! were found with its features.
+//! Evaluation of the detector on input whose truth is known exactly, and of camera poses that were found with its
+//! features.
 //!
 //! Four studies of the detector, each one command (`burstscope evaluate chart|frames|accuracy|noise`):
 //!
-//! - [`chart`]: in the dark. How many of a chart's discs does each method find before its findings are a tenth false,
-//!   and how do true and false findings trade against each other over the threshold (the ROC curve)?
-//! - [`frames`]: the same over the number of frames of a burst; [`frames_of_burst`] does it with a burst that is given.
-//! - [`accuracy`]: in enough light. How far are places, scales and motions from the truth?
-//! - [`pure_noise`]: on noise alone. How many features are found where there is nothing to find?
+//! - [`chart`]: in the dark. The number of a chart's discs that each method finds before a tenth of its features are
+//!   false, and true against false features over the threshold (the ROC curve).
+//! - [`frames`]: the measures of `chart` over the number of frames of a burst; [`frames_of_burst`] for a given burst.
+//! - [`accuracy`]: in enough light. Errors of positions, scales and motions.
+//! - [`pure_noise`]: on noise alone. The number of features found where all are false.
 //!
-//! One of what the features are for, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): how
-//! many of them match between bursts, and how many matches are right?
+//! One study of the use of features, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): the
+//! number of features that match between bursts, and of correct matches.
 //!
-//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far is a reconstruction's trajectory from the
-//! true one?
+//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): the distance of a reconstruction's trajectory from
+//! the true one.
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
-//! over them and answers with a report that can be written as JSON. [`score`] decides what counts as found, [`figure`]
+//! over them and returns a report that can be written as JSON. [`score`] decides which discs count as found, [`figure`]
 //! and [`frames_figure`] draw the curves. The same study gives the same report for any number of threads, and memory
-//! holds at most one burst a thread.
+//! holds at most one burst for each thread.
 
 pub mod accuracy;
 mod accuracy_report;
@@ -53,7 +53,7 @@ use crate::detector::{DetectError, ParamError};
 use crate::monitor::Cancelled;
 use crate::synth::{Motion, SynthError};
 
-/// Why a study has no report.
+/// Reason why a study has no report.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EvaluateError {
     /// A parameter of the study makes no sense.
@@ -61,9 +61,9 @@ pub enum EvaluateError {
     Param {
         /// Name of the parameter to change, as on the command line without the dashes.
         parameter: &'static str,
-        /// What is wrong.
+        /// Problem with its value.
         problem: String,
-        /// What would be right.
+        /// Suggested change.
         remedy: &'static str,
     },
     /// The charts cannot be made.
@@ -72,7 +72,7 @@ pub enum EvaluateError {
     /// The detector's parameters make no sense.
     #[error(transparent)]
     Detector(#[from] ParamError),
-    /// It was cancelled.
+    /// The study was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -101,7 +101,7 @@ impl EvaluateError {
     }
 }
 
-/// The word for a motion, as on the command line.
+/// Name of a motion, as on the command line.
 pub fn motion_name(motion: Motion) -> &'static str {
     match motion {
         Motion::OneD => "1d",

@@ -1,9 +1,9 @@
-//! On noise alone: how many features are found where there is nothing to find.
+//! Detection on noise alone: the number of features found where all are false.
 //!
-//! Bursts of Gaussian noise around half of full scale are searched with the parameters given: white, as it is and
-//! rounded to the levels of a converter, and noise as cameras and files make it ([`NoiseCase`]). Every feature is
-//! false. The noise gate promises at most one of them in a million pixels of the image, whatever the noise and however
-//! many slopes are searched.
+//! Bursts of Gaussian noise around half of full scale are searched with the given parameters: white noise, unchanged
+//! and rounded to the levels of a converter, and noise as cameras and files produce it ([`NoiseCase`]). Every feature
+//! is false. The noise gate promises at most one of them in a million pixels of the image, for any noise and any number
+//! of slopes searched.
 
 use super::EvaluateError;
 use super::jobs::run_jobs;
@@ -23,27 +23,27 @@ use serde::Serialize;
 pub struct NoiseLevel {
     /// Standard deviation in one frame, fraction of full scale.
     pub sigma: f64,
-    /// Bits of the converter that rounds it, 4 … 16; `None` for numbers that are not rounded.
+    /// Bits of the converter that rounds it, 4 … 16; `None` without rounding.
     pub bits: Option<u32>,
-    /// What is not white about it; only white noise is rounded to `bits`.
+    /// Deviation from white noise; only white noise is rounded to `bits`.
     pub case: NoiseCase,
 }
 
 /// A search and its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseSearch {
-    /// What a table calls it, such as "BuFF 1D".
+    /// Name in a table, such as "BuFF 1D".
     pub label: String,
     /// The detector's parameters.
     pub detector: DetectorParams,
 }
 
-/// Which noise is searched, and how.
+/// Kinds of noise and searches of a study on noise alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseStudy {
-    /// The kinds of noise, one row each.
+    /// Kinds of noise, one row for each.
     pub levels: Vec<NoiseLevel>,
-    /// The searches, one column each.
+    /// Searches, one column for each.
     pub searches: Vec<NoiseSearch>,
     /// Columns of a frame.
     pub width: usize,
@@ -51,7 +51,8 @@ pub struct NoiseStudy {
     pub height: usize,
     /// Frames of a burst.
     pub frames: usize,
-    /// Millions of pixels of the image to be searched for each row and column, at least; whole bursts are searched.
+    /// Minimum number of pixels of the image to be searched for each row and column, in millions; whole bursts are
+    /// searched.
     pub megapixels: f64,
     /// The seed of the first burst; others count up from it.
     pub first_seed: u64,
@@ -72,7 +73,7 @@ impl NoiseStudy {
 }
 
 impl Default for NoiseStudy {
-    /// Faint, middling and strong white noise, exact and rounded to 8 bits; 50 million pixels each.
+    /// Weak, medium and strong white noise, exact and rounded to 8 bits; 50 million pixels each.
     fn default() -> Self {
         let levels =
             [None, Some(8)].into_iter().flat_map(|bits| [0.002, 0.02, 0.1].map(|sigma| NoiseLevel::white(sigma, bits)));
@@ -88,7 +89,7 @@ impl Default for NoiseStudy {
     }
 }
 
-/// What a study found.
+/// Report of a study on noise alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseReport {
     /// Columns of a frame.
@@ -99,35 +100,35 @@ pub struct NoiseReport {
     pub frames: usize,
     /// The seed of the first burst.
     pub first_seed: u64,
-    /// Bursts that were searched for each row.
+    /// Number of bursts searched for each row.
     pub bursts: usize,
-    /// Millions of pixels of the image that were searched for each row.
+    /// Pixels of the image that were searched for each row, in millions.
     pub megapixels: f64,
     /// One row for each kind of noise.
     pub rows: Vec<NoiseRow>,
 }
 
-/// One kind of noise.
+/// Results for one kind of noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseRow {
     /// The noise.
     pub level: NoiseLevel,
-    /// The searches, in the study's order.
+    /// Results of the searches, in the study's order.
     pub searches: Vec<NoiseCount>,
 }
 
-/// What one search found in one kind of noise.
+/// Result of one search in one kind of noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseCount {
     /// The search's name.
     pub label: String,
-    /// How many slopes it tries.
+    /// Number of slopes searched.
     pub slopes: usize,
     /// The noise gate's factor.
     pub noise_gate_factor: f32,
-    /// Features, all of them false.
+    /// Number of features, all of them false.
     pub false_features: usize,
-    /// Per million pixels of the image.
+    /// Number of features per million pixels of the image.
     pub per_megapixel: f64,
     /// Standard error of that, for independent features: √count over the millions of pixels.
     pub standard_error: f64,
@@ -173,7 +174,7 @@ impl NoiseStudy {
         Ok(())
     }
 
-    /// Makes the bursts, searches them and counts what is found.
+    /// Makes the bursts, searches them and counts the features.
     ///
     /// # Errors
     /// A parameter of study or detector that makes no sense, or [`EvaluateError::Cancelled`].
@@ -232,13 +233,13 @@ impl NoiseLevel {
         Self { sigma, bits, case: NoiseCase::White }
     }
 
-    /// The standard deviation with that of rounding, a twelfth of a step².
+    /// The standard deviation including rounding, whose variance is a twelfth of a step².
     fn total_sigma(self) -> f64 {
         self.sigma.hypot(self.bits.map_or(0.0, quantisation_step) / 12f64.sqrt())
     }
 }
 
-/// Frames of noise around half of full scale, or what the case makes of it.
+/// Makes frames of noise around half of full scale, modified by the case.
 fn noise_burst(
     level: NoiseLevel,
     size: (usize, usize),

@@ -1,8 +1,8 @@
-//! What counts as found: features of a chart against its truth, and the curve over the threshold.
+//! The rule by which a feature finds a disc: features of a chart against its truth, and the curve over the threshold.
 //!
 //! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre
-//! and its scale σ is within a factor of 2 of r/√2. A disc is found once; what finds it again is false, and so is
-//! everything that finds no disc. The orientations of one keypoint count as one feature. Features are taken in order of
+//! and its scale σ is within a factor of 2 of r/√2. A disc is found once; a feature that finds it again is false, and
+//! so is one that finds no disc. The orientations of one keypoint count as one feature. Features are taken in order of
 //! a [`Ranking`]; a threshold on it keeps the strongest, and each threshold gives one point (false, true) of the curve.
 
 mod curve;
@@ -15,19 +15,19 @@ pub use curve::{Curve, CurvePoint, mean_curve};
 
 /// Share of a disc's radius within which a feature must lie.
 pub const REACH_IN_RADII: f64 = 0.5;
-/// Added to that, pixels.
+/// Added to that distance, pixels.
 pub const REACH_PIXELS: f64 = 1.5;
-/// The largest ratio, either way, of a feature's scale to the disc's.
+/// Largest ratio, either way, of a feature's scale to the disc's.
 pub const SCALE_FACTOR: f64 = 2.0;
 
-/// By what features are ranked.
+/// Quantity by which features are ranked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Ranking {
     /// [`Feature::strength`], the detector's own order.
     #[default]
     Strength,
-    /// |response|.
+    /// Magnitude of the response, |response|.
     Response,
     /// Signal-to-noise ratio. In a burst without noise it is infinite for all, and no threshold tells them apart.
     Snr,
@@ -37,7 +37,7 @@ impl Ranking {
     /// All rankings.
     pub const ALL: [Self; 3] = [Self::Strength, Self::Response, Self::Snr];
 
-    /// The word for it on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Strength => "strength",
@@ -46,7 +46,7 @@ impl Ranking {
         }
     }
 
-    /// What a threshold is compared with.
+    /// The value compared with a threshold.
     pub fn worth(self, feature: &Feature) -> f32 {
         match self {
             Self::Strength => feature.strength(),
@@ -74,14 +74,14 @@ pub fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
     distance <= REACH_IN_RADII * disc.radius + REACH_PIXELS && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
 }
 
-/// A feature that was judged.
+/// Judgement of a feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judged {
-    /// Its index among the features given.
+    /// Index among the given features.
     pub feature: usize,
-    /// What a threshold is compared with.
+    /// Value compared with a threshold.
     pub worth: f32,
-    /// Index of the disc in the truth that it is the first to find; `None` for a false one.
+    /// Index of the disc in the truth that this feature is the first to find; `None` for a false feature.
     pub disc: Option<usize>,
 }
 
@@ -90,11 +90,11 @@ pub fn judge(features: &[Feature], truth: &Truth, ranking: Ranking) -> Vec<Judge
     judge_by_discs(features, &truth.features, ranking)
 }
 
-/// The same against discs alone.
+/// Judges `features` against `discs`, strongest first by `ranking` (equal ones in their given order).
 pub fn judge_by_discs(features: &[Feature], discs: &[FeatureTruth], ranking: Ranking) -> Vec<Judged> {
     let mut order: Vec<(usize, f32)> = features.iter().map(|f| ranking.worth(f)).enumerate().collect();
     order.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // Features of one keypoint differ in nothing but their orientation.
+    // Features of one keypoint differ only in their orientation.
     let keypoint = |index: usize| {
         let f = &features[index];
         [f.u, f.v, f.sigma, f.slope.u, f.slope.v, f.response].map(f32::to_bits)

@@ -1,18 +1,18 @@
-//! Means with their standard errors, and what is told of a set of errors.
+//! Means with their standard errors, and statistics of a set of errors.
 
 use serde::Serialize;
 
-/// A mean and how well it is known.
+/// A mean and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Mean {
-    /// The mean; NaN (null in JSON) of no samples.
+    /// Mean; NaN (null in JSON) of no samples.
     pub mean: f64,
-    /// Its standard error, from the spread of the samples; absent when there are fewer than two.
+    /// Standard error, from the spread of the samples; absent when there are fewer than two.
     pub standard_error: Option<f64>,
 }
 
 impl Mean {
-    /// Of `samples`.
+    /// The mean of `samples`.
     pub fn of(samples: &[f64]) -> Self {
         let n = samples.len() as f64;
         let mean = samples.iter().sum::<f64>() / n;
@@ -23,14 +23,16 @@ impl Mean {
         Self { mean, standard_error }
     }
 
-    /// Whether it differs from 0 by no more than `k` standard errors. Fewer than two samples cannot show a difference.
+    /// Whether the mean differs from 0 by no more than `k` standard errors. Fewer than two samples cannot show a
+    /// difference.
     pub fn is_consistent_with_zero(&self, k: f64) -> bool {
         self.standard_error.is_none_or(|error| self.mean.abs() <= k * error)
     }
 }
 
 impl std::fmt::Display for Mean {
-    /// `mean ± standard error`, to the right of the width and with the precision asked for (one decimal otherwise).
+    /// Writes `mean ± standard error`, right-aligned to the width and with the given precision (one decimal by
+    /// default).
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let precision = f.precision().unwrap_or(1);
         let text = match self.standard_error {
@@ -42,21 +44,21 @@ impl std::fmt::Display for Mean {
     }
 }
 
-/// What is told of a set of signed errors.
+/// Statistics of a set of signed errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
-    /// How many there are.
+    /// Number of errors.
     pub count: usize,
     /// Mean of the signed errors: the bias.
     pub signed: Mean,
-    /// Median of their magnitudes; NaN (null in JSON) of none.
+    /// Median of the magnitudes; NaN (null in JSON) of none.
     pub median_magnitude: f64,
-    /// The magnitude that 95 % of them do not exceed.
+    /// Magnitude that 95 % of them do not exceed.
     pub magnitude_95: f64,
 }
 
 impl Errors {
-    /// Of `signed` errors.
+    /// The statistics of `signed` errors.
     pub fn of(signed: &[f64]) -> Self {
         let mut magnitudes: Vec<f64> = signed.iter().map(|x| x.abs()).collect();
         magnitudes.sort_by(f64::total_cmp);

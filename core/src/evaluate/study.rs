@@ -1,4 +1,4 @@
-//! All studies that are curves, as one type: what the Lab runs, watches growing, and looks into.
+//! All studies with curves, as one type: for the Lab, which runs them, shows them growing, and opens single charts.
 
 use super::EvaluateError;
 use super::accuracy::{AccuracyReport, AccuracyStudy};
@@ -18,24 +18,24 @@ use std::sync::Arc;
 /// A study.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Study {
-    /// What is found in the dark, over ratios: ROC curves, discs found, false features.
+    /// Detection in the dark, over ratios: ROC curves, discs found, false features.
     Chart(Box<ChartStudy>),
-    /// The same over numbers of frames, at one ratio.
+    /// Detection over numbers of frames, at one ratio.
     Frames(Box<FramesStudy>),
-    /// How far places, scales and slopes are off, over ratios.
+    /// Errors of positions, scales and slopes, over ratios.
     Accuracy(Box<AccuracyStudy>),
-    /// What fewer frames of a burst that is given would have shown.
+    /// Detection in the middle frames of a given burst.
     BurstFrames(Box<BurstFramesStudy>, BurstsOfStudy),
 }
 
-/// The bursts of [`Study::BurstFrames`]. Equal are only the same ones, not ones that look alike.
+/// The bursts of [`Study::BurstFrames`]. Only identical ones are equal, not ones with equal content.
 #[derive(Debug, Clone)]
 pub struct BurstsOfStudy {
     /// The burst.
     pub burst: Arc<Burst>,
-    /// What it is matched with.
+    /// Second burst, with which the first is matched.
     pub second: Option<Arc<Burst>>,
-    /// What is really there, if that is known.
+    /// Truth of the burst, if known.
     pub truth: Option<Arc<Truth>>,
 }
 
@@ -49,53 +49,53 @@ impl PartialEq for BurstsOfStudy {
     }
 }
 
-/// The report of a study, whole or as far as it is.
+/// Report of a study, complete or partial.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StudyReport {
-    /// Of [`Study::Chart`].
+    /// Report of [`Study::Chart`].
     Chart(Box<ChartReport>),
-    /// Of [`Study::Frames`].
+    /// Report of [`Study::Frames`].
     Frames(Box<FramesReport>),
-    /// Of [`Study::Accuracy`].
+    /// Report of [`Study::Accuracy`].
     Accuracy(Box<AccuracyReport>),
-    /// Of [`Study::BurstFrames`].
+    /// Report of [`Study::BurstFrames`].
     BurstFrames(Box<BurstFramesReport>),
 }
 
-/// The point of a curve: which charts it is the mean of.
+/// Point of a curve: identifies the charts that it is the mean of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyPoint {
-    /// What is varied from row to row, for its row: a ratio, or a number of frames.
+    /// Value of its row: a ratio, or a number of frames.
     pub row_value: f64,
-    /// The method; `None` for the one search of a study of accuracy.
+    /// Method; `None` for the one search of a study of accuracy.
     pub method: Option<BurstMethod>,
 }
 
-/// One chart of a study: that of a point and a seed.
+/// One chart of a study, identified by a point and a seed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartOfStudy {
     /// The study.
     pub study: Study,
-    /// The point.
+    /// Point of a curve.
     pub point: StudyPoint,
     /// The chart's seed.
     pub seed: u64,
 }
 
-/// A chart of a study that was made and searched once more, to be looked at. Cheap to clone.
+/// A chart of a study that was made and searched again, for a look at it. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct ShownChart {
-    /// Which chart.
+    /// Identity of the chart.
     pub of: ChartOfStudy,
-    /// The chart, and what was found on it.
+    /// The chart and its search.
     pub looked: Arc<LookedChart>,
-    /// The plain mean of its frames.
+    /// Plain mean of its frames.
     pub mean: Arc<Plane>,
 }
 
 impl ShownChart {
-    /// The features, judged, at the threshold where the share of false ones is that of the study's curves; all that
-    /// were detected where `all` is asked for, or where the study has no such share.
+    /// The judged features at the threshold where the share of false ones is that of the study's curves; all features
+    /// if `all` is set, or where the study has no such share.
     pub fn judged(&self, all: bool) -> Vec<Judged> {
         let fraction = match &self.of.study {
             Study::Chart(study) => Some(study.false_fraction),
@@ -128,7 +128,7 @@ impl ChartOfStudy {
         Ok(ShownChart { of: self, looked: Arc::new(looked), mean })
     }
 
-    /// The parameters of the chart; `None` for a study of a burst that is given.
+    /// The parameters of the chart; `None` for a study of a given burst.
     pub fn params(&self) -> Option<ChartParams> {
         if let Study::Accuracy(study) = &self.study {
             return Some(study.chart_of(self.point.row_value, self.seed));
@@ -138,7 +138,7 @@ impl ChartOfStudy {
 }
 
 impl Study {
-    /// Runs it; `tell` hears of the report so far whenever a chart is finished.
+    /// Runs the study; calls `tell` with the report so far whenever a chart is finished.
     ///
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
@@ -168,7 +168,7 @@ impl Study {
         }
     }
 
-    /// The first seed, and how many there are; `None` for a study of a burst that is given.
+    /// The first seed, and the number of seeds; `None` for a study of a given burst.
     pub fn seeds(&self) -> Option<(u64, u64)> {
         match self {
             Self::Chart(study) => Some((study.first_seed, study.seeds)),
@@ -178,7 +178,7 @@ impl Study {
         }
     }
 
-    /// The study of a row's charts in the dark, and their ratio.
+    /// The study in the dark of a row's charts, and their ratio.
     fn charts_of_row(&self, row_value: f64) -> Option<(ChartStudy, f64)> {
         match self {
             Self::Chart(study) => Some(((**study).clone(), row_value)),
@@ -189,7 +189,7 @@ impl Study {
 }
 
 impl StudyReport {
-    /// Its plots; of rows whose ROC curves can be shown, those of `roc_row`.
+    /// The plots of the report; ROC curves are those of the row `roc_row`.
     pub fn plots(&self, roc_row: usize) -> Vec<StudyPlot> {
         match self {
             Self::Chart(report) => chart_plots(report, roc_row),
@@ -199,7 +199,7 @@ impl StudyReport {
         }
     }
 
-    /// What is varied from row to row, as a label for each row that has ROC curves.
+    /// Labels of the rows that have ROC curves.
     pub fn roc_rows(&self) -> Vec<String> {
         match self {
             Self::Chart(report) => report.rows.iter().map(|row| self.row_label(row.snr)).collect(),
@@ -208,7 +208,7 @@ impl StudyReport {
         }
     }
 
-    /// A row's value with its name.
+    /// Label of a row: its value with a name.
     pub fn row_label(&self, row_value: f64) -> String {
         match self {
             Self::Chart(_) | Self::Accuracy(_) => format!("SNR {row_value}"),
@@ -216,7 +216,7 @@ impl StudyReport {
         }
     }
 
-    /// What was studied, in a few words.
+    /// The subject of the study, in a few words.
     pub fn summary(&self) -> String {
         let chart = match self {
             Self::Chart(report) => &report.chart,

@@ -1,8 +1,8 @@
-//! Files that are written whole or not at all.
+//! Files that are written completely or not at all.
 //!
-//! The bytes go to a temporary file beside the target, which then takes the target's place. A run that is killed leaves
-//! its temporary file behind; the next run that writes into the folder removes it. What another process is just writing
-//! is told by a lock of the system, which ends with its process.
+//! The bytes go to a temporary file beside the target, which then replaces the target. A killed run leaves its
+//! temporary file behind; the next run that writes into the folder removes it. Files that another process is writing
+//! are recognised by a system lock, which ends with their process.
 
 use super::error::ExportError;
 use crate::files::lock::TEMPORARY_SUFFIX;
@@ -14,14 +14,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
-/// What a format writes to: buffered, and able to seek.
+/// Writer for a format: buffered, and able to seek.
 pub type FileWriter<'a> = BufWriter<&'a mut File>;
 
-/// Writes the file `path` by `write`. The bytes go to a temporary file beside it, which takes the place of `path` only
-/// when all of them are on disk: should anything fail, a file that was there is untouched and no other one is left
-/// behind. Missing parent folders are made. A link is replaced, never followed; the new file has the permissions of the
-/// file that it replaces. Whether anything may be replaced is for the caller to know, see
-/// [`OutputRules`](super::OutputRules).
+/// Writes the file `path` by `write`. The bytes go to a temporary file beside it, which replaces `path` only when all
+/// of them are on disk: after a failure an existing file is unchanged and no other one is left behind. Missing parent
+/// folders are created. A link is replaced, never followed; the new file has the permissions of the file that it
+/// replaces. The caller decides whether anything may be replaced, see [`OutputRules`](super::OutputRules).
 ///
 /// # Errors
 /// [`ExportError::Write`] when the system or `write` fails, [`ExportError::NotAFile`] when `path` is a folder or a
@@ -33,9 +32,9 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::R
     })
 }
 
-/// The same for a format that opens its file by its path: `fill` completes the empty temporary file. It has no lock of
-/// ours, which might keep the format from opening it; so what a killed run leaves of it is removed by
-/// [`remove_temporary_files`] alone.
+/// Writes the file `path` for a format that opens it by its path: `fill` completes the empty temporary file. That file
+/// is not locked, because a lock might keep the format from opening it; so only [`remove_temporary_files`] removes one
+/// that a killed run left.
 #[cfg(feature = "colmap")]
 pub(super) fn replace_whole(
     path: &Path,
@@ -44,7 +43,8 @@ pub(super) fn replace_whole(
     replace(path, |folder| temporary_in(folder, UNLOCKED_PREFIX), fill)
 }
 
-/// Whether the path is a device or a pipe, or a link to one, such as `/dev/stdout`: part of the system, which stays.
+/// Whether the path is a device or a pipe, or a link to one, such as `/dev/stdout`: part of the system, not to be
+/// replaced.
 pub(super) fn is_of_system(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|leads_to| !leads_to.is_file() && !leads_to.is_dir())
         || std::fs::read_link(path).is_ok_and(|to| to.starts_with("/proc") || to.starts_with("/dev"))
@@ -76,7 +76,7 @@ fn replace(
     Ok(())
 }
 
-/// A temporary file that has the permissions of any other new file (left to itself, the library would make it private).
+/// A temporary file with the permissions of any other new file (the library's default would make it private).
 fn temporary_in(folder: &Path, prefix: &str) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(prefix).suffix(TEMPORARY_SUFFIX);
@@ -88,20 +88,20 @@ fn temporary_in(folder: &Path, prefix: &str) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// How often a temporary file is made anew when another process has removed it before it had its lock.
+/// Maximum number of temporary files created when another process removes them before they are locked.
 const TRIES: usize = 8;
 
-/// A temporary file with a lock, which tells other processes that it is in use.
+/// A temporary file with a lock, which shows other processes that it is in use.
 fn locked_temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     remove_abandoned_once(folder);
     for _ in 0..TRIES {
         let temporary = temporary_in(folder, TEMPORARY_PREFIX)?;
         match temporary.as_file().try_lock() {
-            // Before it was locked another process may have taken it for abandoned, and removed it.
+            // Before it was locked, another process may have considered it abandoned and removed it.
             Ok(()) if temporary.path().exists() => return Ok(temporary),
-            // Another process does so just now.
+            // Another process is doing so now.
             Ok(()) | Err(TryLockError::WouldBlock) => {}
-            // A file system without locks: there nobody gets the lock that it takes to remove it.
+            // A file system without locks: no process gets the lock that it needs to remove the file.
             Err(TryLockError::Error(_)) => return Ok(temporary),
         }
     }
@@ -116,8 +116,8 @@ fn is_named(name: &OsStr, prefixes: &[&str]) -> bool {
         .is_some_and(|name| prefixes.iter().any(|prefix| name.starts_with(prefix)) && name.ends_with(TEMPORARY_SUFFIX))
 }
 
-/// Removes what killed runs have left in `folder`, the first time that this process writes there. A file that another
-/// process has locked is in use and stays, and so does everything where there are no locks.
+/// Removes files that killed runs left in `folder`, the first time that this process writes there. A file locked by
+/// another process is in use and stays; without file locks all files stay.
 fn remove_abandoned_once(folder: &Path) {
     static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
     let known = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
@@ -133,23 +133,23 @@ fn remove_abandoned(folder: &Path) {
             && let Ok(file) = OpenOptions::new().write(true).open(entry.path())
             && file.try_lock().is_ok()
         {
-            // One that cannot be removed does no harm.
+            // A file that cannot be removed does no harm.
             let _ = std::fs::remove_file(entry.path());
         }
     }
 }
 
-/// Whether a file of this name is one that [`write_whole`] has not finished.
+/// Whether a file of this name is an unfinished one of [`write_whole`].
 pub fn is_temporary_name(name: &OsStr) -> bool {
     is_named(name, &[TEMPORARY_PREFIX, UNLOCKED_PREFIX])
 }
 
-/// Removes what killed runs have left unfinished in `folder`, if there is such a folder. Only for a folder in which
-/// nobody else writes.
+/// Removes unfinished files that killed runs left in `folder`, if it exists. Only for a folder in which no other
+/// process writes.
 pub fn remove_temporary_files(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         if is_temporary_name(&entry.file_name()) {
-            // One that cannot be removed does no harm.
+            // A file that cannot be removed does no harm.
             let _ = std::fs::remove_file(entry.path());
         }
     }
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(std::fs::read(&path).expect("read"), b"new");
         assert!(matches!(write_whole(folder.path(), |_| Ok(())), Err(ExportError::NotAFile { .. })));
         assert!(matches!(write_whole(Path::new("/"), |_| Ok(())), Err(ExportError::NotAFile { .. })));
-        // A file where a folder should be.
+        // A file in place of a folder.
         let error = write_whole(&path.join("d.txt"), |_| Ok(()));
         assert!(matches!(error, Err(ExportError::Write { .. })), "{error:?}");
     }

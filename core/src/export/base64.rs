@@ -18,10 +18,10 @@ pub(super) fn write_base64(bytes: &[u8], out: &mut impl Write) -> io::Result<()>
     Ok(())
 }
 
-/// A picture of three bytes a pixel (red, green, blue) as a PNG inside a URL, for figures.
+/// A picture of three bytes for each pixel (red, green, blue) as a PNG inside a URL, for figures.
 ///
 /// # Panics
-/// When `rgb` are not `width × height × 3`, or the picture is empty: mistakes of the caller.
+/// When `rgb` does not hold `width × height × 3` bytes, or the picture is empty: mistakes of the caller.
 pub fn picture_as_data_url(width: usize, height: usize, rgb: &[u8]) -> String {
     let mut png = Vec::new();
     Picture::rgb(width, height, rgb).encode_png(&mut png).expect("a picture with pixels is encoded in memory");

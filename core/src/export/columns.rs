@@ -2,13 +2,13 @@
 
 use crate::detector::Feature;
 
-/// The columns' names, in order. Positions, scale in input pixels; orientation in radians; slopes in pixels per frame;
-/// `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is |response|/σ_D;
+/// Names of the columns, in order. Positions and scale are in input pixels; orientation in radians; slopes in pixels
+/// per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is |response|/σ_D;
 /// `at_slope_limit` is 1 or 0.
 pub const COLUMNS: [&str; 11] =
     ["u", "v", "sigma", "orientation", "slope_u", "slope_v", "response", "snr", "octave", "level", "at_slope_limit"];
 
-/// One row of a feature table: what is exported of a feature.
+/// Row of a feature table: the exported values of a feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeatureRow {
     /// Column at mid-burst, input pixels.
@@ -17,7 +17,7 @@ pub struct FeatureRow {
     pub v: f32,
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Radians, from +u towards +v.
+    /// Orientation, radians, from +u towards +v.
     pub orientation: f32,
     /// Apparent motion to the right, pixels per frame.
     pub slope_u: f32,
@@ -27,11 +27,11 @@ pub struct FeatureRow {
     pub response: f32,
     /// |response| over the noise in D; infinite for a noiseless burst.
     pub snr: f32,
-    /// Octave in which it was found.
+    /// Octave in which the feature was found.
     pub octave: i32,
-    /// Level at which it was found.
+    /// Level at which the feature was found.
     pub level: i32,
-    /// Whether it was found on the rim of the slope grid.
+    /// Whether the feature was found on the rim of the slope grid.
     pub at_slope_limit: bool,
 }
 
@@ -54,7 +54,7 @@ impl From<&Feature> for FeatureRow {
 }
 
 impl FeatureRow {
-    /// The row as numbers, in the order of [`COLUMNS`].
+    /// Values of the row as numbers, in the order of [`COLUMNS`].
     pub fn values(&self) -> [f32; 11] {
         [
             self.u,

@@ -1,4 +1,4 @@
-//! The feature table as CSV: a header line, then one line a feature, in the detection's order.
+//! The feature table as CSV: a header line, then one line for each feature, in the detection's order.
 //!
 //! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0, so that every cell is a
 //! number. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
@@ -14,7 +14,7 @@ use std::path::Path;
 /// Writes the features as CSV.
 ///
 /// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
     write_whole(path, |out| {
         writeln!(out, "{}", COLUMNS.join(","))?;
@@ -43,7 +43,7 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
 /// Reads a table that [`write_csv`] wrote. Strict: the header must be exact and every line complete.
 ///
 /// # Errors
-/// [`ExportError::Read`], or [`ExportError::Text`] with the line and what is wrong with it.
+/// [`ExportError::Read`], or [`ExportError::Text`] with the line and the problem in it.
 pub fn read_features_csv(path: &Path) -> Result<Vec<FeatureRow>, ExportError> {
     let bytes = read_bytes(path, MAX_TABLE_BYTES)
         .map_err(|e| ExportError::Read { path: path.into(), reason: e.to_string() })?;
@@ -54,7 +54,7 @@ pub fn read_features_csv(path: &Path) -> Result<Vec<FeatureRow>, ExportError> {
     parse(text).map_err(|(line, problem)| ExportError::Text { path: path.into(), line, problem })
 }
 
-/// The rows, or the line that is wrong and why.
+/// Parses the rows; the error is the number of the wrong line and its problem.
 fn parse(text: &str) -> Result<Vec<FeatureRow>, (usize, String)> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
     let header = COLUMNS.join(",");

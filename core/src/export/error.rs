@@ -1,22 +1,22 @@
-//! Why a file could not be written or read back.
+//! Errors of writing files and reading them back.
 
 use crate::files::lock::LockError;
 use crate::files::write_problem;
 use std::path::{Path, PathBuf};
 
-/// Why there is no new file. A file that stood there before is untouched.
+/// Reason why no new file was written. An existing file is unchanged.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
-    /// The folder could not be made, or the file not be written.
+    /// The folder could not be created, or the file could not be written.
     #[error("cannot write this file: {reason}; check the folder's permissions and the free space: {}", path.display())]
     Write {
         /// The file that was to be written.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
-    /// The target is there already and is no regular file.
+    /// The target already exists and is no regular file.
     #[error("this is a folder or a device, not a file; choose another name: {}", path.display())]
     NotAFile {
         /// The target.
@@ -34,16 +34,16 @@ pub enum ExportError {
         /// The target.
         path: PathBuf,
     },
-    /// The target is there already, and somebody else wrote it.
+    /// The target already exists, and Burstscope did not write it.
     #[error("Burstscope did not write this file and leaves it as it is; choose another name, or replace it with --force: {}", path.display())]
     Foreign {
         /// The target.
         path: PathBuf,
     },
-    /// The folder is another process's, or is not there any more.
+    /// Another process holds the folder, or the folder no longer exists.
     #[error(transparent)]
     Lock(#[from] LockError),
-    /// A picture without pixels, or one whose size the format cannot hold.
+    /// The picture has no pixels, or a size that the format cannot hold.
     #[error("a picture of {width}×{height} pixels cannot be written as {format}: {}", path.display())]
     Size {
         /// The target.
@@ -60,23 +60,23 @@ pub enum ExportError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
-    /// A line of a text file that is not as it should be.
+    /// A line of a text file has a wrong form.
     #[error("line {line}: {problem}: {}", path.display())]
     Text {
         /// The file.
         path: PathBuf,
-        /// The line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong and what would be right.
+        /// Problem, and what would be right.
         problem: String,
     },
 }
 
 impl ExportError {
-    /// A failed write to `path`.
+    /// The error of a failed write to `path`.
     pub(crate) fn write(path: &Path, error: &std::io::Error) -> Self {
         Self::Write { path: path.into(), reason: write_problem(error) }
     }

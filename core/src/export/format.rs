@@ -1,5 +1,4 @@
-//! The formats in which features are exported, and the names of their files: what the window's dialog and `--format`
-//! share.
+//! The formats in which features are exported, and the names of their files, for the window's dialog and `--format`.
 
 use super::colmap::write_colmap;
 use super::csv::write_csv;
@@ -11,7 +10,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// A format for features.
+/// Export format of features.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ExportFormat {
     /// A table of the features, `NAME.csv`.
@@ -31,7 +30,7 @@ impl ExportFormat {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Csv, Self::Colmap, Self::Npz];
 
-    /// The ending of its files, without the dot.
+    /// Extension of its files, without the dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Csv => "csv",
@@ -40,7 +39,7 @@ impl ExportFormat {
         }
     }
 
-    /// What it is, for a dialog or a help text.
+    /// Description for a dialog or a help text.
     pub fn description(self) -> &'static str {
         match self {
             Self::Csv => "Table of features (CSV)",
@@ -52,7 +51,7 @@ impl ExportFormat {
     /// Writes the features of `detection` to the file `path` in this format.
     ///
     /// # Errors
-    /// [`ExportError`] when the file cannot be written; an older one is then untouched.
+    /// [`ExportError`] when the file cannot be written; an older one is then unchanged.
     pub fn write(self, path: &Path, detection: &Detection) -> Result<(), ExportError> {
         match self {
             Self::Csv => write_csv(path, &detection.features),
@@ -81,12 +80,12 @@ impl FromStr for ExportFormat {
     }
 }
 
-/// Writes the detection of the burst `burst_name` into the folder `folder` (made if missing) in each of `formats`:
-/// `NAME.csv`, `NAME.txt` for COLMAP, `NAME.npz`. NAME is the burst's name made safe by [`safe_file_name`]. Answers the
+/// Writes the detection of the burst `burst_name` into the folder `folder` (created if missing) in each of `formats`:
+/// `NAME.csv`, `NAME.txt` for COLMAP, `NAME.npz`. NAME is the burst's name made safe by [`safe_file_name`]. Returns the
 /// files' paths, one for each format, in the order of `formats`.
 ///
 /// # Errors
-/// [`ExportError`] of the first file that cannot be written; those before it are complete.
+/// [`ExportError`] of the first file that cannot be written; earlier files are complete.
 pub fn write_detection(
     folder: &Path,
     burst_name: &str,
@@ -101,18 +100,19 @@ pub fn write_detection(
     written.collect()
 }
 
-/// The files that [`write_detection`] writes, one for each of `formats`.
+/// The paths of the files that [`write_detection`] writes, one for each of `formats`.
 pub fn detection_files(folder: &Path, burst_name: &str, formats: &[ExportFormat]) -> Vec<PathBuf> {
     let name = safe_file_name(burst_name);
     formats.iter().map(|format| folder.join(format!("{name}.{}", format.extension()))).collect()
 }
 
-/// The longest name that [`safe_file_name`] answers, bytes: a file's name ends at 255, and ours append endings such as
-/// `.matches.csv` and `-burstscope-100-100`.
+/// Maximum length of a name from [`safe_file_name`], bytes: a file's name may have 255, and extensions such as
+/// `.matches.csv` and `-burstscope-100-100` are added.
 const LONGEST_NAME: usize = 200;
 
-/// The name with everything replaced by `_` that some system does not allow in a file's name. Never empty, never a
-/// path. One of more than 200 bytes is cut; a checksum of what it was tells it from others that begin alike.
+/// The name with all characters replaced by `_` that some system does not allow in a file's name. Never empty, never a
+/// path. A name of more than 200 bytes is cut; a checksum of the whole name distinguishes it from others with the same
+/// beginning.
 pub fn safe_file_name(name: &str) -> String {
     let forbidden = |c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c);
     let name: String = name.chars().map(|c| if forbidden(c) { '_' } else { c }).collect();
@@ -125,7 +125,7 @@ pub fn safe_file_name(name: &str) -> String {
     format!("{}{checksum}", &name[..name.floor_char_boundary(LONGEST_NAME - checksum.len())])
 }
 
-/// Numbers names that would make the same file name ([`safe_file_name`]), also where upper and lower case are the same.
+/// Numbers names that would give the same file name ([`safe_file_name`]), even where upper and lower case are the same.
 pub fn make_file_names_unique<'a>(names: impl Iterator<Item = &'a mut String>) {
     let key = |name: &str| safe_file_name(name).to_lowercase();
     let mut taken: HashSet<String> = HashSet::new();

@@ -1,8 +1,9 @@
-//! The mark by which Burstscope knows the files that it wrote, so that it replaces these and no others unasked.
+//! The mark by which Burstscope recognises its own files, so that it replaces these and no others without being told
+//! to.
 //!
-//! Pictures name the program in the field that their format has for it (`Software`), SVG figures in a comment,
-//! parameter and session files in their first line. Tables and NumPy files have no place for a name: there the header
-//! is the mark. The look into a file is short: its first few kilobytes decide, whatever its name is.
+//! Pictures name the program in their format's field for it (`Software`), SVG figures in a comment, parameter and
+//! session files in their first line. Tables and NumPy files have no place for a name: there the header is the mark.
+//! Only the first few kilobytes of a file are read; they decide, whatever its name is.
 
 use super::columns::COLUMNS;
 use super::matches::MATCH_COLUMNS;
@@ -12,22 +13,22 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// The program's name and version, as pictures name who made them.
+/// The program's name and version, for the `Software` field of pictures.
 pub(super) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));
-/// The comment in SVG figures.
+/// Comment in SVG figures.
 pub const SVG_COMMENT: &str = concat!("<!-- Written by Burstscope ", env!("CARGO_PKG_VERSION"), " -->");
-/// The header of tables of curves.
+/// Header of tables of curves.
 pub const CURVE_COLUMNS: &str = "set,plot,curve,x,y,low,high";
 
-/// How every version's [`SOFTWARE`] begins.
+/// Beginning of every version's [`SOFTWARE`].
 const ANY_SOFTWARE: &[u8] = b"Burstscope ";
-/// How every version's [`SVG_COMMENT`] begins.
+/// Beginning of every version's [`SVG_COMMENT`].
 const ANY_SVG_COMMENT: &[u8] = b"<!-- Written by Burstscope ";
-/// Bytes that are looked at.
+/// Number of bytes that are read of a file.
 const HEAD: u64 = 4096;
 
-/// Whether this program, of any version, wrote the file at `path`, as far as its start tells. What cannot be read was
-/// written by somebody else.
+/// Whether this program, in any version, wrote the file at `path`, judging by its start; false for a file that cannot
+/// be read.
 pub fn is_ours(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
@@ -44,7 +45,7 @@ fn is_our_start(head: &[u8]) -> bool {
     } else if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|start| starts(*start)) {
         holds(ANY_SOFTWARE)
     } else if starts(b"PK\x03\x04") {
-        // A local header of a ZIP archive has its name at byte 30.
+        // A local header of a ZIP archive has the file's name at byte 30.
         head.get(30..).is_some_and(|name| name.starts_with(b"features.npy"))
     } else if starts(b"<") {
         holds(ANY_SVG_COMMENT)

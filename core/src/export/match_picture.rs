@@ -2,7 +2,7 @@
 //!
 //! Inliers are solid and yellow, other matches dashed and vermilion (of M. Okabe and K. Ito's palette, which
 //! colour-blind readers can tell apart), under the inliers. Each end is a small ring. A match's ends are at (u + ½, v +
-//! ½) of the drawing, because there the first pixel's centre is at (0.5, 0.5).
+//! ½) of the drawing, where the first pixel's centre is at (0.5, 0.5).
 
 use super::error::ExportError;
 use super::png::{Picture, write_png};
@@ -20,25 +20,25 @@ pub struct MatchLine {
     pub inlier: bool,
 }
 
-/// Pixels between the pictures.
+/// Distance between the pictures, pixels.
 pub const PICTURE_GAP_PX: usize = 8;
 /// Colour of inliers.
 pub const INLIER_COLOR: [u8; 3] = [240, 228, 66];
 /// Colour of the other matches.
 pub const OUTLIER_COLOR: [u8; 3] = [213, 94, 0];
-/// Half of a line's width.
+/// Half of a line's width, pixels.
 const HALF_WIDTH_PX: f64 = 0.6;
-/// Radius of the rings at the ends.
+/// Radius of the rings at the ends, pixels.
 const RING_PX: f64 = 2.5;
-/// Length of a dash and of the gap after it.
+/// Length of a dash and of the gap after it, pixels.
 const DASH_PX: (f64, f64) = (7.0, 5.0);
 const BACKGROUND: [u8; 3] = [32, 32, 32];
 
-/// Writes the picture: A on the left, B on the right. Lines that lie nowhere (a number that is not finite, or beyond
-/// 10⁶) are left out.
+/// Writes the picture: A on the left, B on the right. Lines with invalid numbers (not finite, or beyond 10⁶) are left
+/// out.
 ///
 /// # Errors
-/// [`ExportError`] when a picture has no pixels or the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when a picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_match_picture(
     path: &Path,
     a: Picture<'_>,
@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(image.get_pixel(1, 1).0, [0; 3]);
         assert_eq!(image.get_pixel(90, 18).0, [90; 3]);
         assert_eq!(image.get_pixel(90, 28).0, BACKGROUND, "below the lower picture");
-        // The inlier is drawn all along its row; the other one has gaps.
+        // The inlier is drawn along its whole row; the other one has gaps.
         let along = |v: u32, color: [u8; 3]| (13..65).filter(|u| image.get_pixel(*u, v).0 == color).count();
         assert_eq!(along(5, INLIER_COLOR), 52);
         assert!((20..40).contains(&along(12, OUTLIER_COLOR)), "{}", along(12, OUTLIER_COLOR));

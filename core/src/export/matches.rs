@@ -1,15 +1,15 @@
-//! Matches of two images as CSV: a header line, then one line a match.
+//! Matches of two images as CSV: a header line, then one line for each match.
 //!
-//! `a` and `b` count the features of each image from 0, in the order of its feature file. `error_px` is the distance
-//! from the geometry that the matches agree on, `inf` where they agree on none; `inlier` is 1 or 0. Where no geometry
-//! was asked for both are `nan`, so that every cell is a number.
+//! `a` and `b` are the indices of the features in each image, from 0, in the order of its feature file. `error_px` is
+//! the distance from the geometry that the matches agree on, `inf` where they agree on none; `inlier` is 1 or 0. Where
+//! no geometry was requested both are `nan`, so that every cell is a number.
 
 use super::atomic::write_whole;
 use super::error::ExportError;
 use std::io::Write;
 use std::path::Path;
 
-/// One match, as the table has it.
+/// Row of the table of matches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchRow {
     /// Indices of the features in images A and B.
@@ -22,22 +22,22 @@ pub struct MatchRow {
     pub distance: f32,
     /// Ratio of the distances to the nearest and the second nearest.
     pub ratio: f32,
-    /// Error in pixels and whether it is an inlier; `None` where no geometry was asked for.
+    /// Error in pixels and whether it is an inlier; `None` where no geometry was requested.
     pub verified: Option<(f32, bool)>,
 }
 
-/// The names of the columns, in order.
+/// Names of the columns, in order.
 pub const MATCH_COLUMNS: [&str; 10] = ["a", "b", "u_a", "v_a", "u_b", "v_b", "distance", "ratio", "error_px", "inlier"];
 
 /// Writes the matches as CSV.
 ///
 /// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), ExportError> {
     write_whole(path, |out| {
         writeln!(out, "{}", MATCH_COLUMNS.join(","))?;
         for MatchRow { features, a, b, distance, ratio, verified } in matches {
-            // By way of f32: the places are those of the feature files.
+            // As f32, since the positions are those of the feature files.
             let [u_a, v_a, u_b, v_b] = [a[0], a[1], b[0], b[1]].map(|x| x as f32);
             write!(out, "{},{},{u_a},{v_a},{u_b},{v_b},{distance},{ratio},", features[0], features[1])?;
             match verified {

@@ -1,9 +1,9 @@
-//! What leaves the program: one file of code for each file format.
+//! Export: one source file for each file format.
 //!
-//! Features go out as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as `.npz`;
-//! pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay or on a
-//! [`sheet`] with axes; matches as CSV and as a picture of both images. Every file is written whole or not at all, see
-//! [`write_whole`]; which files may be replaced is decided by [`OutputRules`].
+//! Features are written as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as
+//! `.npz`; pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay or on a
+//! [`sheet`] with axes; matches as CSV and as a picture of both images. Every file is written completely or not at all,
+//! see [`write_whole`]; [`OutputRules`] decides which files may be replaced.
 
 mod atomic;
 mod base64;

@@ -10,13 +10,13 @@ use ndarray_npy::NpzWriter;
 use std::io;
 use std::path::Path;
 
-/// Writes features and descriptors. Both arrays are there, with no rows, when nothing was found.
+/// Writes features and descriptors. Without features both arrays are written with no rows.
 ///
 /// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 ///
 /// # Panics
-/// When there is not one descriptor for each feature: a mistake of the caller.
+/// When the numbers of features and descriptors differ: a mistake of the caller.
 pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
     assert_eq!(features.len(), descriptors.len(), "each feature has one descriptor");
     let rows: Vec<f32> = features.iter().flat_map(|f| FeatureRow::from(f).values()).collect();

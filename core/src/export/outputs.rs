@@ -1,8 +1,8 @@
-//! What a run may write over: never a file that it was opened with, and what others wrote only when it is told to.
+//! Rules for overwriting files: never a file that was opened, and files of others only with `--force`.
 //!
-//! A file that is there is looked at before the work begins, so that nobody waits for a refusal, and again before it is
-//! written. Whether it is one of the inputs is decided by what the system says of both: the names by which a file was
-//! opened may be relative, lead through links, or be one of several of the same file.
+//! An existing file is checked before the work begins, so that a refusal comes early, and again before it is written.
+//! Whether it is one of the inputs is decided by the system's data about both: the names by which a file was opened may
+//! be relative, lead through links, or be one of several of the same file.
 
 use super::atomic::is_of_system;
 use super::error::ExportError;
@@ -11,32 +11,32 @@ use std::collections::HashSet;
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
-/// Whether files may be replaced that Burstscope did not write.
+/// Whether files that Burstscope did not write may be replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Overwrite {
-    /// Only what Burstscope wrote is replaced. Links stay.
+    /// Only files that Burstscope wrote are replaced. Links stay.
     #[default]
     Refuse,
-    /// Any file is replaced, and a link by the file; what it leads to stays.
+    /// Any file is replaced, and a link by the file; the link's target stays.
     Force,
 }
 
 /// Files that were opened, or will be.
 #[derive(Debug, Clone, Default)]
 pub struct Inputs {
-    /// The names in their folders, without links in the folders.
+    /// Names in their folders, without links in the folders.
     places: HashSet<PathBuf>,
-    /// What the names lead to.
+    /// Files that the names lead to.
     targets: HashSet<Identity>,
 }
 
-/// What makes two names those of the same file.
+/// Identity of a file: equal for two names of the same file.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Identity {
-    /// Device and number of the file.
+    /// Device and inode number of the file.
     #[cfg(unix)]
     Number(u64, u64),
-    /// The name without links.
+    /// Name without links.
     #[cfg(not(unix))]
     Path(PathBuf),
 }
@@ -55,10 +55,10 @@ impl Identity {
 }
 
 impl Inputs {
-    /// These files. A name that leads nowhere is left out.
+    /// The inputs `files`. A name of a missing file is left out.
     pub fn of(files: impl IntoIterator<Item = PathBuf>) -> Self {
         let mut inputs = Self::default();
-        // Frames lie together: each folder is looked up once.
+        // Frames usually lie in one folder: consecutive files of a folder share its look-up.
         let mut last: Option<(PathBuf, PathBuf)> = None;
         for file in files {
             let Some((folder, name)) = parted(&file) else { continue };
@@ -71,17 +71,17 @@ impl Inputs {
         inputs
     }
 
-    /// Whether `path`, about which the system says `metadata` without following a link, is one of them.
+    /// Whether `path`, whose `metadata` the system gave without following a link, is one of the inputs.
     fn hold(&self, path: &Path, metadata: &Metadata) -> bool {
         let by_name = parted(path)
             .and_then(|(folder, name)| Some(std::fs::canonicalize(folder).ok()?.join(name)))
             .is_some_and(|place| self.places.contains(&place));
-        // A link that leads to an input is no input: to replace it takes nothing away.
+        // A link to an input is no input: replacing it loses nothing.
         let by_target = || Identity::of(path, metadata).is_some_and(|identity| self.targets.contains(&identity));
         by_name || (!metadata.is_symlink() && by_target())
     }
 
-    /// Whether one of them lies in `folder`, or below it.
+    /// Whether an input lies in `folder`, or below it.
     fn any_below(&self, folder: &Path) -> bool {
         let Ok(folder) = std::fs::canonicalize(folder) else { return false };
         self.places.iter().any(|place| place.starts_with(&folder))
@@ -94,7 +94,7 @@ fn parted(path: &Path) -> Option<(&Path, &std::ffi::OsStr)> {
     Some((folder, path.file_name()?))
 }
 
-/// What a run may write over.
+/// Rules for overwriting files.
 #[derive(Debug, Clone, Default)]
 pub struct OutputRules {
     inputs: Inputs,
@@ -102,12 +102,12 @@ pub struct OutputRules {
 }
 
 impl OutputRules {
-    /// For a run that opens `inputs`.
+    /// Rules for a run that opens `inputs`.
     pub fn new(inputs: Inputs, overwrite: Overwrite) -> Self {
         Self { inputs, overwrite }
     }
 
-    /// The same for a run that has opened these files too.
+    /// These rules for a run that has also opened `files`.
     pub fn and_opened(mut self, files: impl IntoIterator<Item = PathBuf>) -> Self {
         let Inputs { places, targets } = Inputs::of(files);
         self.inputs.places.extend(places);
@@ -115,20 +115,21 @@ impl OutputRules {
         self
     }
 
-    /// Whether the file `path` may be written. An empty file counts as none.
+    /// Checks whether the file `path` may be written. An empty file counts as missing.
     ///
     /// # Errors
-    /// [`ExportError::Input`] for a file that was opened, whatever else holds; [`ExportError::NotAFile`] for a folder or
-    /// a device; without [`Overwrite::Force`] [`ExportError::Link`] for a link and [`ExportError::Foreign`] for what
-    /// somebody else wrote.
+    /// [`ExportError::Input`] for a file that was opened, in any case; [`ExportError::NotAFile`] for a folder or a
+    /// device; without [`Overwrite::Force`] [`ExportError::Link`] for a link and [`ExportError::Foreign`] for a file
+    /// that Burstscope did not write.
     pub fn check(&self, path: &Path) -> Result<(), ExportError> {
         self.check_if(path, |metadata| metadata.len() == 0 || is_ours(path))
     }
 
-    /// The same in a folder that is known to be this program's own: every file there may be replaced.
+    /// Checks whether `path` may be written in a folder known to be this program's own: every file there may be
+    /// replaced.
     ///
     /// # Errors
-    /// As [`Self::check`], but for [`ExportError::Foreign`].
+    /// As [`Self::check`], except for [`ExportError::Foreign`].
     pub fn check_own(&self, path: &Path) -> Result<(), ExportError> {
         self.check_if(path, |_| true)
     }
@@ -146,10 +147,10 @@ impl OutputRules {
         Err(refused)
     }
 
-    /// Whether `folder` may be replaced as a whole, as far as what was opened is concerned.
+    /// Checks that `folder` may be replaced as a whole with respect to opened files.
     ///
     /// # Errors
-    /// [`ExportError::Input`] when a file was opened that lies in it.
+    /// [`ExportError::Input`] when an opened file lies in it.
     pub fn check_folder(&self, folder: &Path) -> Result<(), ExportError> {
         if self.inputs.any_below(folder) { Err(ExportError::Input { path: folder.into() }) } else { Ok(()) }
     }
@@ -226,7 +227,7 @@ mod tests {
                 assert_eq!(rules.check(&at(name)), if is_refused { link } else { Ok(()) }, "{name}");
             }
         }
-        // A link that is a frame itself is a frame.
+        // A link that was opened as a frame counts as a frame.
         let of_links = rules(&[at("to_frame.png")], Overwrite::Force);
         assert!(matches!(of_links.check(&at("to_frame.png")), Err(ExportError::Input { .. })));
         assert!(matches!(of_links.check(&at("night/f0.png")), Err(ExportError::Input { .. })));

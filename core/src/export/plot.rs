@@ -1,31 +1,30 @@
-//! Lines over axes on a [`Sheet`]: curves with their spread, and a legend.
+//! Plots on a [`Sheet`]: lines over axes with their spread, and a legend.
 
 use super::sheet::{Anchor, Area, GRID, INK, Sheet};
 
 /// A line of a plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What the legend calls it.
+    /// Label in the legend.
     pub label: String,
-    /// Its colour, as SVG writes it.
+    /// Colour, in SVG's form.
     pub colour: &'static str,
-    /// Its dashes, as SVG writes them; empty for a solid line.
+    /// Dashes, in SVG's form; empty for a solid line.
     pub dashes: &'static str,
-    /// Its width, pixels.
+    /// Width, pixels.
     pub width: f64,
-    /// Where it goes: x, y, and how far the value may be off to either side, if that is known. Points that are not
-    /// finite break the line.
+    /// Points: x, y, and the spread of the value to either side, if known. Points that are not finite break the line.
     pub points: Vec<(f64, f64, Option<f64>)>,
 }
 
 /// Axes and the lines over them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot<'a> {
-    /// Above the plot.
+    /// Title above the plot.
     pub title: &'a str,
-    /// Under the horizontal axis.
+    /// Label of the horizontal axis.
     pub label_x: &'a str,
-    /// Beside the vertical axis.
+    /// Label of the vertical axis.
     pub label_y: &'a str,
     /// Values at the left and the right end.
     pub range_x: (f64, f64),
@@ -33,18 +32,18 @@ pub struct Plot<'a> {
     pub range_y: (f64, f64),
     /// Whether each point is marked.
     pub has_dots: bool,
-    /// The lines, the first at the bottom.
+    /// Lines, the first at the bottom.
     pub series: &'a [Series],
 }
 
-/// From 0 to a little above the largest finite value that the points reach with their spread; at least 1.
+/// Range from 0 to a little above the largest finite value of the points with their spread; at least 1.
 pub fn range_from_zero(series: &[Series]) -> (f64, f64) {
     let tops = series.iter().flat_map(|s| &s.points).map(|&(_, y, spread)| y + spread.unwrap_or(0.0));
     (0.0, 1.06 * tops.filter(|y| y.is_finite()).fold(1.0, f64::max))
 }
 
 impl Sheet {
-    /// Draws a plot into `area`; its labels stand around it: 60 px to the left, 40 px below, 12 px above.
+    /// Draws a plot into `area`; its labels need space around it: 60 px to the left, 40 px below, 12 px above.
     pub fn plot(&mut self, area: Area, plot: &Plot<'_>) {
         let part = |value: f64, range: (f64, f64)| (value - range.0) / (range.1 - range.0);
         let x_of = |x: f64| area.x + part(x, plot.range_x) * area.width;
@@ -85,12 +84,12 @@ impl Sheet {
         self.line(bottom, (area.right(), area.bottom()), INK, "");
     }
 
-    /// The lines and their names in a row from `at`, in as many rows as `width` needs; answers where the next row would
-    /// stand.
+    /// Draws the lines with their names in a row from `at`, in as many rows as `width` requires; returns the position
+    /// of the next row.
     pub fn legend(&mut self, at: (f64, f64), width: f64, series: &[Series]) -> f64 {
         let (mut x, mut y) = at;
         for Series { label, colour, dashes, width: stroke, .. } in series {
-            // About 6.3 px a letter at this size.
+            // About 6.3 px for each letter at this size.
             let needed = 42.0 + 6.3 * label.chars().count() as f64 + 20.0;
             if x > at.0 && x + needed > at.0 + width {
                 (x, y) = (at.0, y + 20.0);

@@ -1,4 +1,4 @@
-//! A picture of 8 bit RGB or RGBA, as shown in the window, as PNG.
+//! PNG files of 8-bit RGB or RGBA pictures, as shown in the window.
 
 use super::atomic::write_whole;
 use super::error::ExportError;
@@ -7,7 +7,7 @@ use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Pixels of 8 bit in memory, row by row.
+/// 8-bit pixels in memory, row by row.
 #[derive(Debug, Clone, Copy)]
 pub struct Picture<'a> {
     width: usize,
@@ -17,19 +17,19 @@ pub struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// Three bytes a pixel: red, green, blue.
+    /// A picture of three bytes for each pixel: red, green, blue.
     ///
     /// # Panics
-    /// When `pixels` are not `width × height × 3`: a mistake of the caller.
+    /// When `pixels` does not hold `width × height × 3` bytes: a mistake of the caller.
     pub fn rgb(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 3, "three bytes for each pixel");
         Self { width, height, has_alpha: false, pixels }
     }
 
-    /// Four bytes a pixel: red, green, blue and (straight, not premultiplied) alpha.
+    /// A picture of four bytes for each pixel: red, green, blue and (straight, not premultiplied) alpha.
     ///
     /// # Panics
-    /// When `pixels` are not `width × height × 4`: a mistake of the caller.
+    /// When `pixels` does not hold `width × height × 4` bytes: a mistake of the caller.
     pub fn rgba(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 4, "four bytes for each pixel");
         Self { width, height, has_alpha: true, pixels }
@@ -48,7 +48,7 @@ impl<'a> Picture<'a> {
 
     /// Fails when PNG cannot hold the size.
     pub(super) fn check_size(&self, path: &Path) -> Result<(), ExportError> {
-        // PNG's own limit is 2³¹ − 1 a side.
+        // PNG's own limit is 2³¹ − 1 for each side.
         let fits = |side: usize| (1..=i32::MAX as usize).contains(&side);
         if fits(self.width) && fits(self.height) {
             return Ok(());
@@ -56,7 +56,7 @@ impl<'a> Picture<'a> {
         Err(ExportError::Size { path: path.into(), width: self.width, height: self.height, format: "PNG" })
     }
 
-    /// Encodes the picture, and who wrote it; its size has been checked.
+    /// Encodes the picture and the program's name; its size has been checked.
     pub(super) fn encode_png(&self, out: impl Write) -> io::Result<()> {
         let failed = |error: EncodingError| match error {
             EncodingError::IoError(error) => error,
@@ -77,7 +77,7 @@ impl<'a> Picture<'a> {
 /// Writes the picture as PNG.
 ///
 /// # Errors
-/// [`ExportError`] when the picture has no pixels or the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when the picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<(), ExportError> {
     picture.check_size(path)?;
     write_whole(path, |out| picture.encode_png(out))

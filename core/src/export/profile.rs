@@ -6,22 +6,22 @@ use crate::plane::profile::ProfileSample;
 use std::io::Write;
 use std::path::Path;
 
-/// The columns of the file.
+/// Columns of the file.
 pub const PROFILE_COLUMNS: &str = "picture,distance_px,u,v,value";
 
-/// The profile of one picture.
+/// Profile of one picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureProfile {
-    /// What the picture shows; commas and quotes are allowed.
+    /// Name of the picture; commas and quotes are allowed.
     pub picture: String,
-    /// Its samples; places in pixels of the input image, values as fractions of full scale.
+    /// Samples; positions in pixels of the input image, values as fractions of full scale.
     pub samples: Vec<ProfileSample>,
 }
 
-/// Writes the profiles, one after the other. A sample beside its picture has an empty value.
+/// Writes the profiles, one after the other. A sample outside its picture has an empty value.
 ///
 /// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 pub fn write_profiles_csv(path: &Path, profiles: &[PictureProfile]) -> Result<(), ExportError> {
     write_whole(path, |out| {
         writeln!(out, "{PROFILE_COLUMNS}")?;

@@ -1,4 +1,4 @@
-//! The sheet that a figure is drawn on: lines, text, pictures, and axes with round ticks.
+//! The sheet on which a figure is drawn: lines, text, pictures, and axes with round ticks.
 
 use super::base64::picture_as_data_url;
 use super::mark::SVG_COMMENT;
@@ -6,19 +6,19 @@ use crate::plane::Plane;
 use crate::plane::display::Display;
 use std::fmt::Write;
 
-/// Letters and axes.
+/// Colour of letters and axes.
 pub const INK: &str = "#24292f";
-/// What matters less.
+/// Colour of less important parts.
 pub const FAINT: &str = "#8c959f";
-/// Lines behind curves.
+/// Colour of lines behind curves.
 pub const GRID: &str = "#e4e8ec";
-/// Okabe and Ito's blue; with [`RED`] and [`GREEN`] it is of a palette that colour-blind readers can tell apart.
+/// Okabe and Ito's blue; [`RED`] and [`GREEN`] are of the same palette, which colour-blind readers can tell apart.
 pub const BLUE: &str = "#0072b2";
 /// Okabe and Ito's vermilion.
 pub const RED: &str = "#d55e00";
 /// Okabe and Ito's green, darker.
 pub const GREEN: &str = "#007a58";
-/// Width of a letter over the size of the font, about.
+/// Approximate width of a letter over the size of the font.
 const LETTER: f64 = 0.52;
 
 /// A rectangle of the sheet, pixels.
@@ -28,9 +28,9 @@ pub struct Area {
     pub x: f64,
     /// Upper side.
     pub y: f64,
-    /// From left to right.
+    /// Width.
     pub width: f64,
-    /// From top to bottom.
+    /// Height.
     pub height: f64,
 }
 
@@ -46,34 +46,34 @@ impl Area {
     }
 }
 
-/// How a text stands to its place.
+/// Alignment of a text to its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
-    /// It begins there.
+    /// The text begins there.
     Start,
-    /// Its middle is there.
+    /// The text's middle is there.
     Middle,
-    /// It ends there.
+    /// The text ends there.
     End,
 }
 
-/// An SVG that is being drawn. Lengths are pixels.
+/// SVG document under construction. Lengths are pixels.
 #[derive(Debug)]
 pub struct Sheet {
     body: String,
     width: f64,
     title: String,
-    /// How many clipping rectangles there are.
+    /// Number of clipping rectangles.
     clips: usize,
 }
 
 impl Sheet {
-    /// An empty sheet; programs that read it aloud call it `title`.
+    /// Creates an empty sheet; screen readers use `title`.
     pub fn new(width: f64, title: &str) -> Self {
         Self { body: String::new(), width, title: title.to_owned(), clips: 0 }
     }
 
-    /// The document, `height` high.
+    /// Finishes the document, `height` high.
     pub fn finish(self, height: f64) -> String {
         let Self { body, width, title, .. } = self;
         format!(
@@ -84,12 +84,12 @@ impl Sheet {
         )
     }
 
-    /// A line of text of `size` pixels.
+    /// Draws a line of text of `size` pixels.
     pub fn text(&mut self, (x, y): (f64, f64), size: f64, anchor: Anchor, text: &str) {
         self.styled_text((x, y), size, anchor, "", text);
     }
 
-    /// The same with more attributes, such as a colour.
+    /// Draws a line of text with more attributes, such as a colour.
     pub fn styled_text(&mut self, (x, y): (f64, f64), size: f64, anchor: Anchor, style: &str, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
@@ -102,7 +102,7 @@ impl Sheet {
         ));
     }
 
-    /// Text in lines of at most `width` pixels; answers where the next line would stand.
+    /// Draws text in lines of at most `width` pixels; returns the position of the next line.
     pub fn paragraph(&mut self, (x, y): (f64, f64), size: f64, width: f64, text: &str) -> f64 {
         let letters = (width / (LETTER * size)).max(8.0) as usize;
         let (mut line, mut y) = (String::new(), y);
@@ -121,25 +121,25 @@ impl Sheet {
         y + 1.35 * size
     }
 
-    /// A straight line.
+    /// Draws a straight line.
     pub fn line(&mut self, (x1, y1): (f64, f64), (x2, y2): (f64, f64), colour: &str, style: &str) {
         self.put(format_args!(
             r#"<line x1="{x1:.1}" y1="{y1:.1}" x2="{x2:.1}" y2="{y2:.1}" stroke="{colour}" {style}/>"#
         ));
     }
 
-    /// A rectangle, filled and outlined as `style` says.
+    /// Draws a rectangle, filled and outlined by `style`.
     pub fn rectangle(&mut self, area: Area, style: &str) {
         let Area { x, y, width, height } = area;
         self.put(format_args!(r#"<rect x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" {style}/>"#));
     }
 
-    /// A circle, filled and outlined as `style` says.
+    /// Draws a circle, filled and outlined by `style`.
     pub fn circle(&mut self, (x, y): (f64, f64), radius: f64, style: &str) {
         self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius:.1}" {style}/>"#));
     }
 
-    /// A line through points, with breaks where a point is `None`.
+    /// Draws a line through points, with breaks where a point is `None`.
     pub fn polyline(&mut self, points: impl IntoIterator<Item = Option<(f64, f64)>>, style: &str) {
         let mut path = String::new();
         let mut is_down = false;
@@ -156,7 +156,7 @@ impl Sheet {
         self.put(format_args!(r#"<path d="{path}" fill="none" {style}/>"#));
     }
 
-    /// A plane as a picture that fills `area`; pixels stay sharp.
+    /// Draws a plane as a picture that fills `area`; pixels stay sharp.
     pub fn picture(&mut self, area: Area, plane: &Plane, display: &Display) {
         let colours = display.colours();
         let pixels: Vec<u8> = plane.data().iter().flat_map(|&x| colours.colour(x)).collect();
@@ -167,7 +167,7 @@ impl Sheet {
         ));
     }
 
-    /// What `draw` draws, of which only what lies in `area` is seen.
+    /// Draws the shapes of `draw`, clipped to `area`.
     pub fn clipped(&mut self, area: Area, draw: impl FnOnce(&mut Self)) {
         self.clips += 1;
         let (id, Area { x, y, width, height }) = (self.clips, area);
@@ -178,7 +178,7 @@ impl Sheet {
         self.put(format_args!("</g>"));
     }
 
-    /// Ticks and labels under an area, for values from `range.0` at its left to `range.1` at its right.
+    /// Draws ticks and labels under an area, for values from `range.0` at its left to `range.1` at its right.
     pub fn axis_below(&mut self, area: Area, range: (f64, f64), label: &str) {
         for tick in ticks(range) {
             let x = area.x + (tick - range.0) / (range.1 - range.0) * area.width;
@@ -188,7 +188,7 @@ impl Sheet {
         self.text((area.x + 0.5 * area.width, area.bottom() + 32.0), 12.0, Anchor::Middle, label);
     }
 
-    /// Ticks and labels left of an area, for values from `range.0` at its bottom to `range.1` at its top.
+    /// Draws ticks and labels left of an area, for values from `range.0` at its bottom to `range.1` at its top.
     pub fn axis_left(&mut self, area: Area, range: (f64, f64), label: &str) {
         for tick in ticks(range) {
             let y = area.bottom() - (tick - range.0) / (range.1 - range.0) * area.height;
@@ -198,7 +198,7 @@ impl Sheet {
         self.label_left(area, label);
     }
 
-    /// The name of a vertical axis.
+    /// Draws the label of a vertical axis.
     pub fn label_left(&mut self, area: Area, label: &str) {
         let (x, y) = (area.x - 50.0, area.y + 0.5 * area.height);
         self.put(format_args!(
@@ -226,14 +226,14 @@ pub fn ticks((min, max): (f64, f64)) -> Vec<f64> {
     (first..).map(|i| i as f64 * step).take_while(|tick| *tick <= max + 1e-9 * step).take(12).collect()
 }
 
-/// A tick's number.
+/// The number at a tick, as text.
 pub fn short(x: f64) -> String {
     let text = if x != 0.0 && x.abs() < 1e-3 { format!("{x:.0e}") } else { format!("{x:.4}") };
     let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if short == "-0" { "0".to_owned() } else { short.replace('-', "−") }
 }
 
-/// Documents of this module under one another, as one.
+/// Stacks documents of this module under one another, as one.
 pub fn stacked(title: &str, documents: &[String]) -> String {
     let length = |document: &str, name: &str| -> f64 {
         let start = document.find(&format!(" {name}=\"")).map_or(0, |at| at + name.len() + 3);
@@ -243,7 +243,7 @@ pub fn stacked(title: &str, documents: &[String]) -> String {
     let mut sheet = Sheet::new(width, title);
     let mut y = 0.0;
     for (index, document) in documents.iter().enumerate() {
-        // An SVG within an SVG has a place of its own, but no names of its own.
+        // An SVG within an SVG has its own position, but shares the names.
         let inner = document.trim_end().replacen("<svg ", &format!(r#"<svg y="{y:.0}" "#), 1);
         let inner = inner.replace(r#"id="clip"#, &format!(r#"id="part{index}-clip"#));
         let inner = inner.replace("url(#clip", &format!("url(#part{index}-clip"));
@@ -253,7 +253,7 @@ pub fn stacked(title: &str, documents: &[String]) -> String {
     sheet.finish(y)
 }
 
-/// Text for XML and HTML.
+/// Escapes text for XML and HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

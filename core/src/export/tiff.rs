@@ -1,4 +1,4 @@
-//! A plane as a TIFF of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy.
+//! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy.
 
 use super::atomic::write_whole;
 use super::error::ExportError;
@@ -10,13 +10,14 @@ use tiff::TiffResult;
 use tiff::encoder::{TiffEncoder, TiffKind, colortype::Gray32Float};
 use tiff::tags::Tag;
 
-/// Planes of more bytes become BigTIFF, because the offsets of a plain TIFF end at 4 GiB.
+/// Maximum size of a plain TIFF's values; larger planes become BigTIFF, because the offsets of a plain TIFF end at 4
+/// GiB.
 const LARGEST_PLAIN_BYTES: usize = 0xf000_0000;
 
-/// Writes the plane's values as they are.
+/// Writes the plane's values unchanged.
 ///
 /// # Errors
-/// [`ExportError`] when the plane has no pixels or the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when the plane has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), ExportError> {
     let (width, height) = plane.size();
     let unfit = || ExportError::Size { path: path.into(), width, height, format: "TIFF" };
@@ -36,7 +37,7 @@ pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), ExportError> {
     })
 }
 
-/// The page, and who wrote it.
+/// Writes the page and the program's name.
 fn write_page<K: TiffKind>(
     mut encoder: TiffEncoder<impl Write + Seek, K>,
     (columns, rows): (u32, u32),

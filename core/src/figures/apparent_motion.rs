@@ -1,7 +1,7 @@
-//! Fig. 2: features followed through a burst, frame by frame, and the straight lines that they nearly go along.
+//! Fig. 2: features tracked through a burst, frame by frame, and the straight lines that approximate their motion.
 //!
-//! The burst is in good light, and each frame is searched by itself: nothing of the burst search, which takes motion
-//! for uniform, takes part in the measurement.
+//! The burst is in good light, and each frame is searched by itself: the measurement does not use the burst search,
+//! which assumes uniform motion.
 
 use super::drawing::Panel;
 use super::record::Pieces;
@@ -20,19 +20,19 @@ use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;
 const GAP: f64 = 14.0;
-/// Okabe and Ito's yellow, to be seen on grey.
+/// Okabe and Ito's yellow, visible on grey.
 const TRACK: &str = "#f0e442";
 const FITTED: &str = "#56b4e9";
-/// Drawn at most, evenly over the picture.
+/// Maximum number of tracks drawn, evenly over the picture.
 const MOST_DRAWN: usize = 150;
 
-/// The bursts.
+/// Parameters of the bursts and of their search.
 #[derive(Debug)]
 pub(super) struct ApparentMotion {
-    /// Forward, and sideways.
+    /// Trajectories forward and sideways.
     ways: [TrajectoryParams; 2],
     burst: usize,
-    /// How far a feature may go from one frame to the next, as a multiple of the largest apparent motion.
+    /// Largest step of a feature from one frame to the next, as a multiple of the largest apparent motion.
     reach: f64,
     detector: DetectorParams,
     matching: MatchParams,
@@ -59,15 +59,15 @@ impl ApparentMotion {
     }
 }
 
-/// A feature in every frame of a burst.
+/// Track of a feature through every frame of a burst.
 #[derive(Debug, Clone, PartialEq)]
 struct Track {
-    /// (u, v) in each frame.
+    /// Positions (u, v) in each frame.
     places: Vec<[f64; 2]>,
-    /// (u, v) at mid-burst and per frame, of the uniform motion that fits best.
+    /// Position (u, v) at mid-burst and slope of the best-fitting uniform motion.
     place: [f64; 2],
     slope: [f64; 2],
-    /// Root mean square distance of the places from it, pixels.
+    /// Root mean square distance of the positions from that motion, pixels.
     deviation_px: f64,
 }
 
@@ -87,7 +87,7 @@ impl Track {
         Self { places, place, slope, deviation_px }
     }
 
-    /// Where the uniform motion begins and ends.
+    /// The start and the end of the uniform motion.
     fn ends(&self) -> [[f64; 2]; 2] {
         let half = (self.places.len() as f64 - 1.0) / 2.0;
         [-half, half].map(|t| [0, 1].map(|axis| self.place[axis] + t * self.slope[axis]))
@@ -95,7 +95,7 @@ impl Track {
 }
 
 impl ApparentMotion {
-    /// Features that are found in every frame and linked from each to the next.
+    /// Tracks of features that are found in every frame and linked from each to the next.
     fn tracks(&self, burst: &Burst, max_step: f64, monitor: &Monitor) -> Result<Vec<Track>, FiguresError> {
         let found: Vec<Detection> = (0..burst.len())
             .map(|t| {

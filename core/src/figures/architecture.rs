@@ -1,4 +1,4 @@
-//! Fig. 3: the way from frames to features, as pictures of the detector's own intermediate results.
+//! Fig. 3: the steps from frames to features, with pictures of the detector's own intermediate results.
 
 use super::drawing::{Panel, stretched};
 use super::record::Pieces;
@@ -15,21 +15,21 @@ use crate::synth::demo_burst;
 use std::fmt::Write;
 
 const WIDTH: f64 = 1240.0;
-/// Width of a small picture on the sheet, and from one column to the next.
+/// Width of a small picture on the sheet, and distance of the columns.
 const SMALL: f64 = 144.0;
 const STEP: f64 = 194.0;
 const TOP: f64 = 92.0;
 const HEIGHT: f64 = 486.0;
 
-/// The search of the demo burst.
+/// Search of the demo burst.
 #[derive(Debug)]
 pub(super) struct Architecture {
     detector: DetectorParams,
-    /// The slopes whose motion-stack images are shown, indices of the grid.
+    /// Slopes whose motion-stack images are shown, as indices of the grid.
     shown: [usize; 3],
-    /// The octave whose differences of Gaussians are shown.
+    /// Octave whose differences of Gaussians are shown.
     octave: i32,
-    /// The levels that are shown.
+    /// Levels that are shown.
     levels: [i32; 3],
 }
 
@@ -45,11 +45,11 @@ impl Architecture {
     }
 }
 
-/// D at one place, over slope (to the right) and scale (downwards, from fine to coarse).
+/// D at one position, over slope (to the right) and scale (downwards, from fine to coarse).
 struct Response {
     /// Slopes, px/frame.
     slopes: Vec<f32>,
-    /// (octave, level).
+    /// Scales as (octave, level).
     scales: Vec<(i32, i32)>,
     values: Plane,
 }
@@ -62,7 +62,7 @@ impl MakeFigure for Architecture {
         monitor.report(Stage::Evaluate, 0.4);
         let grid = self.detector.slopes;
         let slope_of = |index: usize| Slope::new(grid.u.value(index as f32), 0.0);
-        // A bright one of middling size that moves, not at the rim of the range.
+        // A bright feature of medium size that moves, not at the rim of the range.
         let is_middling = |f: &&Feature| f.octave == self.octave && !f.at_slope_limit && f.slope.u.abs() > 1.0;
         let subject = detection.features.iter().find(is_middling).or(detection.features.first()).copied();
         let Some(subject) = subject else {
@@ -139,7 +139,7 @@ impl MakeFigure for Architecture {
 }
 
 impl Architecture {
-    /// Three pictures under one another, each with a line of text.
+    /// Draws three pictures under one another, each with a line of text.
     fn column(
         &self,
         sheet: &mut Sheet,
@@ -148,14 +148,14 @@ impl Architecture {
     ) {
         let mut y = TOP + 16.0;
         for (text, plane, display) in pictures {
-            // So small a picture needs no more than every other pixel; a mean of them would hide the noise.
+            // At this size every other pixel is enough; a mean of them would hide the noise.
             let half = Plane::from_fn(plane.width() / 2, plane.height() / 2, |u, v| plane.at(2 * u, 2 * v));
             let panel = Panel::draw(sheet, (x, y), SMALL, &half, &display, &text);
             y = panel.area.bottom() + 20.0;
         }
     }
 
-    /// D at the place of `feature`, wherever its slope would carry it: at mid-burst it is there for all slopes.
+    /// D at the position of `feature`, which at mid-burst is the same for all slopes.
     fn response(
         &self,
         burst: &crate::burst::Burst,

@@ -1,4 +1,4 @@
-//! Figs. 5 and 6: curves over many charts, as [`crate::evaluate`] measures and draws them.
+//! Figs. 5 and 6: curves over many charts, measured and drawn by [`crate::evaluate`].
 
 use super::record::Pieces;
 use super::{FigureSize, FiguresError, Made, MakeFigure};
@@ -12,7 +12,7 @@ use crate::monitor::Monitor;
 use crate::synth::{ChartParams, Motion};
 use std::fmt::Write;
 
-/// Charts of the size.
+/// A study of charts of this size.
 fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     let small =
         ChartParams { width: 260, height: 200, discs: 9, radius: 3.6..=12.0, max_slope: 2.0, ..ChartParams::default() };
@@ -28,7 +28,7 @@ fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     ChartStudy { snrs, detector, seeds: size.pick(3, 1), ..size.pick(full, quick) }
 }
 
-/// Discs found against false features, motion in one dimension and in two.
+/// Discs found against false features, for motion in one dimension and in two.
 #[derive(Debug)]
 pub(super) struct RocFigure {
     studies: [ChartStudy; 2],
@@ -85,7 +85,7 @@ fn counts(report: &ChartReport) -> String {
     )
 }
 
-/// The effect of the number of frames.
+/// Discs found over the number of frames.
 #[derive(Debug)]
 pub(super) struct FramesFigure {
     study: FramesStudy,

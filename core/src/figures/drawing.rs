@@ -1,4 +1,4 @@
-//! Pictures on a figure's sheet, and marks at places of the picture.
+//! Pictures on a figure's sheet, and marks on them.
 
 use crate::detector::Feature;
 use crate::export::sheet::{Anchor, Area, Sheet};
@@ -6,19 +6,19 @@ use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::plane::statistics::{Region, percentiles};
 
-/// What is right, or found.
+/// Colour of right or found features.
 pub(super) const RIGHT: &str = "#4fa3ff";
-/// What is wrong, or false.
+/// Colour of wrong or false features.
 pub(super) const WRONG: &str = "#ff8c1a";
 
-/// A picture on the sheet.
+/// Picture on the sheet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Panel {
-    /// Where it is.
+    /// Area of the picture on the sheet.
     pub area: Area,
     /// Sheet pixels for each image pixel.
     pub scale: f64,
-    /// The image pixel at the left top, (u, v).
+    /// Image pixel at the left top, (u, v).
     origin: [usize; 2],
 }
 
@@ -28,7 +28,7 @@ impl Panel {
         Self::draw_part(sheet, at, width, (plane, [0, 0], plane.size()), display, title)
     }
 
-    /// Draws the part of `plane` from `origin` on of this `size`, as far as the plane reaches.
+    /// Draws the part of `plane` that begins at `origin` and has this `size`, cut to the plane.
     pub fn draw_part(
         sheet: &mut Sheet,
         at: (f64, f64),
@@ -46,7 +46,7 @@ impl Panel {
         Self { area, scale, origin }
     }
 
-    /// Where the image pixel (u, v) is on the sheet; its own middle.
+    /// The position on the sheet of the image pixel (u, v), of its middle.
     pub fn at(&self, [u, v]: [f64; 2]) -> (f64, f64) {
         let place = |x: f64, origin: usize| (x + 0.5 - origin as f64) * self.scale;
         (self.area.x + place(u, self.origin[0]), self.area.y + place(v, self.origin[1]))
@@ -58,7 +58,7 @@ impl Panel {
         x >= self.area.x && x <= self.area.right() && y >= self.area.y && y <= self.area.bottom()
     }
 
-    /// A circle around an image pixel; the radius in image pixels.
+    /// Draws a circle around an image pixel; the radius is in image pixels.
     pub fn circle(&self, sheet: &mut Sheet, pos_image: [f64; 2], radius_px: f64, colour: &str, style: &str) {
         if self.shows(pos_image) {
             let style = format!(r#"fill="none" stroke="{colour}" {style}"#);
@@ -66,14 +66,14 @@ impl Panel {
         }
     }
 
-    /// A feature: the rim of the disc that answers most strongly at its scale.
+    /// Draws a feature: the rim of the disc with the strongest response at its scale.
     pub fn feature(&self, sheet: &mut Sheet, feature: &Feature, colour: &str) {
         let pos_image = [f64::from(feature.u), f64::from(feature.v)];
         self.circle(sheet, pos_image, 1.5 * f64::from(feature.sigma), colour, r#"stroke-width="1.6""#);
     }
 }
 
-/// The range that shows nearly all pixels.
+/// The display range that covers nearly all pixels.
 pub(super) fn stretched(plane: &Plane) -> Display {
     match percentiles(plane, &Region::whole(plane), &[0.1, 99.9]).as_deref() {
         Some([black, white]) => Display::default().with_range(*black, *white),

@@ -1,4 +1,4 @@
-//! Why a figure was not made.
+//! Errors of making figures.
 
 use crate::dataset::DatasetError;
 use crate::detector::DetectError;
@@ -9,13 +9,13 @@ use crate::monitor::Cancelled;
 use crate::synth::{SynthError, WriteBurstError};
 use std::path::PathBuf;
 
-/// Why figures were not made. What was finished before is kept.
+/// Reason why figures were not made. Figures finished before are kept.
 #[derive(Debug, thiserror::Error)]
 pub enum FiguresError {
-    /// It was cancelled.
+    /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The folder holds something else.
+    /// The folder holds other files.
     #[error("this folder holds files, but no figures that this program began; name a new or an empty folder: {}", .0.display())]
     Occupied(PathBuf),
     /// A file cannot be written.
@@ -33,9 +33,9 @@ pub enum FiguresError {
     /// COLMAP cannot be run.
     #[error("cannot run {}: {reason}; install COLMAP anew, or leave it out with --no-colmap", .program.display())]
     Colmap {
-        /// The program.
+        /// Path of the program.
         program: PathBuf,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
 }

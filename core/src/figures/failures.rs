@@ -1,4 +1,4 @@
-//! Fig. 9: aliasing and low contrast, on the examples that the program opens too.
+//! Fig. 9: aliasing and low contrast, on two of the program's examples.
 
 use super::drawing::{Panel, RIGHT, WRONG, stretched};
 use super::record::Pieces;
@@ -14,12 +14,12 @@ use std::fmt::Write;
 
 const WIDTH: f64 = 900.0;
 const GAP: f64 = 16.0;
-/// Discs of the low-contrast example.
+/// Number of discs of the low-contrast example.
 const DISCS: usize = 9;
-/// A feature this near to a disc finds it, pixels.
+/// Distance to a disc within which a feature finds it, pixels.
 const NEAR_PX: f32 = 4.0;
 
-/// The two examples; they say themselves what is searched.
+/// The two examples, which bring their own search parameters.
 #[derive(Debug)]
 pub(super) struct Failures;
 
@@ -44,7 +44,7 @@ fn write_feature(csv: &mut String, case: &str, f: &Feature, is: &str) {
     let _ = writeln!(csv, "{case},{},{},{},{},{},{},{is}", f.u, f.v, f.sigma, f.slope.u, f.response, f.snr);
 }
 
-/// Two pictures side by side; answers where they end.
+/// Width of each of two pictures side by side, pixels.
 fn half() -> f64 {
     (WIDTH - 3.0 * GAP) / 2.0
 }
@@ -53,7 +53,7 @@ fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f6
     let silent = monitor.silent();
     let (burst, params) = (Example::Aliasing.burst(), params(Example::Aliasing));
     let detection = detect(&burst, &params, &silent)?;
-    // One period a frame too slow: each lamp lies on its neighbour.
+    // One period per frame too slow: each lamp lies on its neighbour.
     let wrong = Slope::new(ALIASING_SLOPE - GARLAND_PERIOD, 0.0);
     let frame = &burst.frames[burst.len() / 2];
     let title = "(a) one frame: small lamps every 8 px, larger ones apart";

@@ -1,4 +1,4 @@
-//! The figures one after the other, into a folder.
+//! Making figures one after the other into a folder.
 
 use super::page::write_page;
 use super::record::{MadeFrom, Pieces, Record, begin, check_folder};
@@ -12,62 +12,62 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Which figures are made, and where.
+/// Figures to make, and their folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FiguresJob {
-    /// The folder, which is made.
+    /// Folder of the figures; created if missing.
     pub out: PathBuf,
-    /// Only these; empty for all.
+    /// Figures to make; empty for all.
     pub only: Vec<PaperFigure>,
-    /// How large the material is.
+    /// Size of the material.
     pub size: FigureSize,
-    /// COLMAP's program for what it is needed for; without it those columns are said to be missing.
+    /// COLMAP's program for the figures that need it; without it the notes say that those columns are missing.
     pub colmap: Option<PathBuf>,
 }
 
-/// What happens, as it happens.
+/// Event of a job.
 #[derive(Debug)]
 pub enum FiguresEvent<'a> {
-    /// A figure is begun.
+    /// A figure was started.
     Begin {
-        /// Which one.
+        /// The figure.
         figure: PaperFigure,
-        /// Its place among those that are made, from 0.
+        /// Index among the figures that are made, from 0.
         index: usize,
-        /// How many there are.
+        /// Number of figures that are made.
         count: usize,
     },
-    /// A figure is finished, now or by an earlier run.
+    /// A figure was finished, now or by an earlier run.
     Done(&'a FigureReport),
 }
 
-/// A figure that is finished.
+/// A finished figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FigureReport {
-    /// Which one.
+    /// The figure.
     pub figure: PaperFigure,
-    /// Its picture and its numbers.
+    /// Files of its picture and its numbers.
     pub files: Vec<PathBuf>,
-    /// What a reader must know, such as what is missing; sentences.
+    /// Notes for the reader, such as missing columns; sentences.
     pub notes: Vec<String>,
     /// Whether an earlier run had made it.
     pub resumed: bool,
-    /// How long it took, then or now.
+    /// Time that making it took, in this or an earlier run, seconds.
     pub seconds: f64,
 }
 
-/// What was made.
+/// Result of a job.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FiguresReport {
-    /// The page that shows all.
+    /// Path of the page that shows all figures.
     pub page: PathBuf,
-    /// The size of the material.
+    /// Size of the material.
     pub size: FigureSize,
-    /// The figures that were asked for.
+    /// The requested figures.
     pub figures: Vec<FigureReport>,
 }
 
-/// COLMAP's program where the system looks for programs; `None` where it is not installed.
+/// COLMAP's program in the system's search path; `None` where it is not installed.
 pub fn find_colmap() -> Option<PathBuf> {
     let names: &[&str] = if cfg!(windows) { &["colmap.exe", "COLMAP.bat"] } else { &["colmap"] };
     let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
@@ -75,16 +75,16 @@ pub fn find_colmap() -> Option<PathBuf> {
 }
 
 impl FiguresJob {
-    /// The figures that are made, in order, each once.
+    /// The figures to make, in order, each once.
     fn wanted(&self) -> Vec<PaperFigure> {
         let is_wanted = |figure: &PaperFigure| self.only.is_empty() || self.only.contains(figure);
         PaperFigure::ALL.into_iter().filter(is_wanted).collect()
     }
 
-    /// Makes the figures that are not finished yet, and the page. `on` hears what happens.
+    /// Makes the figures that are not finished yet, and the page. `on` is called with every event.
     ///
     /// # Errors
-    /// See [`FiguresError`]. Files are written whole or not at all; finished figures stay finished.
+    /// See [`FiguresError`]. Files are written completely or not at all; finished figures stay finished.
     pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport, FiguresError> {
         check_folder(&self.out)?;
         let lock = FolderLock::take(&self.out).map_err(ExportError::from)?;
@@ -108,7 +108,7 @@ impl FiguresJob {
         Ok(FiguresReport { page, size: self.size, figures })
     }
 
-    /// One figure: as it is, or made and written.
+    /// One figure: the finished one if it is up to date, otherwise made and written.
     fn one(
         &self,
         figure: PaperFigure,

@@ -15,7 +15,7 @@ use std::fmt::Write;
 const WIDTH: f64 = 900.0;
 const GAP: f64 = 16.0;
 
-/// The scene in two lights.
+/// Parameters of the scene in two lights.
 #[derive(Debug)]
 pub(super) struct Light {
     dark: TrajectoryParams,

@@ -16,16 +16,16 @@ use crate::synth::trajectory::plane::nearest_point;
 use crate::synth::{Light, Trajectory, TrajectoryParams};
 use std::fmt::Write;
 
-/// A match is right when it is this near to where its point of the scene is truly seen, pixels.
+/// Largest distance of a right match from the true position of its scene point, pixels.
 const RIGHT_PX: f64 = 4.0;
 const WIDTH: f64 = 960.0;
 const GAP: f64 = 12.0;
 
-/// The two bursts, and how they are searched.
+/// Parameters of the two bursts and of their search.
 #[derive(Debug)]
 pub(super) struct MatchingInTheDark {
     way: TrajectoryParams,
-    /// The two bursts of the way.
+    /// Indices of the two bursts of the trajectory.
     bursts: [usize; 2],
     slopes: SlopeGrid,
     matching: MatchParams,
@@ -45,13 +45,13 @@ impl MatchingInTheDark {
     }
 }
 
-/// One method on the pair.
+/// Features and matches of one method on the pair.
 struct Matched {
     label: &'static str,
     word: &'static str,
     keypoints: [usize; 2],
-    /// Each match: places in the two views, distance of the second from its true place (infinite where the scene has
-    /// none), and whether it agrees with the geometry on which most agree.
+    /// For each match: positions in the two views, distance of the second from its true position (infinite where the
+    /// scene has none), and whether it is an inlier of the common geometry.
     matches: Vec<([f64; 2], [f64; 2], f64, bool)>,
 }
 
@@ -61,7 +61,7 @@ impl Matched {
     }
 }
 
-/// Where the point that is seen at a place of one view is seen in another one.
+/// The true position, in another view, of the scene point seen at a position of one view.
 fn true_place(way: &Trajectory, [from, to]: [usize; 2], [u, v]: [f64; 2]) -> Option<[f64; 2]> {
     let point = nearest_point(&way.planes, &way.lens, &way.cameras[from].world_from_camera, u, v)?;
     way.cameras[to].pixel_of(&way.lens, &point, 0.0)
@@ -167,7 +167,7 @@ fn draw(bursts: &[Burst; 2], gold: &Plane, all: [&Matched; 2], found: [&Detectio
             let dim = Display::default().with_range(min, max + 0.8 * (max - min));
             Panel::draw(&mut sheet, at, half, &frames[side], &dim, title)
         });
-        // Wrong ones first, so that right ones lie above.
+        // Wrong ones first, so that right ones are on top.
         for is_right in [false, true] {
             let colour = if is_right { RIGHT } else { WRONG };
             for (a, b, _, _) in matched.matches.iter().filter(|m| (m.2 <= RIGHT_PX) == is_right) {

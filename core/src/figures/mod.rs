@@ -1,12 +1,12 @@
-//! Every figure and table of the paper, remade from our own material: `burstscope figures --out DIR`.
+//! Every figure and table of the paper, reproduced from our own material: `burstscope figures --out DIR`.
 //!
-//! A [`PaperFigure`] is one of the paper's; `PaperFigure::NAME.svg` shows it and `NAME.csv` holds its numbers. What
-//! makes it is a plain value with all of its parameters (charts, trajectories, methods), and a function from that value
-//! to both files. [`FiguresJob`] runs them one after the other into a folder, keeps what is finished (a record names
-//! what it was made from), and writes a page, `index.html`, that shows all.
+//! A [`PaperFigure`] is one of the paper's; `PaperFigure::NAME.svg` shows it and `NAME.csv` holds its numbers. Its
+//! maker is a plain value with all of its parameters (charts, trajectories, methods), and a function from that value to
+//! both files. [`FiguresJob`] runs them one after the other into a folder, keeps finished figures (a record names the
+//! parameters they were made from), and writes a page, `index.html`, that shows all.
 //!
-//! Nothing here computes anything of its own: charts and curves are those of [`crate::evaluate`], bursts those of
-//! [`crate::synth`], pictures of single steps those of [`crate::detector::view`].
+//! Nothing here computes by itself: charts and curves come from [`crate::evaluate`], bursts from [`crate::synth`],
+//! pictures of single steps from [`crate::detector::view`].
 
 mod apparent_motion;
 mod architecture;
@@ -31,19 +31,20 @@ pub use which::{FigureSize, PaperFigure};
 use crate::monitor::Monitor;
 use record::Pieces;
 
-/// A figure's files, in memory.
+/// Files of a figure, in memory.
 #[derive(Debug, Clone, PartialEq)]
 struct Made {
-    /// The picture, readable alone.
+    /// The picture, a self-contained SVG.
     svg: String,
-    /// Its numbers.
+    /// Numbers of the figure.
     csv: String,
-    /// What a reader must know, such as what is missing; sentences.
+    /// Notes for the reader, such as missing columns; sentences.
     notes: Vec<String>,
 }
 
-/// All parameters of a figure, and what makes it of them. Its `Debug` text names all that the figure depends on.
+/// All parameters of a figure, and the function that makes it. The `Debug` text names everything that the figure
+/// depends on.
 trait MakeFigure: std::fmt::Debug {
-    /// Makes the figure. `pieces` keeps parts that take long, for the next figure and the next run.
+    /// Makes the figure. `pieces` stores parts that take long, for the next figure and the next run.
     fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError>;
 }

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Writes `index.html` into `folder`: every figure that is finished there, with its caption, notes and numbers.
+/// Writes `index.html` into `folder`: every finished figure there, with its caption, notes and numbers.
 pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf, FiguresError> {
     let records: Vec<Record> = PaperFigure::ALL.into_iter().filter_map(|f| Record::read(folder, f)).collect();
     let path = folder.join("index.html");

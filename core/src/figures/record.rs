@@ -1,8 +1,8 @@
-//! What is finished already, so that a run that was interrupted goes on where it was.
+//! Records of finished figures, so that an interrupted run continues.
 //!
 //! `records/NAME.json` names all that a figure was made from and the checksums of its files. It is removed before the
-//! files are written and written after them, so at whatever moment a run ends, a record speaks of the files that are
-//! there or there is no record. [`Pieces`] keeps what takes long and is shown by several figures, in the same way.
+//! files are written and written after them, so whenever a run ends, either the record describes the existing files or
+//! there is no record. [`Pieces`] stores, in the same way, parts that take long and are used by several figures.
 
 use super::{FiguresError, PaperFigure};
 use crate::dataset::Checksum;
@@ -14,15 +14,15 @@ use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The folder of records in the figures' folder.
+/// Folder of records in the figures' folder.
 const RECORDS_FOLDER: &str = "records";
-/// The folder of pieces among the records.
+/// Folder of pieces among the records.
 const PIECES_FOLDER: &str = "pieces";
 
-/// By what something was made.
+/// Program and settings that made something.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct MadeFrom {
-    /// The program's version.
+    /// Version of the program.
     version: String,
     /// The detector's [`REVISION`].
     detector_revision: u32,
@@ -31,29 +31,29 @@ pub(super) struct MadeFrom {
 }
 
 impl MadeFrom {
-    /// This program with these settings.
+    /// This program's version with these settings.
     pub fn new(settings: String) -> Self {
         Self { version: env!("CARGO_PKG_VERSION").to_owned(), detector_revision: REVISION, settings }
     }
 }
 
-/// What is known of a finished figure.
+/// Record of a finished figure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Record {
-    /// Which one.
+    /// The figure.
     pub figure: PaperFigure,
-    /// What it was made from.
+    /// Program and settings that it was made from.
     pub made_from: MadeFrom,
-    /// Its files' names and contents.
+    /// Names and checksums of its files.
     pub files: Vec<(String, Checksum)>,
-    /// What a reader must know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
-    /// How long it took.
+    /// Time that it took, seconds.
     pub seconds: f64,
 }
 
 impl Record {
-    /// The record of a figure in `folder`, if there is one whose files are as they were written.
+    /// Reads the record of a figure in `folder`, if there is one whose files are unchanged.
     pub fn read(folder: &Path, figure: PaperFigure) -> Option<Self> {
         let record: Self = read_json(&Self::path(folder, figure))?;
         let is_whole = |(name, content): &(String, Checksum)| {
@@ -62,12 +62,12 @@ impl Record {
         (record.figure == figure && record.files.iter().all(is_whole)).then_some(record)
     }
 
-    /// Writes it.
+    /// Writes the record.
     pub fn write(&self, folder: &Path) -> Result<(), ExportError> {
         write_json(&Self::path(folder, self.figure), self)
     }
 
-    /// Removes the record, before what it speaks of is changed.
+    /// Removes the record, before its files are changed.
     pub fn remove(folder: &Path, figure: PaperFigure) -> Result<(), ExportError> {
         let path = Self::path(folder, figure);
         match std::fs::remove_file(&path) {
@@ -81,14 +81,16 @@ impl Record {
     }
 }
 
+/// Checks that `folder` is free or holds figures that this program began.
+///
 /// # Errors
-/// [`FiguresError::Occupied`] when `folder` holds files but no records: it is somebody's own.
+/// [`FiguresError::Occupied`] when `folder` holds files but no records: it belongs to somebody else.
 pub(super) fn check_folder(folder: &Path) -> Result<(), FiguresError> {
     let is_begun = folder.join(RECORDS_FOLDER).join(PIECES_FOLDER).is_dir();
     if is_begun || is_free(folder).unwrap_or(false) { Ok(()) } else { Err(FiguresError::Occupied(folder.into())) }
 }
 
-/// Makes the folders of records, and clears what killed runs have left.
+/// Creates the folders of records, and removes files that killed runs have left.
 pub(super) fn begin(folder: &Path) -> Result<(), ExportError> {
     let pieces = folder.join(RECORDS_FOLDER).join(PIECES_FOLDER);
     let made = std::fs::create_dir_all(&pieces);
@@ -99,13 +101,13 @@ pub(super) fn begin(folder: &Path) -> Result<(), ExportError> {
     Ok(())
 }
 
-/// Parts of figures that are kept.
+/// Stored parts of figures.
 #[derive(Debug, Clone)]
 pub(super) struct Pieces {
     folder: PathBuf,
 }
 
-/// A part with what it was made from.
+/// A part with the program and settings that made it.
 #[derive(Serialize, Deserialize)]
 struct Piece<T> {
     made_from: MadeFrom,
@@ -113,7 +115,7 @@ struct Piece<T> {
 }
 
 impl Pieces {
-    /// Those of the figures in `folder`.
+    /// The pieces of the figures in `folder`.
     pub fn of(folder: &Path) -> Self {
         Self { folder: folder.join(RECORDS_FOLDER).join(PIECES_FOLDER) }
     }
@@ -124,7 +126,7 @@ impl Pieces {
         (piece.made_from == MadeFrom::new(settings.to_owned())).then_some(piece.value)
     }
 
-    /// Keeps the piece `name`.
+    /// Stores the piece `name`.
     pub fn keep<T: Serialize>(&self, name: &str, settings: &str, value: &T) -> Result<(), ExportError> {
         write_json(&self.path(name), &Piece { made_from: MadeFrom::new(settings.to_owned()), value })
     }

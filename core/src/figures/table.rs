@@ -1,21 +1,21 @@
-//! Tables: as a picture, and as CSV.
+//! Tables: as a picture and as CSV.
 
 use crate::export::sheet::{Anchor, GRID, INK, Sheet};
 use std::fmt::Write;
 
-/// A cell.
+/// Cell of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cell {
     /// Words.
     Text(String),
-    /// A number, and how many decimals are shown; CSV has all of it.
+    /// Number, and how many decimals are shown; CSV has all of them.
     Number(f64, usize),
-    /// What could not be measured, or does not exist.
+    /// Value that could not be measured, or does not exist.
     Missing,
 }
 
 impl Cell {
-    /// A number that may be missing.
+    /// The cell of a number that may be missing.
     pub fn of(value: Option<f64>, decimals: usize) -> Self {
         value.filter(|x| x.is_finite()).map_or(Self::Missing, |x| Self::Number(x, decimals))
     }
@@ -29,25 +29,25 @@ impl Cell {
     }
 }
 
-/// A table; its first columns are words.
+/// Table whose first columns are words.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Table {
-    /// Above it.
+    /// Title above the table.
     pub title: String,
-    /// Heads of the columns: two lines for people, and a name for CSV.
+    /// Heads of the columns: two lines for the picture, and a name for CSV.
     pub columns: Vec<([&'static str; 2], &'static str)>,
-    /// The rows; each has as many cells as there are columns.
+    /// Rows; each has as many cells as there are columns.
     pub rows: Vec<Vec<Cell>>,
-    /// Below it.
+    /// Notes below the table.
     pub notes: Vec<String>,
 }
 
 const ROW: f64 = 22.0;
-/// Width of a letter of 12 px, about.
+/// Approximate width of a letter of 12 px.
 const LETTER: f64 = 6.6;
 
 impl Table {
-    /// As CSV; what is missing is empty.
+    /// The table as CSV; missing values are empty.
     pub fn csv(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|(_, name)| *name).collect();
         let mut csv = names.join(",") + "\n";
@@ -63,7 +63,7 @@ impl Table {
         csv
     }
 
-    /// As a picture.
+    /// The table as a picture.
     pub fn svg(&self) -> String {
         let widths: Vec<f64> = (0..self.columns.len()).map(|column| self.width(column)).collect();
         let width = (widths.iter().sum::<f64>() + 32.0).max(560.0);

@@ -1,4 +1,4 @@
-//! Fig. 4: a chart of discs, and what each method finds on it.
+//! Fig. 4: a chart of discs, and the features that each method finds on it.
 
 use super::drawing::{Panel, RIGHT, WRONG, stretched};
 use super::record::Pieces;
@@ -16,16 +16,16 @@ use std::fmt::Write;
 const WIDTH: f64 = 1080.0;
 const GAP: f64 = 14.0;
 
-/// The chart in good light and in the dark, and the methods.
+/// Parameters of the chart in good light and in the dark, and the methods.
 #[derive(Debug)]
 pub(super) struct TestTarget {
     chart: ChartParams,
-    /// The bright copy's signal-to-noise ratio.
+    /// Signal-to-noise ratio of the bright copy.
     bright_snr: f64,
     methods: Vec<BurstMethod>,
     detector: DetectorParams,
     false_fraction: f64,
-    /// Columns and rows that are drawn; numbers are of the whole.
+    /// Columns and rows that are drawn; the numbers are of the whole chart.
     part: (usize, usize),
 }
 
@@ -49,7 +49,7 @@ struct FoundOnTarget {
     word: String,
     /// Features at the threshold, strongest first.
     kept: Vec<Judged>,
-    /// Whether a threshold was found at which so few are false; otherwise all are kept that the gate lets through.
+    /// Whether there is a threshold with so few false features; otherwise all features that pass the gate are kept.
     has_threshold: bool,
     detection: Detection,
 }
@@ -58,7 +58,7 @@ impl MakeFigure for TestTarget {
     fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
         let silent = monitor.silent();
         let (dark, truth) = synth_chart(&self.chart, &silent)?;
-        // The same discs: noise comes from streams of its own.
+        // The same discs: noise comes from separate random streams.
         let (bright, _) = synth_chart(&ChartParams { snr: self.bright_snr, ..self.chart.clone() }, &silent)?;
         let study = ChartStudy::default();
         let searches = Searches {

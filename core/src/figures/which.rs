@@ -31,19 +31,19 @@ pub enum PaperFigure {
     Table3,
 }
 
-/// How large the material is.
+/// Size of the material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FigureSize {
-    /// Charts and trajectories from which numbers can be read.
+    /// Charts and trajectories large enough for meaningful numbers.
     #[default]
     Full,
-    /// So small that everything is there in a minute: to see what there is, not to measure.
+    /// Material so small that everything is made in a minute: for a preview, not for numbers.
     Quick,
 }
 
 impl FigureSize {
-    /// One of two values.
+    /// The value of two that belongs to this size.
     pub(super) fn pick<T>(self, full: T, quick: T) -> T {
         match self {
             Self::Full => full,
@@ -53,7 +53,7 @@ impl FigureSize {
 }
 
 impl PaperFigure {
-    /// All of them, in the order in which they are made and shown.
+    /// All figures, in the order in which they are made and shown.
     pub const ALL: [Self; 12] = [
         Self::Fig1,
         Self::Fig2,
@@ -69,7 +69,7 @@ impl PaperFigure {
         Self::Table3,
     ];
 
-    /// The word on the command line, and what its files are called.
+    /// Name on the command line, and of its files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fig1 => "fig1",
@@ -87,7 +87,7 @@ impl PaperFigure {
         }
     }
 
-    /// What it is called, with its number in the paper.
+    /// Title, with its number in the paper.
     pub fn title(self) -> &'static str {
         match self {
             Self::Fig1 => "Fig. 1: matching in the dark",
@@ -105,7 +105,7 @@ impl PaperFigure {
         }
     }
 
-    /// What there is to see.
+    /// Caption of the figure.
     pub fn caption(self) -> &'static str {
         match self {
             Self::Fig1 => {
@@ -153,8 +153,8 @@ impl PaperFigure {
         }
     }
 
-    /// About how long it takes, seconds on two quiet cores, to share out the progress. The first of several that share
-    /// their material pays for it.
+    /// Approximate time to make it, seconds on two idle cores, to weight the progress. For several figures that share
+    /// their material it is counted at the first.
     pub(super) fn cost_secs(self, size: FigureSize) -> f32 {
         let full = match self {
             Self::Fig1 => 6.0,
@@ -171,7 +171,7 @@ impl PaperFigure {
         size.pick(full, full.min(10.0))
     }
 
-    /// What makes it.
+    /// The maker of the figure.
     pub(super) fn maker(self, size: FigureSize, colmap: Option<&Path>) -> Box<dyn MakeFigure> {
         let of = |shown| Box::new(ReconstructionFigure::new(shown, size, colmap));
         match self {

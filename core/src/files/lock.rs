@@ -1,13 +1,13 @@
-//! One process at a time writes into a folder.
+//! A lock that lets only one process at a time write into a folder.
 //!
 //! The system's own lock is taken on a hidden file, which lies in the folder, or beside a folder that is replaced as a
-//! whole. The lock ends with the process that has it, however that ends; the file's text names the owner, for whoever
-//! is refused.
+//! whole. The lock ends with the process that holds it, even if that is killed; the file's text names the owner, for
+//! the message to a process that is refused.
 //!
-//! On Unix the file is removed at the end, while it is still locked. Somebody else may have opened it before, so whoever
-//! gets a lock makes sure that the file still has its name, and otherwise begins again: no two processes hold a lock of
-//! the same name. Elsewhere that cannot be told, and the hidden file stays. A folder that holds nothing else counts as
-//! empty, see [`is_left_over`].
+//! On Unix the file is removed at the end, while it is still locked. Another process may have opened it before, so
+//! after taking a lock a process checks that the file still has its name, and otherwise starts again: no two processes
+//! hold a lock of the same name. Elsewhere that cannot be checked, and the hidden file stays. A folder that holds
+//! nothing else counts as empty, see [`is_left_over`].
 
 use super::{path_text, write_problem};
 use std::ffi::OsStr;
@@ -15,21 +15,21 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
-/// The name of the file in a folder.
+/// Name of the lock file in a folder.
 pub const LOCK_FILE: &str = ".burstscope-lock";
-/// How the names of all hidden files begin that runs of this program make and remove.
+/// Prefix of the names of all hidden files that runs of this program create and remove.
 const HIDDEN_PREFIX: &str = ".burstscope";
-/// How the names of files that are not complete yet end.
+/// Suffix of the names of files that are not complete yet.
 pub const TEMPORARY_SUFFIX: &str = ".tmp";
-/// How the names of locks end that lie beside their folders.
+/// Suffix of the names of locks that lie beside their folders.
 const LOCK_SUFFIX: &str = ".lock";
-/// The longest name of a folder that stands in the name of the lock beside it, bytes.
+/// Maximum length of a folder's name in the name of the lock beside it, bytes.
 const LONGEST_NAME: usize = 200;
-/// How often a lock is asked for anew whose file was removed meanwhile.
+/// Maximum number of attempts to take a lock whose file keeps being removed in the meantime.
 const TRIES: usize = 64;
 
-/// Whether a file of this name is one that a run of this program makes for itself and removes at its end: a killed run
-/// leaves it behind.
+/// Whether a file of this name is one that a run of this program creates for itself and removes at its end; a killed
+/// run leaves it behind.
 pub fn is_left_over(name: &OsStr) -> bool {
     name.to_str().is_some_and(|name| {
         let ends = [TEMPORARY_SUFFIX, LOCK_SUFFIX].iter().any(|end| name.ends_with(end));
@@ -37,10 +37,10 @@ pub fn is_left_over(name: &OsStr) -> bool {
     })
 }
 
-/// Whether `folder` holds nothing but what killed runs have left, or is not there.
+/// Whether `folder` holds nothing but files left by killed runs, or does not exist.
 ///
 /// # Errors
-/// A folder that cannot be read, or something that is no folder.
+/// A folder that cannot be read, or a path that is no folder.
 pub fn is_free(folder: &Path) -> io::Result<bool> {
     match std::fs::read_dir(folder) {
         Ok(entries) => {
@@ -56,7 +56,7 @@ pub fn is_free(folder: &Path) -> io::Result<bool> {
     }
 }
 
-/// Why a folder must not be written, or not any more.
+/// Reason why a folder must not be written, or no longer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LockError {
     /// Another process writes into it.
@@ -64,37 +64,37 @@ pub enum LockError {
     Locked {
         /// The folder.
         folder: PathBuf,
-        /// Who.
+        /// The owner's process, in words.
         owner: String,
     },
-    /// It was removed, or another one was put in its place.
+    /// The folder was removed, or another one was put in its place.
     #[error("this folder was removed while it was being written, so nothing more is written; run the command again to make it anew: {}", .0.display())]
     Gone(PathBuf),
     /// The lock cannot be written.
     #[error("cannot write this file: {reason}; check the folder's permissions and the free space: {}", .path.display())]
     Write {
-        /// The file.
+        /// The lock file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
 }
 
-/// The right to write into a folder, as long as it lives.
+/// Right to write into a folder, until it is dropped.
 #[derive(Debug)]
 pub struct FolderLock {
     folder: PathBuf,
     path: PathBuf,
-    /// Always there until the lock is dropped.
+    /// Always `Some` until the lock is dropped.
     file: Option<File>,
-    /// Whether the file system has locks; without, two processes are the person's own affair.
+    /// Whether the file system supports locks; without them nothing keeps two processes apart.
     is_locked: bool,
-    /// The folders that were made for it, the innermost first. Those that are empty at the end are removed.
+    /// Folders created for the lock, innermost first. Those that are empty at the end are removed.
     made: Vec<PathBuf>,
 }
 
 impl FolderLock {
-    /// The lock of `folder`, which is made. If nothing was written into a folder that was made so, it is removed with
+    /// Takes the lock of `folder`, creating the folder. A folder that was created so and stays empty is removed with
     /// the lock.
     ///
     /// # Errors
@@ -103,7 +103,7 @@ impl FolderLock {
         Self::at(folder, folder, folder.join(LOCK_FILE))
     }
 
-    /// The lock of a `folder` that is replaced as a whole: it lies in the folder above, which is made.
+    /// Takes the lock of a `folder` that is replaced as a whole: the lock lies in the parent folder, which is created.
     ///
     /// # Errors
     /// As [`Self::take`].
@@ -120,13 +120,13 @@ impl FolderLock {
 
     fn at(folder: &Path, place: &Path, path: PathBuf) -> Result<Self, LockError> {
         let failed = |error: io::Error| LockError::Write { path: path.clone(), reason: write_problem(&error) };
-        // From here on what was made is removed again, also should the lock not be had.
+        // From here on the created folders are removed again, even if the lock cannot be taken.
         let mut lock =
             Self { folder: folder.into(), path: path.clone(), file: None, is_locked: true, made: Vec::new() };
         for _ in 0..TRIES {
             match make_folders(place) {
                 Ok(made) => drop(lock.made.splice(0..0, made)),
-                // Another process has ended and removed the folders that it had made.
+                // Another process has ended and removed the folders that it had created.
                 Err(error) if error.kind() == ErrorKind::NotFound => continue,
                 Err(error) => return Err(failed(error)),
             }
@@ -144,7 +144,7 @@ impl FolderLock {
                 Err(TryLockError::WouldBlock) => {
                     return Err(LockError::Locked { folder: folder.into(), owner: owner_in(&mut file) });
                 }
-                // A file system without locks says so in many ways, and none is a reason not to work there.
+                // A file system without locks reports it with various errors; none is a reason not to work there.
                 Err(TryLockError::Error(_)) => lock.is_locked = false,
             }
             if is_named(&file, &path) {
@@ -174,12 +174,12 @@ impl FolderLock {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         if let Some(file) = self.file.take() {
-            // What cannot be removed is a hidden file too many.
+            // A hidden file that cannot be removed does no harm.
             if cfg!(unix) && self.is_locked && is_named(&file, &self.path) {
                 let _ = std::fs::remove_file(&self.path);
             }
         }
-        // The system removes folders only that are empty.
+        // The system removes only empty folders.
         let _ = self.made.iter().try_for_each(std::fs::remove_dir);
     }
 }
@@ -191,10 +191,10 @@ fn owner() -> String {
     format!("process {}{on_host}", std::process::id())
 }
 
-/// Who has the lock on `file`.
+/// The owner named in the lock `file`.
 fn owner_in(file: &mut File) -> String {
     let mut owner = String::new();
-    // Where a lock keeps others from reading, nobody can be named.
+    // Where a lock keeps other processes from reading, the owner is unknown.
     let _ = file.take(4096).read_to_string(&mut owner);
     if owner.trim().is_empty() { "another process".to_owned() } else { owner.trim().to_owned() }
 }
@@ -212,7 +212,7 @@ fn is_named(_: &File, path: &Path) -> bool {
     path.exists()
 }
 
-/// Makes `folder` and those above it that are missing; answers those that were made, the innermost first.
+/// Creates `folder` and its missing parents; returns the created folders, innermost first.
 fn make_folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
     let missing: Vec<&Path> = folder.ancestors().take_while(is_missing).collect();
@@ -227,7 +227,7 @@ fn make_folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
     if folder.is_dir() || folder.as_os_str().is_empty() { Ok(made) } else { Err(ErrorKind::NotADirectory.into()) }
 }
 
-/// Removes the locks beside folders in `parent` that killed runs have left.
+/// Removes the locks of folders in `parent` that killed runs have left.
 fn remove_abandoned(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -282,7 +282,7 @@ mod tests {
         assert!(!is_free(&folder).expect("a folder"));
         drop(lock);
         assert_eq!(std::fs::read_dir(&folder).expect("it stays").count(), 1);
-        // What a killed run leaves beside its folder goes with the next lock there.
+        // A lock file left by a killed run is removed by the next lock there.
         std::fs::write(home.path().join(".burstscope-old.lock"), "process 4711").expect("written");
         drop(FolderLock::beside(&home.path().join("d")).expect("free"));
         assert_eq!(names(), 1);

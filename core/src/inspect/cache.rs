@@ -1,5 +1,5 @@
-//! What questions about one burst are answered from: its detection with all it left behind. It is made once and then
-//! asked as often as one likes.
+//! Data from which questions about one burst are answered: its detection with all intermediate results. It is computed
+//! once and then used for any number of questions.
 
 use crate::baseline::prepare;
 use crate::burst::Burst;
@@ -10,25 +10,24 @@ use crate::detector::{
 use crate::monitor::Monitor;
 use std::sync::Arc;
 
-/// A burst, its detection, and what the detection was made with.
+/// A burst, its detection, and the parameters of the detection.
 #[derive(Debug)]
 pub struct ProbeCache {
-    /// The burst as it was searched: for [`Method::Merge`] the merged frame.
+    /// The burst that was searched: for [`Method::Merge`] the merged frame.
     pub burst: Burst,
-    /// The detection and what it left. Shared: it is large, and may have been asked for in several words.
+    /// The detection and its trail. Shared: it is large, and may have been requested in several forms.
     pub trail: Arc<Trail>,
-    /// What was found of the slopes, if they were to be found.
+    /// The result of finding the slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// The parameters as they were asked for.
+    /// The parameters as requested.
     pub asked: SearchParams,
 }
 
-/// Part of the progress that finding the slopes takes.
+/// Share of the progress that finding the slopes takes.
 const SLOPES_SHARE: f32 = 0.2;
 
 impl ProbeCache {
-    /// Detects the features of `burst`, finding its slopes first where they are to be found, and keeps what questions
-    /// need.
+    /// Detects the features of `burst`, finding its slopes first if requested, and keeps the data that questions need.
     ///
     /// # Errors
     /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once
@@ -41,36 +40,36 @@ impl ProbeCache {
         Ok(Self { burst, trail, finding, asked: params.clone() })
     }
 
-    /// The same detection, as what comes of asking for it with other words: `finding` is what was found of its slopes,
-    /// if those words say that they are to be found.
+    /// This detection as the result of another request, `asked`; `finding` is the result of finding its slopes, if that
+    /// request has them found.
     pub fn asked_as(&self, asked: &SearchParams, finding: Option<&SlopeFinding>) -> Self {
         let (burst, trail) = (self.burst.clone(), self.trail.clone());
         Self { burst, trail, finding: finding.cloned(), asked: asked.clone() }
     }
 
-    /// The parameters of the whole detection: those that were asked for, with the slopes that were searched.
+    /// The parameters of the whole detection: the requested ones, with the slopes that were searched.
     pub fn made_with(&self) -> DetectorParams {
-        // A merged frame is searched as one frame, whichever frames were asked for.
+        // A merged frame is searched as one frame, whichever frames were requested.
         DetectorParams { frames: self.asked.detector.frames, ..self.params().clone() }
     }
 
-    /// Bytes that it takes beside `open`, the burst that was searched: about, and as much as it takes now. Some of what
-    /// answers questions is made when one is asked first.
+    /// Approximate bytes that the cache takes now in addition to `open`, the burst that was searched. Some of the data
+    /// is only computed with the first question.
     pub fn bytes_beside(&self, open: &Burst) -> usize {
         self.trail.bytes_beside(&open.frames)
     }
 
-    /// What was found.
+    /// The detection.
     pub fn detection(&self) -> &Detection {
         self.trail.detection()
     }
 
-    /// The parameters that were searched with, the slopes among them.
+    /// The parameters of the search, including its slopes.
     pub fn params(&self) -> &DetectorParams {
         self.trail.params()
     }
 
-    /// Whether the slopes were found and not given.
+    /// Whether the slopes were found, not given.
     pub fn slopes_were_found(&self) -> bool {
         self.params().method == Method::Buff && matches!(self.asked.slopes, SlopeChoice::Auto { .. })
     }

@@ -1,9 +1,9 @@
-//! Where the candidates went: every candidate of a whole picture with the first test that it fails and by how much, and
-//! pictures of what decides between slopes.
+//! The candidates of a whole picture: for each the first test that it fails with the margin, and maps of the winning
+//! slopes.
 //!
 //! A candidate is a sample that is an extremum in place and scale at its own slope. Most of them are noise. The
-//! detection's tally counts samples; here those are counted that were candidates, so that a person sees what a test
-//! took of what might have been a feature.
+//! detection's tally counts samples; here candidates are counted, which shows how many possible features each test
+//! rejected.
 
 use super::telling::margin_of;
 use crate::detector::scale_space::levels::octave_pixel;
@@ -20,7 +20,7 @@ use serde::Serialize;
 pub struct CandidateMark {
     /// (u, v) of the sample, input pixels.
     pub pos_image: [f32; 2],
-    /// Scale σ of its level, input pixels.
+    /// Octave of the sample.
     pub sigma: f32,
     /// Octave.
     pub octave: i32,
@@ -30,55 +30,54 @@ pub struct CandidateMark {
     pub slope_index: usize,
     /// The sample (column, row), octave pixels.
     pub sample: [u32; 2],
-    /// D.
+    /// D at the sample.
     pub value: f32,
-    /// |D| over its noise.
+    /// Ratio of |D| to its noise.
     pub snr: f32,
-    /// The first test that it fails; `None` for what was kept.
+    /// First test that it fails; `None` for a kept candidate.
     pub first_failed: Option<Test>,
-    /// By how much it fails that test, as a part of the limit: below 0. `None` where it was kept and where there is no
-    /// limit to speak of.
+    /// Margin of that test, as a part of the limit: below 0. `None` for a kept candidate and for tests without a limit.
     pub margin: Option<f32>,
 }
 
 impl CandidateMark {
-    /// The sample, to be asked more closely.
+    /// The sample, for further questions.
     pub fn of_sample(&self) -> Sample {
         let [x, y] = self.sample.map(|at| at as usize);
         Sample { octave: self.octave, level: self.level, slope_index: self.slope_index, x, y }
     }
 }
 
-/// What one test took.
+/// Rejections of one test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct TestCount {
     /// The test.
     pub test: Test,
-    /// Samples that it rejected first, as in the detection's tally.
+    /// Number of samples that it rejected first, as in the detection's tally.
     pub samples: u64,
-    /// Candidates among them.
+    /// Number of candidates among them.
     pub candidates: u64,
 }
 
 /// The candidates of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Survey {
-    /// The candidates that were asked for, in order of octaves, tiles, slopes and levels.
+    /// The listed candidates, in order of octaves, tiles, slopes and levels.
     pub marks: Vec<CandidateMark>,
     /// Both counts for each test, in the order of [`Test::ALL`].
     pub counts: Vec<TestCount>,
-    /// All candidates.
+    /// Number of all candidates.
     pub candidates: u64,
-    /// Candidates that were kept.
+    /// Number of candidates that were kept.
     pub kept: u64,
 }
 
-/// Which candidates are listed; all are counted.
+/// Selection of the candidates to list; all are counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurveyOptions {
-    /// Only those of at least this |D| over its noise. Noise alone has millions of weak ones.
+    /// Minimum |D| over its noise. Noise alone has millions of weak candidates.
     pub min_snr: f32,
-    /// Only those that fail this test first; `None` lists those of all tests, and those that were kept.
+    /// Test that they fail first; `None` lists the candidates of all tests, and the kept ones.
     pub test: Option<Test>,
 }
 
@@ -90,17 +89,17 @@ impl Default for SurveyOptions {
 
 /// Side of the parts in which a picture is surveyed, octave pixels, unless there are very many slopes.
 const PART_PX: usize = 160;
-/// D of all slopes and levels of one part takes about this many bytes at most.
+/// Approximate maximum size of D for all slopes and levels of one part, bytes.
 const PART_BYTES: usize = 256 << 20;
 
 /// Side of the parts in which the picture of a detection is surveyed, octave pixels.
 fn part_px(trail: &Trail) -> usize {
     let of_pixel = trail.params().used_slopes().len() * (trail.space().levels + 2) * size_of::<f32>();
-    // What is held around a part is not counted against it, however small it is.
+    // The margin held around a part does not count, however small the part is.
     (PART_BYTES / of_pixel.max(1)).isqrt().clamp(PART_PX / 8, PART_PX)
 }
 
-/// Counts all candidates of the picture by the first test that they fail, and lists those that `options` ask for. It
+/// Counts all candidates of the picture by the first test that they fail, and lists those that `options` select. It
 /// searches the picture again.
 ///
 /// # Errors
@@ -141,7 +140,7 @@ fn pixels(trail: &Trail, octave: i32) -> f32 {
     width as f32 * height as f32
 }
 
-/// The candidates of a part of the picture, judged.
+/// The candidates of a part of the picture, with their judgements.
 fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
     let levels = trail.space().levels;
     let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2] };
@@ -193,29 +192,30 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
         .collect()
 }
 
-/// How many frames show each pixel of the picture at a slope.
+/// The number of frames that show each pixel of the picture at a slope.
 pub fn coverage_map(trail: &Trail, slope: Slope) -> Plane {
     let offsets = trail.offsets(slope);
     let size = trail.size_image();
     Plane::from_fn(size.0, size.1, |u, v| coverage(&offsets, u, v, size) as f32)
 }
 
-/// The slope that wins at each place of an octave, and how surely.
+/// The winning slope at each place of an octave, with its confidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WinningSlopes {
-    /// The octave, whose pixels the planes have.
+    /// Octave, in whose pixels the planes are.
     pub octave: i32,
-    /// The DoG level.
+    /// DoG level.
     pub level: i32,
     /// Index of the slope with the largest |D| over its noise.
     pub slope_index: Plane,
-    /// |D| over its noise there.
+    /// |D| over its noise at that slope.
     pub snr: Plane,
-    /// 0 … 1: how far the strongest slope that is not a neighbour stays behind, 0 where nothing reaches the gate.
+    /// Confidence, 0 … 1: relative distance to the strongest slope that is not a neighbour; 0 where no slope reaches
+    /// the gate.
     pub confidence: Plane,
 }
 
-/// The slope that wins at each place, at one octave and level that were searched: a picture of the motion.
+/// Computes the winning slope at each place, at one searched octave and level: a map of the motion.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

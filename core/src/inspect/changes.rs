@@ -1,9 +1,9 @@
-//! What a change did: two lists of features of one burst compared. Those of the other may be somebody else's
-//! ([`super::foreign`]).
+//! Comparison of two lists of features of one burst, before and after a change. The second list may come from another
+//! program ([`super::foreign`]).
 //!
-//! Two features are the same when the one finds the other by the rule of [`crate::evaluate::score`], taking it for a
-//! disc of radius √2·σ, and both are bright or both dark as far as that is known. Each is the same as one other at
-//! most; the strongest of the later list choose first, each the nearest that is free. The orientations of one keypoint
+//! Two features are the same when one finds the other by the rule of [`crate::evaluate::score`], taken as a disc of
+//! radius √2·σ, and both are bright or both dark as far as that is known. Each is the same as at most one other; the
+//! features of the later list choose in order of strength, each the nearest free one. The orientations of one keypoint
 //! count as one.
 
 use super::foreign::ForeignFeature;
@@ -11,16 +11,16 @@ use crate::detector::{Feature, Slope};
 use crate::evaluate::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use serde::Serialize;
 
-/// A feature as this comparison sees it.
+/// A feature as used by the comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
     /// (u, v), input pixels.
     pub pos_image: [f32; 2],
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// px/frame, if it is known.
+    /// Slope, px/frame, if known.
     pub slope: Option<Slope>,
-    /// Whether it is brighter than its surroundings, if that is known.
+    /// Whether it is brighter than its surroundings, if known.
     pub is_bright: Option<bool>,
 }
 
@@ -49,39 +49,39 @@ pub struct Same {
     pub before: usize,
     /// Index in the later list.
     pub after: usize,
-    /// How far it moved, input pixels.
+    /// Distance that it moved, input pixels.
     pub moved_px: f32,
-    /// How far its slope moved, px/frame; 0 where one is not known.
+    /// Magnitude of the change of its slope, px/frame; 0 where one is unknown.
     pub slope_moved: f32,
-    /// Its scale now over its scale before.
+    /// Ratio of the later scale to the earlier one.
     pub scale_ratio: f32,
 }
 
 impl Same {
-    /// Whether it is somewhere else, of another scale or another slope, by more than people would overlook.
+    /// Whether its position, scale or slope changed noticeably.
     pub fn has_moved(&self) -> bool {
         self.moved_px > MOVED_PX || self.slope_moved > MOVED_SLOPE || (self.scale_ratio.ln()).abs() > MOVED_SCALE.ln()
     }
 }
 
-/// What a change did.
+/// Result of a comparison.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Changes {
-    /// Features of both, in the order of the later list.
+    /// Features in both lists, in the order of the later list.
     pub same: Vec<Same>,
-    /// Indices in the later list of what the earlier one has not.
+    /// Indices in the later list of features missing in the earlier one.
     pub gained: Vec<usize>,
-    /// Indices in the earlier list of what the later one has not.
+    /// Indices in the earlier list of features missing in the later one.
     pub lost: Vec<usize>,
 }
 
 impl Changes {
-    /// Those of both that are not where they were.
+    /// The features in both lists that moved.
     pub fn moved(&self) -> impl Iterator<Item = &Same> {
         self.same.iter().filter(|same| same.has_moved())
     }
 
-    /// The counts in a sentence.
+    /// The counts as a sentence.
     pub fn summary(&self) -> String {
         format!(
             "{} gained, {} lost, {} moved, {} as before",
@@ -126,7 +126,7 @@ pub fn compare(before: &[Spot], after: &[Spot]) -> Changes {
     changes
 }
 
-/// The first of each keypoint's features: those that differ in nothing but their orientation are one.
+/// Indices of the first feature of each keypoint: features that differ only in their orientation are one.
 fn once(spots: &[Spot]) -> Vec<usize> {
     let mut seen = std::collections::HashSet::with_capacity(spots.len());
     let key = |s: &Spot| {
@@ -140,7 +140,7 @@ fn apart(a: &Spot, b: &Spot) -> f32 {
     (a.pos_image[0] - b.pos_image[0]).hypot(a.pos_image[1] - b.pos_image[1])
 }
 
-/// How far from `spot` another may lie that is the same.
+/// Maximum distance from `spot` of a feature that is the same.
 fn reach(spot: &Spot) -> f32 {
     REACH_IN_RADII as f32 * std::f32::consts::SQRT_2 * spot.sigma + REACH_PIXELS as f32
 }
@@ -151,18 +151,18 @@ fn finds(spot: &Spot, earlier: &Spot) -> bool {
     is_alike && apart(spot, earlier) <= reach(earlier) && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
 }
 
-/// Spots by place, in squares; those of a scale class together, so that no square holds what is far smaller than it.
+/// Spots by position, in squares; each class of scales has its own, so that no square holds much smaller spots.
 struct Cells {
-    /// By class of scale and square.
+    /// Indices of spots by class of scale and square.
     squares: std::collections::HashMap<(i32, i32, i32), Vec<usize>>,
 }
 
-/// Class of a scale: doublings of σ.
+/// The class of a scale: the whole number of doublings of σ.
 fn class(sigma: f32) -> i32 {
     sigma.max(1e-3).log2().floor() as i32
 }
 
-/// Side of the squares of a class: no spot of it reaches farther.
+/// Side of the squares of a class: at least the reach of its spots.
 fn side(class: i32) -> f32 {
     REACH_IN_RADII as f32 * std::f32::consts::SQRT_2 * 2f32.powi(class + 1) + REACH_PIXELS as f32
 }
@@ -182,7 +182,7 @@ impl Cells {
         (class, at(spot.pos_image[0]), at(spot.pos_image[1]))
     }
 
-    /// Those that may be the same as `spot`.
+    /// The indices of spots that may be the same as `spot`.
     fn around(&self, spot: &Spot) -> impl Iterator<Item = usize> + '_ {
         let own = class(spot.sigma);
         let spot = *spot;

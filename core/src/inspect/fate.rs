@@ -1,30 +1,30 @@
-//! The fate of one candidate: every test of the search with its value, its limit and what beat it, in the order of the
+//! The fate of one candidate: every test of the search with its value, its limit and its rival, in the order of the
 //! search.
 //!
 //! A candidate is a sample that is an extremum in place and scale at its own slope, whatever its size. The first test
-//! that it fails is the search's own verdict. The tests after that one are asked all the same, because what people
-//! change next depends on them.
+//! that it fails is the search's own verdict. The later tests are also evaluated, because they decide what to change
+//! next.
 
 use crate::detector::keypoint::Keypoint;
 use crate::detector::params::doc;
 use crate::detector::{ParamChange, ParamDoc, Sample, Slope, Test};
 use serde::Serialize;
 
-/// What a test says of a candidate.
+/// Outcome of a test of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// It passes.
+    /// The candidate passes.
     Passes,
-    /// It fails.
+    /// The candidate fails.
     Fails,
-    /// The parameters do not ask for this test.
+    /// The parameters switch this test off.
     NotAsked,
-    /// It cannot be said: the fit that the test needs did not settle.
+    /// Unknown, because the fit that the test needs did not converge.
     Unknown,
 }
 
-/// Which side of the limit passes.
+/// Side of the limit that passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
@@ -34,18 +34,18 @@ pub enum Side {
     AtMost,
 }
 
-/// Another sample or keypoint that stands in the way.
+/// Another sample or keypoint that beats a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rival {
     /// (u, v) at mid-burst, input pixels.
     pub pos_image: [f32; 2],
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Its slope, px/frame.
+    /// Slope, px/frame.
     pub slope: Slope,
-    /// D there.
+    /// D at the rival.
     pub value: f32,
-    /// Index of a feature of the detection that it is; `None` for a mere sample.
+    /// Index of the feature of the detection, if the rival is one; `None` for a mere sample.
     pub feature: Option<usize>,
 }
 
@@ -54,23 +54,23 @@ pub struct Rival {
 pub struct TestReport {
     /// The test.
     pub test: Test,
-    /// What it says.
+    /// Outcome of the test.
     pub outcome: Outcome,
-    /// What is compared; `None` where there is nothing to compare.
+    /// Value that is compared; `None` where there is none.
     pub value: Option<f64>,
-    /// With what.
+    /// Limit that it is compared with.
     pub limit: Option<f64>,
-    /// Which side passes.
+    /// Side of the limit that passes.
     pub side: Side,
-    /// Unit of both.
+    /// Unit of value and limit.
     pub unit: &'static str,
-    /// What beat it, or comes nearest to beating it.
+    /// Rival that beats the candidate, or comes nearest to it.
     pub rival: Option<Rival>,
 }
 
 impl TestReport {
-    /// By how much the value lies on the passing side of the limit, as a part of the limit: below 0 where it fails.
-    /// `None` where there is no limit to speak of.
+    /// The distance of the value from the limit on the passing side, as a part of the limit: below 0 where the test
+    /// fails. `None` for tests without a limit.
     pub fn margin(&self) -> Option<f64> {
         let (value, limit) = (self.value?, self.limit?);
         if limit == 0.0 {
@@ -86,18 +86,18 @@ impl TestReport {
 /// The one setting that would keep a candidate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Remedy {
-    /// What would keep it, as a sentence without a full stop, such as “a noise gate of 3.9 instead of 4.64”.
+    /// Setting as a sentence without a full stop, such as “a noise gate of 3.9 instead of 4.64”.
     pub sentence: String,
-    /// The change.
+    /// Change that applies it.
     pub change: ParamChange,
-    /// The next test that it fails then, if there is one.
+    /// Next test that it would then fail, if any.
     pub then_fails: Option<Test>,
 }
 
 /// The fate of one candidate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fate {
-    /// Octave.
+    /// Octave of the sample.
     pub octave: i32,
     /// DoG level, 0 … S−1.
     pub level: i32,
@@ -105,11 +105,11 @@ pub struct Fate {
     pub slope_index: usize,
     /// The sample (column, row), octave pixels.
     pub sample: [usize; 2],
-    /// (u, v) at mid-burst, input pixels: the fit's place where it settled, otherwise the sample's.
+    /// (u, v) at mid-burst, input pixels: the fit's position where it converged, otherwise the sample's.
     pub pos_image: [f32; 2],
-    /// Scale σ, input pixels, likewise.
+    /// Scale σ, input pixels, of the fit or the sample likewise.
     pub sigma: f32,
-    /// The slope, px/frame: the refined one of a feature, otherwise the grid's.
+    /// Slope, px/frame: the refined one of a feature, otherwise the grid's.
     pub slope: Slope,
     /// D at the sample.
     pub value: f32,
@@ -117,25 +117,25 @@ pub struct Fate {
     pub snr: f32,
     /// σ_D at the sample.
     pub sigma_d: f32,
-    /// All tests in order.
+    /// Reports of all tests in order.
     pub tests: Vec<TestReport>,
-    /// The first one that it fails: the search's verdict. `None` for what became a feature.
+    /// First test that it fails: the search's verdict. `None` for a candidate that became a feature.
     pub first_failed: Option<Test>,
-    /// Whether its slope is on the rim of the grid.
+    /// Whether the slope is on the rim of the grid.
     pub at_slope_limit: bool,
-    /// The features that it became, strongest first.
+    /// Indices of the features that it became, strongest first.
     pub features: Vec<usize>,
-    /// Which keypoint of the detection it is, if it is one.
+    /// Index of the detection's keypoint that it became, if any.
     pub keypoint: Option<usize>,
-    /// What happened, as one sentence.
+    /// Verdict as one sentence.
     pub verdict: String,
-    /// What would keep it; `None` for what was kept, where no setting would, and for duplicates in a list (see
-    /// [`super::remedy::duplicate_remedy`]).
+    /// Setting that would keep it; `None` for a kept candidate, where no setting would, and for duplicates in a list
+    /// (see [`super::remedy::duplicate_remedy`]).
     pub remedy: Option<Remedy>,
 }
 
 impl Fate {
-    /// The sample.
+    /// The candidate's sample.
     pub fn of_sample(&self) -> Sample {
         let [x, y] = self.sample;
         Sample { octave: self.octave, level: self.level, slope_index: self.slope_index, x, y }
@@ -146,19 +146,19 @@ impl Fate {
         self.first_failed.is_none()
     }
 
-    /// What a test says.
+    /// The report of a test.
     pub fn report(&self, test: Test) -> &TestReport {
         &self.tests[test as usize]
     }
 
-    /// The tests after the first one that it fails, which it fails too.
+    /// The tests after the first failed one that it also fails.
     pub fn fails_later(&self) -> impl Iterator<Item = Test> + '_ {
         let after = self.first_failed.map_or(Test::ALL.len(), |test| test as usize + 1);
         self.tests[after.min(self.tests.len())..].iter().filter(|t| t.outcome == Outcome::Fails).map(|t| t.test)
     }
 }
 
-/// The parameter that a test compares with; `None` for those that have none.
+/// The parameter that a test compares with; `None` for tests without one.
 pub fn parameter_of(test: Test) -> Option<ParamDoc> {
     match test {
         Test::PeakThreshold | Test::InterpolatedContrast => Some(doc::PEAK_THRESHOLD),

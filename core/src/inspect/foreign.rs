@@ -1,33 +1,33 @@
-//! Features of somebody else, to be laid over a burst and compared: our own CSV table, or the text that COLMAP imports.
+//! Features of other programs, as an overlay of a burst and for comparison: from our own CSV table or COLMAP's text.
 
 use crate::detector::Slope;
 use crate::export::{COLUMNS, ExportError, read_colmap, read_features_csv};
 use std::io::Read;
 use std::path::Path;
 
-/// A feature from a file, as far as the file says.
+/// A feature from a file, with the values that the file has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForeignFeature {
     /// (u, v), input pixels; the centre of the first pixel is (0, 0).
     pub pos_image: [f32; 2],
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Radians, from +u towards +v.
+    /// Orientation, radians, from +u towards +v.
     pub orientation: f32,
-    /// px/frame.
+    /// Slope, px/frame.
     pub slope: Option<Slope>,
     /// D with its sign.
     pub response: Option<f32>,
-    /// |D| over its noise.
+    /// Ratio of |D| to its noise.
     pub snr: Option<f32>,
 }
 
-/// Reads features from a file: CSV if it begins as our table does, otherwise COLMAP's text.
+/// Reads features from a file: CSV if it begins like our table, otherwise COLMAP's text.
 ///
 /// # Errors
-/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] naming the line that is not as it should
-/// be; a file that is neither kind says what both look like. Features with a place or a scale that is no number, or
-/// without a size, are refused too.
+/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] with the line that has a wrong form; for a
+/// file of neither kind the error describes both. Features with a position or a scale that is no number, or without a
+/// size, are also refused.
 pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, ExportError> {
     let features: Vec<ForeignFeature> = match kind(path)? {
         Kind::Csv => read_features_csv(path)?
@@ -70,7 +70,7 @@ enum Kind {
     Colmap,
 }
 
-/// What a file looks like, by how it begins.
+/// The kind of a file, from its beginning.
 fn kind(path: &Path) -> Result<Kind, ExportError> {
     let read = |e: std::io::Error| ExportError::Read { path: path.into(), reason: e.to_string() };
     let mut start = Vec::new();

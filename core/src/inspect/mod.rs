@@ -1,13 +1,13 @@
-//! Why: the questions that a detection raises, and their answers.
+//! Explanations of a detection.
 //!
-//! A detector says what it found. When that is nothing, or too much, or wrong, people ask: what happened at this place
-//! ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test took the candidates ([`candidates`])?
-//! What did my change of a parameter do ([`changes`])? Why is this feature not matched ([`unmatched`])? Which of the
-//! things that are really there were missed ([`truth`])?
+//! A detector returns what it found. When that is nothing, or too much, or wrong, people ask: what happened at this
+//! place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the candidates
+//! ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
+//! ([`unmatched`])? Which true discs were missed ([`truth`])?
 //!
-//! Everything here explains and decides nothing: a verdict about a sample comes from the function of the search that
-//! gave it ([`crate::detector::Trail`]), and over a whole picture the verdicts add up to the detection's tally. An
-//! explanation ends, where one setting would help, in that setting and its value ([`crate::detector::ParamChange`]).
+//! Everything here explains and decides nothing: a verdict about a sample comes from the search's own function
+//! ([`crate::detector::Trail`]), and over a whole picture the verdicts add up to the detection's tally. Where one
+//! setting would help, an explanation ends with that setting and its value ([`crate::detector::ParamChange`]).
 
 pub mod cache;
 pub mod candidates;

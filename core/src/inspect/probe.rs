@@ -1,4 +1,4 @@
-//! The probe: everything that is to be said about one place of a burst.
+//! The probe: all explanations of one place of a burst.
 
 mod nearby;
 mod summary;
@@ -18,10 +18,10 @@ use summary::summary;
 
 pub use nearby::{fate_of, fates_near};
 
-/// Why there is no answer about a place.
+/// Reason why a place was not probed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ProbeError {
-    /// The place is not in the picture.
+    /// The place is outside the picture.
     #[error("({u}, {v}) is outside the {width}×{height} image; give 0 to {} and 0 to {}", width - 1, height - 1)]
     Outside {
         /// Column, input pixels.
@@ -33,33 +33,33 @@ pub enum ProbeError {
         /// Rows of the image.
         height: usize,
     },
-    /// There is no such feature.
+    /// No feature has this index.
     #[error("there is no feature {index}: the detection has {count}")]
     NoFeature {
-        /// The index that was asked for.
+        /// Requested index.
         index: usize,
-        /// How many there are.
+        /// Number of features.
         count: usize,
     },
-    /// There is no such octave, level or slope.
+    /// No such octave, level or slope was searched.
     #[error("there is no octave {octave}, level {level} and slope number {slope_index} in this search")]
     NoScale {
         /// Octave.
         octave: i32,
         /// Level.
         level: i32,
-        /// Index in the grid.
+        /// Index of the slope in the grid.
         slope_index: usize,
     },
-    /// It was cancelled.
+    /// The probe was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// What the probe looks at more closely.
+/// Subject that the probe examines more closely.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Wanted {
-    /// The strongest of what was kept near the place, or else the candidate that came nearest to it.
+    /// The strongest kept candidate near the place, or else the candidate that came closest to being kept.
     #[default]
     Best,
     /// A feature of the detection, by its index.
@@ -70,19 +70,20 @@ pub enum Wanted {
         octave: i32,
         /// DoG level.
         level: i32,
-        /// Index in the grid.
+        /// Index of the slope in the grid.
         slope_index: usize,
     },
-    /// A candidate near the place, by its sample; as [`Wanted::Best`] where none near it has that one.
+    /// A candidate near the place, by its sample; as [`Wanted::Best`] where no candidate near the place has this
+    /// sample.
     Candidate(Sample),
 }
 
-/// How a place is probed.
+/// Options of a probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProbeOptions {
-    /// Candidates within this many σ of theirs count as near the place; at least two pixels of their octave do.
+    /// Maximum distance of candidates near the place, in their σ; at least two pixels of their octave.
     pub reach_sigmas: f32,
-    /// What is looked at more closely.
+    /// Subject to examine more closely.
     pub wanted: Wanted,
     /// Pixels to each side in the slices.
     pub slice_half_px: usize,
@@ -94,16 +95,16 @@ impl Default for ProbeOptions {
     }
 }
 
-/// What is looked at more closely.
+/// Subject that is examined more closely.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Subject {
     /// Index of its fate, if it is a candidate near the place.
     pub fate: Option<usize>,
     /// (u, v) at mid-burst, input pixels.
     pub pos_image: [f32; 2],
-    /// px/frame.
+    /// Slope, px/frame.
     pub slope: Slope,
-    /// Index of the grid's slope.
+    /// Index of the slope in the grid.
     pub slope_index: usize,
     /// Octave.
     pub octave: i32,
@@ -111,38 +112,38 @@ pub struct Subject {
     pub level: i32,
 }
 
-/// The answer about a place.
+/// Result of a probe.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Probe {
-    /// The place, input pixels.
+    /// Place, input pixels.
     pub pos_image: [f32; 2],
-    /// The candidates near it: what was kept first, then by how far they came and how strong they are.
+    /// Fates of the candidates near it: kept ones first, then in order of how far they came and of their strength.
     pub fates: Vec<Fate>,
-    /// Samples of D near the place that were looked at, candidates or not.
+    /// Number of samples of D examined near the place, candidates or not.
     pub samples: usize,
-    /// What is looked at more closely.
+    /// Subject that is examined more closely.
     pub subject: Subject,
-    /// The response over slope and scale.
+    /// Response over slope and scale.
     pub response: ResponseMap,
-    /// What each frame answers along the subject's way.
+    /// Response of each frame along the subject's motion.
     pub shares: Shares,
-    /// What may be wrong with the subject, if it was kept.
+    /// Reasons to doubt the subject, if it was kept.
     pub suspicions: Vec<Suspicion>,
-    /// Slices through the subject's place: along its motion, and across it.
+    /// Slices through the subject's position: along its motion, and across it.
     #[serde(skip)]
     pub slices: [Slice; 2],
-    /// What happened here, as a sentence or two.
+    /// Summary, a sentence or two.
     pub summary: String,
 }
 
 impl Probe {
-    /// The fate of what is looked at more closely.
+    /// The fate of the subject.
     pub fn subject_fate(&self) -> Option<&Fate> {
         self.subject.fate.map(|index| &self.fates[index])
     }
 }
 
-/// Answers what happened at `place` (u, v), input pixels of the mid-burst picture.
+/// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
 ///
 /// # Errors
 /// See [`ProbeError`].
@@ -211,7 +212,7 @@ fn subject(trail: &Trail, place: [f32; 2], fates: &[Fate], wanted: Wanted) -> Re
     let index = match wanted {
         _ if by_sample.is_some() => by_sample,
         Wanted::Feature(feature) => fates.iter().position(|fate| fate.features.contains(&feature)),
-        // What was kept comes first; then what is strong and near, in its own scale.
+        // Kept candidates come first; then strong and near ones, with distances in their own scale.
         _ => {
             let weight = |index: usize| {
                 let fate: &Fate = &fates[index];

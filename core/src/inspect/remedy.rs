@@ -1,7 +1,7 @@
-//! What happened to a candidate as a sentence, and the one setting that would keep it.
+//! The verdict about a candidate as a sentence, and the one setting that would keep it.
 //!
-//! A remedy changes the limit of the first failed test just so far that the candidate passes it. Where it would then
-//! fail a later test, that is said. Some verdicts have none: an extremum that a neighbour beats is no extremum with any
+//! A remedy changes the limit of the first failed test just so far that the candidate passes it. If it would then fail
+//! a later test, that is stated. Some verdicts have no remedy: a sample that a neighbour beats is no extremum with any
 //! setting.
 
 use super::fate::{Fate, Remedy, apart_sigmas};
@@ -9,13 +9,14 @@ use super::words::{number, rounded_down, rounded_up, slope_text};
 use crate::detector::params::doc;
 use crate::detector::{Distinct, Judgement, NoiseGate, ParamChange, Slope, SlopeAxis, SlopeGrid, Test, Trail};
 
-/// A larger or smaller limit that the value passes with certainty: the search computes in single precision.
+/// Margin by which a limit is changed further, so that the value passes although the search computes in single
+/// precision.
 const EASE: f64 = 1e-4;
-/// The smallest radius of distinct keypoints that is proposed, and the smallest ratio of scales.
+/// Smallest radius of distinct keypoints that is proposed, and smallest ratio of scales.
 const MIN_RADIUS: f64 = 0.05;
 const MIN_RATIO: f64 = 1.02;
 
-/// The fate with its verdict and remedy.
+/// Adds the verdict and the remedy to the fate.
 pub(super) fn explained(trail: &Trail, judgement: &Judgement, fate: Fate) -> Fate {
     let verdict = verdict(trail, &fate);
     let remedy = change(trail, judgement, &fate).map(|(sentence, change)| Remedy {
@@ -26,7 +27,7 @@ pub(super) fn explained(trail: &Trail, judgement: &Judgement, fate: Fate) -> Fat
     Fate { verdict, remedy, ..fate }
 }
 
-/// What happened, as one sentence.
+/// The verdict as one sentence.
 fn verdict(trail: &Trail, fate: &Fate) -> String {
     let Some(test) = fate.first_failed else {
         let limit = if fate.at_slope_limit { ", at the limit of the slopes" } else { "" };
@@ -106,12 +107,12 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
     }
 }
 
-/// Distance from the candidate, input pixels.
+/// The distance of a place from the candidate, input pixels.
 fn away(fate: &Fate, [u, v]: [f32; 2]) -> f32 {
     (u - fate.pos_image[0]).hypot(v - fate.pos_image[1])
 }
 
-/// Whether what beats the candidate lies on the rim of the slopes.
+/// Whether the rival that beats the candidate lies on the rim of the slopes.
 fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
     let grid = trail.params().used_slopes();
     let nearest = grid.slopes().position(|s| s == slope);
@@ -121,7 +122,7 @@ fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
     })
 }
 
-/// The sentence and the change that make the candidate pass the test that it fails first.
+/// The sentence and the change that make the candidate pass its first failed test.
 fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, ParamChange)> {
     let test = fate.first_failed?;
     let params = trail.params();
@@ -129,7 +130,7 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
     let instead = |what: &str, change: &ParamChange, of: String| format!("{what} {} instead of {of}", change.value);
     match test {
         Test::PeakThreshold | Test::InterpolatedContrast => {
-            // Both tests of the threshold: the sample's own value, and the fit's.
+            // Both tests use the threshold: for the sample's own value, and for the fit's.
             let first = f64::from(judgement.value.abs()) / f64::from(crate::detector::pipeline::FIRST_PEAK_PART);
             let fit = judgement.fit.map_or(f64::INFINITY, |fit| fit.value.abs());
             let value = rounded_down((1.0 - EASE) * first.min(fit), 2);
@@ -187,9 +188,9 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
     }
 }
 
-/// The smallest change that lets a keypoint stand beside the stronger one on its blob; `None` for a candidate that is
-/// no duplicate. It takes a while, because the keypoints around are held against one another anew, so [`Fate::remedy`]
-/// of a duplicate is left out where many candidates are listed.
+/// The smallest change that keeps a keypoint beside the stronger one on its blob; `None` for a candidate that is no
+/// duplicate. It takes a while, because the nearby keypoints are compared again, so [`Fate::remedy`] of a duplicate is
+/// left out where many candidates are listed.
 pub fn duplicate_remedy(trail: &Trail, fate: &Fate) -> Option<Remedy> {
     let index = fate.keypoint.filter(|_| fate.first_failed == Some(Test::Duplicate))?;
     let (sentence, change) = distinct_change(trail, index)?;
@@ -206,7 +207,7 @@ fn distinct_change(trail: &Trail, index: usize) -> Option<(String, ParamChange)>
     let (a, b) = (stronger.in_image().2, own.in_image().2);
     let ratio = f64::from(a.max(b) / a.min(b));
     let (closer, less) = (rounded_down((1.0 - EASE) * distance, 2), rounded_down((1.0 - EASE) * ratio, 3));
-    // The smaller change first; whether it does what it says depends on the keypoints around.
+    // The smaller change first; whether it has the effect depends on the nearby keypoints.
     let by_radius = (closer >= MIN_RADIUS && trail.would_stay(index, closer as f32, params.distinct_scale))
         .then(|| (closer / f64::from(radius), ParamChange::new(doc::DISTINCT, closer), radius.to_string()));
     let by_ratio = (less > MIN_RATIO && trail.would_stay(index, radius, less as f32)).then(|| {
@@ -220,14 +221,15 @@ fn distinct_change(trail: &Trail, index: usize) -> Option<(String, ParamChange)>
     Some((format!("{name} {} instead of {was} would keep both", change.value), change))
 }
 
-/// Index of the grid's slope that is nearest to a slope.
+/// The index of the grid's slope nearest to a slope.
 pub fn nearest_slope(grid: &SlopeGrid, slope: Slope) -> usize {
     let (i, j) = grid.position(slope);
     let nearest = |at: f32, axis: &SlopeAxis| at.round().clamp(0.0, (axis.count.max(1) - 1) as f32) as usize;
     nearest(j, &grid.v) * grid.u.count + nearest(i, &grid.u)
 }
 
-/// The axis on whose rim a candidate lies, with a step more beyond that rim; `None` for one that is not on a rim.
+/// The change that extends the axis on whose rim a candidate lies by one step; `None` for a candidate that is not on a
+/// rim.
 pub(super) fn widened_towards(grid: &SlopeGrid, fate: &Fate) -> Option<ParamChange> {
     let rival = fate.report(Test::SlopeExtremum).rival;
     let index = match fate.first_failed {
@@ -243,7 +245,7 @@ pub(super) fn widened_towards(grid: &SlopeGrid, fate: &Fate) -> Option<ParamChan
     (v.0 || v.1).then(|| ParamChange::new(doc::SLOPES_V, grid.v.with_more(usize::from(v.0), usize::from(v.1))))
 }
 
-/// |D| with three digits.
+/// |D| with three digits, as text.
 fn scientific(x: f64) -> String {
     if x >= 0.01 { number(x as f32, 4) } else { format!("{x:.2e}") }
 }

@@ -8,7 +8,7 @@ use super::{Fate, Probe};
 use crate::detector::Test;
 use std::fmt::Write;
 
-/// What a test is called in a table.
+/// Name of a test in a table.
 pub fn test_name(test: Test) -> &'static str {
     match test {
         Test::PeakThreshold => "peak threshold",
@@ -25,7 +25,7 @@ pub fn test_name(test: Test) -> &'static str {
     }
 }
 
-/// A number of a test: short for people, whatever its size.
+/// A number of a test as short text, for any magnitude.
 pub fn value_text(x: f64) -> String {
     match x.abs() {
         a if !a.is_finite() => "∞".to_owned(),
@@ -35,12 +35,12 @@ pub fn value_text(x: f64) -> String {
     }
 }
 
-/// Candidates that the text lists.
+/// Maximum number of candidates in the text.
 const LISTED: usize = 12;
 /// Width of the longest bar, characters.
 const BAR_WIDTH: f32 = 30.0;
 
-/// The answer of a probe as text; ends with an empty line. `name` is the burst's.
+/// The result of a probe as text; ends with an empty line. `name` is the burst's.
 pub fn probe_text(probe: &Probe, name: &str) -> String {
     let mut text = String::new();
     // Writing into a string cannot fail.
@@ -74,7 +74,7 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     writeln!(out)
 }
 
-/// The other candidates: those that stand for themselves one by one, keypoints on the blob of a feature together.
+/// Writes the other candidates: separate ones one by one, keypoints on the blob of a feature together.
 fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
     let others = probe.fates.iter().enumerate().filter(|(index, _)| Some(*index) != probe.subject.fate);
     let (same, alone): (Vec<&Fate>, Vec<&Fate>) =
@@ -98,7 +98,7 @@ fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
             )?;
         }
     }
-    // By the keypoint that covers them, in order of the strongest covered.
+    // Grouped by the keypoint that covers them, in order of the strongest covered.
     let mut groups: Vec<(super::fate::Rival, Vec<&Fate>)> = Vec::new();
     for fate in same {
         let Some(rival) = fate.report(Test::Duplicate).rival else { continue };
@@ -151,7 +151,7 @@ fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
     Ok(())
 }
 
-/// One test in a line: name, value, limit, margin, and what it says.
+/// One test as a line: name, value, limit, margin, and outcome.
 fn report_line(report: &TestReport, is_first_failed: bool) -> String {
     let value = report.value.map_or_else(|| "–".to_owned(), value_text);
     let sign = if report.side == Side::AtLeast { '≥' } else { '≤' };
@@ -201,10 +201,10 @@ fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
     Ok(())
 }
 
-/// Slopes that the text lists at most.
+/// Maximum number of slopes in the text.
 const SLOPES_LISTED: usize = 25;
 
-/// The answer about slopes as text; ends with an empty line. `name` is the burst's.
+/// The spectrum as text; ends with an empty line. `name` is the burst's.
 pub fn spectrum_text(spectrum: &Spectrum, name: &str) -> String {
     let mut text = String::new();
     // Writing into a string cannot fail.

@@ -1,8 +1,8 @@
 //! The response at one place over slope and scale, finer than the grid: where a blob peaks, and whether it would peak
 //! beyond the slopes that are searched.
 //!
-//! Values are D in units of its noise, with its sign. They come from the frames themselves, shifted by each slope
-//! ([`Trail::point_response`]), so they are those of the search up to interpolation; no verdict comes from them.
+//! Values are D in units of its noise, with its sign. They are computed from the frames, shifted by each slope
+//! ([`Trail::point_response`]), so they equal those of the search up to interpolation; they do not enter any verdict.
 
 use crate::detector::{Slope, SlopeAxis, Trail};
 use crate::monitor::{Cancelled, Monitor};
@@ -24,14 +24,15 @@ pub struct Scale {
 /// The slopes of one axis of the grid and those between them, a step beyond both ends.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FineAxis {
-    /// The slope along the axis, px/frame, from the smallest to the largest.
+    /// Slopes along the axis, px/frame, from the smallest to the largest.
     pub values: Vec<f32>,
     /// The grid's own slopes on this axis, px/frame.
     pub grid: Vec<f32>,
 }
 
 impl FineAxis {
-    /// `finer` slopes for each of the axis, and as many beyond both ends. A single slope has one of nothing.
+    /// The axis with `finer` slopes for each step, and as many beyond both ends. An axis of a single slope keeps that
+    /// one.
     fn of(axis: &SlopeAxis, finer: usize) -> Self {
         let grid: Vec<f32> = (0..axis.count).map(|i| axis.value(i as f32)).collect();
         if axis.count == 1 {
@@ -43,31 +44,32 @@ impl FineAxis {
     }
 }
 
-/// The response over slope and scale.
+/// Response over slope and scale.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResponseMap {
-    /// The place, input pixels at mid-burst.
+    /// Place, input pixels at mid-burst.
     pub pos_image: [f32; 2],
     /// Scales, from fine to coarse: the rows.
     pub scales: Vec<Scale>,
-    /// Slopes: the columns. Along the first axis that has several, through the subject's slope on the other axis.
+    /// Slopes: the columns. They run along the first axis with several slopes, through the subject's slope on the other
+    /// axis.
     pub slopes: FineAxis,
     /// Whether the columns are slopes of the second axis, v.
     pub along_v: bool,
-    /// The slope of each column, px/frame.
+    /// Slope of each column, px/frame.
     pub columns: Vec<Slope>,
     /// D over its noise; columns × scales. In a burst without noise D itself.
     #[serde(serialize_with = "rows")]
     pub snr: Plane,
-    /// For two axes, the same over both slopes at the subject's scale.
+    /// Response over both slopes at the subject's scale, for two axes.
     pub plane: Option<SlopePlane>,
-    /// The factor of the noise gate: the contour that separates noise from what may be kept.
+    /// Factor of the noise gate: the contour that separates noise from possible features.
     pub gate: f32,
     /// Whether the values are D itself, because the burst has no noise.
     pub is_noiseless: bool,
 }
 
-/// The response over both axes of slopes at one scale.
+/// Response over both axes of slopes at one scale.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlopePlane {
     /// The scale.
@@ -76,18 +78,18 @@ pub struct SlopePlane {
     pub u: FineAxis,
     /// Slopes of the second axis: the rows.
     pub v: FineAxis,
-    /// D over its noise.
+    /// D over its noise; columns × rows.
     #[serde(serialize_with = "rows")]
     pub snr: Plane,
 }
 
-/// A plane as a list of its rows.
+/// Serialises a plane as a list of its rows.
 fn rows<S: serde::Serializer>(plane: &Plane, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq((0..plane.height()).map(|v| plane.row(v)))
 }
 
 impl ResponseMap {
-    /// The row of a scale, if it is among those held.
+    /// The row of a scale; `None` for a scale that is not in the map.
     pub fn row_of(&self, octave: i32, level: i32) -> Option<usize> {
         self.scales.iter().position(|s| (s.octave, s.level) == (octave, level))
     }
@@ -100,16 +102,16 @@ impl ResponseMap {
     }
 }
 
-/// Slopes from one of the grid to the next at which the response is computed, for a line of slopes.
+/// Number of slopes for each step of the grid at which the response is computed, for a line of slopes.
 const FINER: usize = 4;
-/// The same for a plane, where every one counts twice.
+/// Number of slopes for each step of the grid, for a plane, where the cost grows with its square.
 const FINER_IN_PLANE: usize = 3;
-/// Columns and rows that a map has at most: the window shows no more, and a probe should not take long on a grid of
+/// Maximum number of columns and rows of a map: the window shows no more, and a probe should not take long on a grid of
 /// thousands of slopes.
 const MOST: usize = 121;
 
-/// The response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two axes, at
-/// `scale` over both.
+/// Computes the response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two
+/// axes, at `scale` over both.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -138,7 +140,7 @@ pub fn response_map(
         .map(|s| scale_of(trail, s))
         .collect();
     let octaves: Vec<i32> = trail.octaves().collect();
-    // One patch serves all levels of an octave.
+    // One patch is used for all levels of an octave.
     let jobs: Vec<(usize, i32)> =
         (0..columns.len()).flat_map(|column| octaves.iter().map(move |&octave| (column, octave))).collect();
     let values: Vec<Vec<f32>> = jobs
@@ -213,7 +215,7 @@ pub(super) fn snr_at(
     levels.zip(values).map(of_noise).collect()
 }
 
-/// The frames (indices among those that took part) that show the place at a slope; all of them where none does.
+/// The frames (as indices among those used) that show the place at a slope; all of them where none does.
 pub(super) fn covering(trail: &Trail, place: [f32; 2], slope: Slope) -> Vec<usize> {
     let (width, height) = trail.size_image();
     let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
@@ -224,8 +226,8 @@ pub(super) fn covering(trail: &Trail, place: [f32; 2], slope: Slope) -> Vec<usiz
     if covering.is_empty() { (0..offsets.len()).collect() } else { covering }
 }
 
-/// Whether the response at `scale` rises from a slope on the grid's rim to the slopes a step beyond it, and by what
-/// factor: the largest of them over the one on the rim. `None` for a slope that is not on the rim.
+/// The factor by which the response at `scale` grows from a slope on the grid's rim to the slopes a step beyond it: the
+/// largest of those over the one on the rim. `None` for a slope that is not on the rim.
 pub fn beyond_the_rim(trail: &Trail, place: [f32; 2], (octave, level): (i32, i32), slope_index: usize) -> Option<f32> {
     let grid = trail.params().used_slopes();
     let (i, j) = grid.coordinates(slope_index);

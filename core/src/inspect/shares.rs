@@ -1,9 +1,9 @@
-//! Each frame's share: what every single frame answers along the way of a feature, beside its noise.
+//! The shares of the frames: the response of every single frame along the motion of a feature, with its noise.
 //!
-//! A true feature is there in every frame: the answers are level. A ghost — a blob of another motion that shows in the
-//! stack of a wrong slope — answers only in the frames in which the true blob crosses the way, so its answers are a
-//! bump. Whether two keypoints at one place are two things is judged by the search itself from the frames in which
-//! their ways are apart (`two_motions`); the number here is for people.
+//! A true feature is in every frame: the responses are level. A ghost — a blob of another motion that shows in the
+//! stack of a wrong slope — responds only in the frames in which the true blob crosses its path, so its responses form
+//! a bump. Whether two keypoints at one place are different is decided by the search itself, from the frames in which
+//! their paths are apart (`two_motions`); the number here is only for information.
 
 use crate::detector::{Feature, Slope, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -14,82 +14,82 @@ use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// One frame along a feature's way.
+/// Response of one frame along a feature's motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameShare {
     /// Index of the frame in the burst.
     pub frame: usize,
-    /// Where the feature is in it, input pixels.
+    /// Position of the feature in the frame, input pixels.
     pub pos_frame: [f32; 2],
-    /// Whether the frame shows the place and was not left out.
+    /// Whether the frame shows the place and was used.
     pub covers: bool,
     /// D of this frame alone, fraction of full scale.
     pub value: f32,
-    /// Its noise.
+    /// Noise of that D.
     pub sigma_d: f32,
-    /// The pixels around it; NaN beyond the frame.
+    /// Pixels around the position; NaN beyond the frame.
     #[serde(skip)]
     pub patch: Plane,
 }
 
-/// What the frames' answers look like.
+/// Pattern of the frames' responses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shape {
-    /// The same in all frames, as far as the noise lets one see.
+    /// Equal in all frames, within the noise.
     Level,
-    /// They differ more than noise does.
+    /// Different by more than noise explains.
     Uneven,
-    /// A part of the frames answers, next to each other, and the others do not.
+    /// Present in a part of the frames, next to each other, and absent in the others.
     Bump,
-    /// Too few frames, or too much noise in each, to tell.
+    /// Undecided: too few frames, or too much noise in each.
     Unclear,
 }
 
-/// All frames' shares.
+/// Shares of all frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shares {
-    /// Octave at which they answer.
+    /// Octave of the responses.
     pub octave: i32,
     /// DoG level.
     pub level: i32,
     /// (u, v) at mid-burst, input pixels.
     pub pos_image: [f32; 2],
-    /// The way, px/frame.
+    /// Slope of the motion, px/frame.
     pub slope: Slope,
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// The frames, in time order.
+    /// Shares of the frames, in time order.
     pub frames: Vec<FrameShare>,
-    /// Their mean: D of the stack.
+    /// Mean of the responses: D of the stack.
     pub mean: f32,
-    /// The coherence, 0 … 1: the square of the mean over the mean square, both less what the noise adds. 1 when all
-    /// frames answer alike; a part m of the frames that answers alone gives m. `None` where single frames are too noisy
-    /// to tell.
+    /// Coherence, 0 … 1: the square of the mean over the mean square, both without the contribution of noise. 1 when
+    /// all frames respond equally; m when only a part m of the frames responds. `None` where single frames are too
+    /// noisy to tell.
     pub coherence: Option<f32>,
-    /// By how many standard deviations the answers differ more from their mean than noise would make them.
+    /// Excess of the responses' spread over that of noise, in standard deviations.
     pub unevenness: f32,
-    /// What that means.
+    /// Pattern that follows from these.
     pub shape: Shape,
-    /// The same as a sentence.
+    /// Interpretation as a sentence.
     pub meaning: String,
     /// Side of a patch, input pixels.
     pub patch_px: f32,
 }
 
-/// Samples along a side of a patch.
+/// Number of samples along a side of a patch.
 const PATCH_SIDE: usize = 33;
-/// A patch reaches this many σ to each side.
+/// Distance from the centre of a patch to its sides, in σ.
 const PATCH_SIGMAS: f32 = 4.0;
-/// From this many standard deviations on the answers are said to differ.
+/// Unevenness, in standard deviations, above which the responses differ.
 const UNEVEN: f32 = 3.0;
-/// Below this coherence uneven answers are a bump.
+/// Coherence below which uneven responses may be a bump.
 const BUMP_COHERENCE: f32 = 0.6;
-/// A frame counts as answering from this part of the largest smoothed answer on.
+/// Share of the largest smoothed response from which a frame counts as responding.
 const ANSWERS: f32 = 0.5;
 
-/// The shares of all frames at `octave` and `level`, along the way through `place` (input pixels, at mid-burst) at
-/// `slope`.
+/// Computes the shares of all frames at `octave` and `level`, along the motion through `place` (input pixels, at
+/// mid-burst) at `slope`.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -129,8 +129,8 @@ pub fn shares(
     })
 }
 
-/// The coherence (see [`Shares::coherence`]) of each feature of the detection that `trail` is of: for each what
-/// [`shares`] says at its octave and level, along its way.
+/// Computes the coherence (see [`Shares::coherence`]) of each feature of the detection of `trail`: for each the value
+/// from [`shares`] at its octave and level, along its motion.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -148,7 +148,7 @@ pub fn coherences(trail: &Trail, monitor: &Monitor) -> Result<Vec<Option<f32>>, 
     features.par_iter().map(coherence).collect()
 }
 
-/// What one frame answers along a way.
+/// Response of one frame along a motion.
 #[derive(Debug, Clone, Copy)]
 struct FrameAnswer {
     frame: usize,
@@ -158,7 +158,7 @@ struct FrameAnswer {
     sigma_d: f32,
 }
 
-/// What each frame answers at a scale, along the way through `place` at `slope`, in time order.
+/// The response of each frame at a scale, along the motion through `place` at `slope`, in time order.
 fn answers(
     trail: &Trail,
     scale: (i32, i32),
@@ -191,15 +191,15 @@ fn answers(
     kept.iter().enumerate().map(answer).collect()
 }
 
-/// How even the answers of the frames are that show the place.
+/// The evenness of the responses of the frames that show the place.
 fn evenness_of(answers: &[FrameAnswer]) -> Evenness {
     evenness(&answers.iter().filter(|answer| answer.covers).map(|a| (a.value, a.sigma_d)).collect::<Vec<_>>())
 }
 
-/// How even answers are.
+/// Evenness of responses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evenness {
-    /// Their mean.
+    /// Mean of the responses.
     pub mean: f32,
     /// See [`Shares::coherence`].
     pub coherence: Option<f32>,
@@ -209,7 +209,7 @@ pub struct Evenness {
     pub shape: Shape,
 }
 
-/// How even `answers` are: values with their standard deviations, in time order.
+/// Computes the evenness of `answers`: values with their standard deviations, in time order.
 pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     let n = answers.len() as f64;
     if answers.is_empty() {
@@ -220,14 +220,14 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     let square = answers.iter().map(|a| value(a).powi(2)).sum::<f64>() / n;
     let noise = answers.iter().map(|a| f64::from(a.1).powi(2)).sum::<f64>() / n;
     let (of_mean, of_all) = (mean * mean - noise / n, square - noise);
-    // The mean square is known to about √(2/n) of the noise's; below twice that nothing is left to compare.
+    // The mean square is known to about √(2/n) of the noise's; below twice that there is too little to compare.
     let is_seen = of_all > 2.0 * (2.0 / n).sqrt() * noise && of_all > 0.0;
     let coherence = is_seen.then(|| (of_mean / of_all).clamp(0.0, 1.0) as f32);
     let free = n - 1.0;
     let unevenness = match () {
         () if free < 1.0 => 0.0,
         () if noise <= 0.0 => {
-            // Without noise rounding is what is left: differences of a thousandth are none.
+            // Without noise only rounding remains: differences of a thousandth do not count.
             let spread = ((square - mean * mean).max(0.0)).sqrt();
             if spread > 1e-3 * mean.abs() { f64::from(UNEVEN) * (spread / (0.3 * mean.abs().max(1e-30))) } else { 0.0 }
         }
@@ -247,7 +247,7 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     Evenness { mean: mean as f32, coherence, unevenness: unevenness as f32, shape }
 }
 
-/// Whether the frames that answer lie next to each other and are not all.
+/// Whether the frames that respond lie next to each other and are not all.
 fn is_one_bump(answers: &[(f32, f32)]) -> bool {
     let smooth: Vec<f32> = answering(answers);
     let max = smooth.iter().copied().fold(0.0, f32::max);
@@ -256,7 +256,7 @@ fn is_one_bump(answers: &[(f32, f32)]) -> bool {
     max > 0.0 && starts == 1 && on.iter().any(|&x| !x)
 }
 
-/// The answers with the sign of their mean, each averaged with its neighbours.
+/// The responses with the sign of their mean, each averaged with its neighbours.
 fn answering(answers: &[(f32, f32)]) -> Vec<f32> {
     let sign = answers.iter().map(|a| a.0).sum::<f32>().signum();
     let at = |i: i64| answers[i.clamp(0, answers.len() as i64 - 1) as usize].0;
@@ -299,12 +299,12 @@ mod tests {
         let level: Vec<(f32, f32)> = vec![(-0.1, 0.0); 10];
         assert_eq!(evenness(&level).coherence, Some(1.0));
         assert_eq!(evenness(&level).shape, Shape::Level);
-        // Three of ten answer: the coherence is 0.3.
+        // Three of ten respond: the coherence is 0.3.
         let bump: Vec<(f32, f32)> = (0..10).map(|t| (if (4..7).contains(&t) { 0.2 } else { 0.0 }, 0.005)).collect();
         let seen = evenness(&bump);
         assert!((seen.coherence.expect("clear") - 0.3).abs() < 0.02, "{seen:?}");
         assert_eq!(seen.shape, Shape::Bump);
-        // The same answers, but not side by side.
+        // Equal responses that are not side by side.
         let apart: Vec<(f32, f32)> = (0..10).map(|t| (if t % 4 == 1 { 0.2 } else { 0.0 }, 0.005)).collect();
         assert_eq!(evenness(&apart).shape, Shape::Uneven);
     }

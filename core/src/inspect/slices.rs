@@ -1,5 +1,5 @@
-//! Slices through a burst along a line of pixels: one row a frame (the epipolar-plane image, ImageJ's *Reslice*). What
-//! moves along the line is slanted in it.
+//! Slices through a burst along a line of pixels: one row for each frame (the epipolar-plane image, ImageJ's
+//! *Reslice*). Content that moves along the line is slanted in it.
 
 use crate::detector::{Slope, Trail};
 use crate::plane::Plane;
@@ -8,31 +8,31 @@ use crate::plane::sample::bilinear;
 /// A slice: columns are pixels along a direction, rows are frames in time order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Slice {
-    /// The values, fraction of full scale; NaN beyond a frame.
+    /// Values, fraction of full scale; NaN beyond a frame.
     pub plane: Plane,
-    /// The column that goes through the place.
+    /// Column that goes through the place.
     pub centre_column: usize,
-    /// The place, input pixels.
+    /// Place, input pixels.
     pub pos_image: [f32; 2],
-    /// The direction along u and v, of length 1: a column to the right is a pixel this way.
+    /// Direction along u and v, of length 1; from one column to the next it is one pixel.
     pub direction: [f32; 2],
-    /// Frame index in the burst of each row.
+    /// Index in the burst of each row's frame.
     pub frames: Vec<usize>,
-    /// Frame times less mid-burst, one a row.
+    /// Time of each row's frame minus mid-burst, frames.
     pub times: Vec<f32>,
 }
 
 impl Slice {
-    /// The column in which what moves at `slope` through the place at mid-burst is found in row `row`, as far as it
-    /// moves along this line.
+    /// The column in row `row` of content that moves at `slope` through the place at mid-burst; only the motion along
+    /// this line counts.
     pub fn column_at(&self, slope: Slope, row: usize) -> f32 {
         let along = slope.u * self.direction[0] + slope.v * self.direction[1];
         self.centre_column as f32 + along * self.times[row]
     }
 }
 
-/// The slice through `place` (input pixels) along `direction` (u, v; of any length but 0), `half_px` pixels to each
-/// side.
+/// Cuts the slice through `place` (input pixels) along `direction` (u, v; of any length but 0), `half_px` pixels to
+/// each side.
 pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize) -> Slice {
     let length = direction[0].hypot(direction[1]);
     let direction = if length > 0.0 { direction.map(|x| x / length) } else { [1.0, 0.0] };
@@ -59,7 +59,7 @@ pub fn direction_of(slope: Slope) -> [f32; 2] {
     if length > 0.0 { [slope.u / length, slope.v / length] } else { [1.0, 0.0] }
 }
 
-/// The direction across `direction`, a quarter turn from +u towards +v.
+/// The direction perpendicular to `direction`, a quarter turn from +u towards +v.
 pub fn across([u, v]: [f32; 2]) -> [f32; 2] {
     [-v, u]
 }

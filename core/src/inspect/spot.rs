@@ -1,13 +1,13 @@
-//! The signal-to-noise ratio of a flat spot on flat ground, measured in a picture.
+//! The signal-to-noise ratio of a flat spot on a flat background, measured in a picture.
 
 use crate::plane::Plane;
 
-/// What was measured of a spot.
+/// Measurement of a spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpotSnr {
-    /// Mean of the spot less that of its ground, fraction of full scale.
+    /// Mean of the spot minus that of its background, fraction of full scale.
     pub signal: f32,
-    /// Standard deviation of one pixel, around the mean of the spot or of the ground, fraction of full scale.
+    /// Standard deviation of one pixel, around the mean of the spot or of the background, fraction of full scale.
     pub noise: f32,
 }
 
@@ -18,10 +18,10 @@ impl SpotSnr {
     }
 }
 
-/// Fewer pixels than this, of spot or ground, measure nothing.
+/// Minimum number of pixels of spot and of background.
 const MIN_PIXELS: usize = 12;
 
-/// Measures the spot around `place` (u, v): its pixels are nearer than `inner`, those of its ground between
+/// Measures the spot around `place` (u, v): its pixels are nearer than `inner`, those of its background between
 /// `ground[0]` and `ground[1]` away, in pixels. `None` where the picture holds too few of either.
 pub fn spot_snr(picture: &Plane, place: [f32; 2], inner: f32, ground: [f32; 2]) -> Option<SpotSnr> {
     let (mut spot, mut around) = (Vec::new(), Vec::new());
@@ -50,7 +50,7 @@ pub fn spot_snr(picture: &Plane, place: [f32; 2], inner: f32, ground: [f32; 2]) 
     let mean = |values: &[f32]| values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;
     let means = [mean(&spot), mean(&around)];
     let squares = |values: &[f32], mean: f64| values.iter().map(|&x| (f64::from(x) - mean).powi(2)).sum::<f64>();
-    // Two means were taken from the same pixels.
+    // Two means were estimated from the same pixels.
     let free = (spot.len() + around.len() - 2) as f64;
     let noise = ((squares(&spot, means[0]) + squares(&around, means[1])) / free).sqrt();
     Some(SpotSnr { signal: (means[0] - means[1]) as f32, noise: noise as f32 })

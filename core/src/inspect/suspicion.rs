@@ -1,6 +1,6 @@
 //! Kept features that look wrong: a second one on a blob, a ghost of another motion, one whose slope lies beyond the
-//! range, an alias of periodic texture. Each suspicion comes with its evidence in numbers; whether it is right is for
-//! people to say.
+//! range, an alias of periodic texture. Each suspicion comes with its evidence in numbers; people decide whether it is
+//! right.
 
 use super::remedy::{nearest_slope, widened_towards};
 use super::response::{beyond_the_rim, covering, snr_at};
@@ -15,7 +15,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use serde::Serialize;
 
-/// What may be wrong with a feature.
+/// Possible fault of a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -23,49 +23,49 @@ pub enum Kind {
     Duplicate,
     /// A blob of another motion that shows in this slope's stack.
     Ghost,
-    /// It lies on the rim of the slopes and its response rises beyond.
+    /// The slope is on the rim of the grid and the response rises beyond.
     AtLimit,
-    /// The texture repeats itself, and another slope, whole periods away, shows it as well or better.
+    /// The texture is periodic, and another slope, whole periods away, responds nearly as strongly, or more.
     Alias,
 }
 
-/// A suspicion.
+/// Suspicion about a feature.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Suspicion {
-    /// What may be wrong.
+    /// Possible fault.
     pub kind: Kind,
-    /// What speaks for it, as a sentence.
+    /// Evidence, as a sentence.
     pub evidence: String,
-    /// The number on which it rests: σ apart, coherence, rise beyond the rim, response at the other slope over this
-    /// one's.
+    /// Number that it is based on: σ apart, coherence, rise beyond the rim, ratio of the response at the other slope to
+    /// this one's.
     pub number: f32,
     /// The other feature, where there is one.
     pub other: Option<usize>,
     /// The other slope, px/frame, where there is one.
     pub other_slope: Option<Slope>,
-    /// What would mend it.
+    /// Change that would correct it.
     pub change: Option<ParamChange>,
 }
 
-/// Features nearer than this many σ of the stronger one are suspected to share a blob.
+/// Distance, in σ of the stronger one, within which two features are suspected to share a blob.
 const NEAR_SIGMAS: f32 = 2.0;
-/// and of scales that differ by less than this factor.
+/// Ratio of scales within which two features are suspected to share a blob.
 const NEAR_SCALES: f32 = 2.0;
-/// The ways of a ghost and of what it belongs to pass each other within this many σ.
+/// Distance, in σ, within which the paths of a ghost and of its source cross.
 const CROSSES_SIGMAS: f32 = 2.0;
-/// A response that is larger by this factor a step beyond the rim rises.
+/// Factor from which a response a step beyond the rim counts as rising.
 const RISES: f32 = 1.02;
-/// Slopes are whole periods apart when they are so within this part of one.
+/// Tolerance of a whole number of periods between slopes, as a part of a period.
 const PERIOD_PART: f32 = 0.2;
-/// The part of a feature's response that another slope must have, to speak of an alias.
+/// Minimum response of another slope, as a part of the feature's, for an alias.
 const ALIAS_RESPONSE: f32 = 0.7;
-/// Pixels to each side in which a period is looked for: in σ, at least, and at most. Longer periods are farther apart
-/// than any slopes searched.
+/// Pixels to each side in which a period is searched: in σ, at least, and at most. Longer periods exceed the difference
+/// of any slopes searched.
 const TEXTURE_SIGMAS: f32 = 8.0;
 const TEXTURE_LEAST_PX: usize = 24;
 const TEXTURE_MOST_PX: usize = 64;
 
-/// What may be wrong with a kept candidate, whose frames' shares are `shares`. Empty for one that became no feature.
+/// Suspicions about a kept candidate, whose frames' shares are `shares`. Empty for one that became no feature.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -82,7 +82,7 @@ pub fn suspicions(trail: &Trail, fate: &Fate, shares: &Shares, monitor: &Monitor
     Ok(found)
 }
 
-/// The stronger feature that shows the same blob, perhaps.
+/// Suspicion that a stronger feature shows the same blob.
 fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion> {
     let own = trail.keypoint_of_feature(index);
     let features = &trail.detection().features;
@@ -117,7 +117,8 @@ fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion
     })
 }
 
-/// The stronger feature whose way crosses this one's, where only a part of the frames answers.
+/// Suspicion that the feature is a ghost of a stronger one whose path crosses its own, where only a part of the frames
+/// responds.
 fn ghost(trail: &Trail, index: usize, feature: &Feature, shares: &Shares) -> Option<Suspicion> {
     if shares.shape != Shape::Bump {
         return None;
@@ -182,7 +183,8 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
     })
 }
 
-/// The slopes of the range, whole periods of the texture away, at which the place answers as well.
+/// Suspicion that the feature is an alias: another slope of the range, whole periods of the texture away, responds
+/// nearly as strongly, or more.
 fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
     let Some((period, direction)) = period_at(trail, feature, monitor)? else {
         return Ok(None);
@@ -246,7 +248,7 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
     Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
 }
 
-/// The motion stack at `slope` in a square around a place, and where the place is in it. The square is smaller at the
+/// The motion stack at `slope` in a square around a place, and the place's position in it. The square is smaller at the
 /// border of the image.
 pub(super) fn stack_around(
     trail: &Trail,
@@ -264,7 +266,7 @@ pub(super) fn stack_around(
     let (frames, kept, frame_count) = trail.frames();
     let shown = covering(trail, [u, v], slope);
     let t0 = 0.5 * (frame_count as f32 - 1.0);
-    // Each frame's part along the way, so that only the square is stacked.
+    // Each frame's part along the motion, so that only the square is stacked.
     let parts: Vec<Plane> = shown
         .iter()
         .map(|&index| {

@@ -1,7 +1,7 @@
-//! How the fate of a candidate is told: each test of the search asked for one sample, with what it compares.
+//! Reports of the tests of a candidate: each test of the search for one sample, with the values that it compares.
 //!
-//! The verdict is the search's own ([`crate::detector::Judgement`]). What is computed here beside it is what people
-//! want to know of a verdict: the value, the limit, and who beat it.
+//! The verdict is the search's own ([`crate::detector::Judgement`]). Only the explanation of a verdict is computed
+//! here: the value, the limit, and the rival.
 
 use super::fate::{Fate, Outcome, Rival, Side, TestReport, apart_sigmas};
 use crate::detector::keypoint::Keypoint;
@@ -11,12 +11,12 @@ use crate::detector::refine::{Limits, MAX_OFFSET};
 use crate::detector::scale_space::levels::octave_pixel;
 use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, SlopeExtrema, SlopeNeighbours, Test, Trail};
 
-/// The fate of a sample that was judged; `around` holds it.
+/// The fate of a judged sample; `around` holds it.
 pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &Judgement) -> Fate {
     let telling = Telling { trail, around, sample, judgement };
     let keypoint = judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
     let tests = telling.tests(keypoint);
-    // Rejections of the search come before what is decided over the whole list of keypoints.
+    // Rejections of the search come before decisions over the whole list of keypoints.
     let later = [Test::Duplicate, Test::MaxFeatures].into_iter();
     let first_failed = judgement
         .rejected_by
@@ -59,7 +59,7 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
     super::remedy::explained(trail, judgement, fate)
 }
 
-/// By how much a sample that was judged passes one test (see [`TestReport::margin`]); `around` holds it.
+/// The margin of a judged sample in one test (see [`TestReport::margin`]); `around` holds the sample.
 pub fn margin_of(
     trail: &Trail,
     around: &Neighbourhood,
@@ -71,17 +71,17 @@ pub fn margin_of(
     Telling { trail, around, sample, judgement }.test(test, keypoint).margin()
 }
 
-/// How many features the detection has.
+/// The number of features of the detection.
 fn count(trail: &Trail) -> usize {
     trail.detection().features.len()
 }
 
-/// A ratio that is infinite over 0.
+/// The ratio of value to noise; infinite over 0.
 fn over(value: f32, noise: f32) -> f32 {
     if noise > 0.0 { value / noise } else { f32::INFINITY }
 }
 
-/// One candidate and what is known of it.
+/// One candidate with the data to report on it.
 struct Telling<'a> {
     trail: &'a Trail,
     around: &'a Neighbourhood,
@@ -142,7 +142,8 @@ impl Telling<'_> {
         }
     }
 
-    /// The strongest of the samples around it, at its own level or at those beside it.
+    /// Report of an extremum test: the rival is the strongest of the samples around it, at its own level or at the
+    /// neighbouring ones.
     fn neighbours(&self, test: Test) -> TestReport {
         let Sample { x, y, slope_index, .. } = *self.sample;
         let index = self.sample.level_index();
@@ -178,8 +179,8 @@ impl Telling<'_> {
         }
     }
 
-    /// The strongest around it at the other slopes: those that the joint rule compares with, or all where each slope
-    /// stands for itself.
+    /// Report of the slope test: the rival is the strongest sample around it at the other slopes, those that the joint
+    /// rule compares with, or all where each slope is searched for itself.
     fn slopes(&self) -> TestReport {
         let Sample { x, y, slope_index, .. } = *self.sample;
         let (params, index) = (self.trail.params(), self.sample.level_index());
@@ -225,7 +226,7 @@ impl Telling<'_> {
                 (fit.map(|fit| fit.curvature_ratio()), f64::from(params.edge_threshold), Side::AtMost, "")
             }
             (_, fit) => {
-                // How far inside, in samples along the axis that is nearest to an end.
+                // Distance inside, in samples along the axis that is nearest to an end.
                 let inside = fit.map(|fit| {
                     let (x, y) = fit.place();
                     let to_end = |at: f64, n: usize| at.min((n - 1) as f64 - at);

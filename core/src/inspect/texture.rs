@@ -1,32 +1,32 @@
-//! Periodic texture: whether what is around a place repeats itself along a direction, and after how many pixels.
+//! Periodic texture: whether the pixels around a place repeat along a direction, and with which period.
 //!
-//! Slopes that differ by a period p in p px/frame show such a texture alike: from frame to frame it moves on by a whole
-//! period, which nothing can see. Between them lie the side lobes of the mean over N frames.
+//! Slopes that differ by the period p in px/frame show such a texture alike: from frame to frame it moves by one more
+//! whole period, which cannot be seen. Between them lie the side lobes of the mean over N frames.
 
 use crate::plane::Plane;
 use crate::plane::sample::bilinear;
 use serde::Serialize;
 
-/// A repetition.
+/// Period of a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Period {
-    /// After how many pixels.
+    /// Length of the period, pixels.
     pub px: f32,
-    /// How alike it is then, 0 … 1: the correlation with itself.
+    /// Correlation of the texture with itself after a period, 0 … 1.
     pub correlation: f32,
 }
 
-/// The finest period that is looked for, pixels.
+/// Smallest period that is searched, pixels.
 const FINEST_PX: usize = 3;
-/// Least correlation of what repeats itself.
+/// Minimum correlation of a periodic texture.
 const LEAST_CORRELATION: f32 = 0.35;
-/// The correlation must fall below this part of its height between two repetitions.
+/// Part of its height below which the correlation must fall between two repetitions.
 const TROUGH: f32 = 0.3;
-/// Lines beside the one through the place, to each side, a pixel apart.
+/// Number of lines to each side of the one through the place, a pixel apart.
 const LINES: i32 = 6;
 
 /// The period of `plane` around `centre` (u, v) along `direction` (of length 1), within `half_px` pixels to each side;
-/// `None` where nothing repeats itself at least twice there.
+/// `None` where nothing repeats at least twice there.
 pub fn period_along(plane: &Plane, centre: [f32; 2], direction: [f32; 2], half_px: usize) -> Option<Period> {
     let [du, dv] = direction;
     let lines: Vec<Vec<f32>> =
@@ -36,7 +36,7 @@ pub fn period_along(plane: &Plane, centre: [f32; 2], direction: [f32; 2], half_p
     if lines.is_empty() || max <= FINEST_PX {
         return None;
     }
-    // Unbiased: each lag over the products that it has, and over the energy of the parts that take part.
+    // Unbiased: each lag is normalised by the number and the energy of its own products.
     let correlation = |lag: usize| -> f32 {
         let (mut product, mut energy) = (0.0f64, 0.0f64);
         for line in &lines {
@@ -60,7 +60,7 @@ pub fn period_along(plane: &Plane, centre: [f32; 2], direction: [f32; 2], half_p
     Some(Period { px: peak as f32 + offset, correlation: b.clamp(0.0, 1.0) })
 }
 
-/// A line of pixels beside the place, less its trend; `None` where it leaves the plane.
+/// A line of pixels beside the place, without its trend; `None` where it leaves the plane.
 fn profile(plane: &Plane, centre: [f32; 2], [du, dv]: [f32; 2], beside: f32, half_px: usize) -> Option<Vec<f32>> {
     let at = |i: i64| {
         let along = i as f32;
@@ -78,8 +78,8 @@ fn profile(plane: &Plane, centre: [f32; 2], [du, dv]: [f32; 2], beside: f32, hal
 }
 
 /// The mean of `frames` frames of a wave of period `period_px` px, when each is `slope_error` px/frame off: the
-/// Dirichlet kernel
-/// |sin(N·ω·δ/2) / (N·sin(ω·δ/2))|, ω = 2π/p. 1 where nothing is lost, and at every whole multiple of p.
+/// Dirichlet kernel |sin(N·ω·δ/2) / (N·sin(ω·δ/2))|, ω = 2π/p. It is 1 at an error of 0 and at every whole multiple of
+/// p.
 pub fn dirichlet(frames: usize, period_px: f64, slope_error: f64) -> f64 {
     let n = frames as f64;
     let half = std::f64::consts::PI * slope_error / period_px;
@@ -112,14 +112,14 @@ mod tests {
         let blob =
             Plane::from_fn(160, 120, |u, v| (-((u as f32 - 80.0).powi(2) + (v as f32 - 60.0).powi(2)) / 50.0).exp());
         assert_eq!(period_along(&blob, [80.0, 60.0], [1.0, 0.0], 40), None);
-        // Beyond the border there is nothing to see.
+        // Outside the plane there is no texture.
         assert_eq!(period_along(&blob, [-90.0, 60.0], [1.0, 0.0], 40), None);
     }
 
     #[test]
     fn the_kernel_is_one_at_whole_periods_and_small_between() {
         assert!((dirichlet(10, 8.0, 0.0) - 1.0).abs() < 1e-12 && (dirichlet(10, 8.0, 16.0) - 1.0).abs() < 1e-9);
-        // The first zero lies p/N beside the peak.
+        // The first zero lies p/N from the peak.
         assert!(dirichlet(10, 8.0, 0.8) < 1e-9);
         // The first side lobe of a mean of ten is about 0.22 high.
         let lobe = (81..160).map(|i| dirichlet(10, 8.0, f64::from(i) * 0.01)).fold(0.0, f64::max);

@@ -1,7 +1,7 @@
-//! Found, missed, repeated, and false or elsewhere: the features of a burst against what is really there, and why each
-//! miss was missed.
+//! Found, missed, repeated, and false or elsewhere: the features of a burst compared with its truth, with the reason of
+//! each miss.
 //!
-//! What counts as found is the rule of [`crate::evaluate::score`].
+//! A disc is found by the rule of [`crate::evaluate::score`].
 
 use super::probe::fates_near;
 use super::{Fate, ProbeCache};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// The name of the demo burst.
 const DEMO: &str = "demo";
 
-/// Why there is no truth to compare with.
+/// Reason why there is no truth to compare with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TruthError {
     /// The file cannot be read.
@@ -24,7 +24,7 @@ pub enum TruthError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
     /// The file is not a truth.
@@ -32,17 +32,17 @@ pub enum TruthError {
     Json {
         /// The file.
         path: PathBuf,
-        /// What is wrong and where.
+        /// Problem and its place.
         reason: String,
     },
-    /// It belongs to another burst.
+    /// The truth belongs to another burst.
     #[error("{}: is of {truth:?} pixels, but the burst has {burst:?}", path.display())]
     Size {
         /// The file.
         path: PathBuf,
-        /// Its columns and rows.
+        /// Columns and rows of the truth.
         truth: (usize, usize),
-        /// The burst's.
+        /// Columns and rows of the burst.
         burst: (usize, usize),
     },
 }
@@ -57,11 +57,10 @@ pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     serde_json::from_str(&text).map_err(|e| TruthError::Json { path: path.into(), reason: e.to_string() })
 }
 
-/// The truth of a burst: the `truth.json` in its folder, or what is known of a burst that is built in. `None` where
-/// there is none.
+/// The truth of a burst: the `truth.json` in its folder, or that of a built-in burst. `None` where there is none.
 ///
 /// # Errors
-/// A `truth.json` that cannot be read, is none, or is of pictures of another size.
+/// A `truth.json` that cannot be read, is invalid, or is of pictures of another size.
 pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     let [source] = &burst.sources[..] else {
         let built_in = burst.sources.is_empty();
@@ -81,7 +80,7 @@ pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     Ok(Some(truth))
 }
 
-/// Whether something is known of what a burst shows: a cheap look, that reads no file.
+/// Whether a burst has a truth, without reading a file.
 pub fn is_known(burst: &Burst) -> bool {
     match &burst.sources[..] {
         [source] => source.join("truth.json").is_file(),
@@ -96,32 +95,32 @@ pub struct Miss {
     pub disc: usize,
     /// The candidate that would have found it and came farthest, the strongest of several; `None` where there is none.
     pub fate: Option<Fate>,
-    /// Why it was missed, as a clause.
+    /// Reason of the miss, as a clause.
     pub why: String,
 }
 
-/// Features against the truth.
+/// Comparison of features with the truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AgainstTruth {
-    /// (feature, disc) for what was found.
+    /// (feature, disc) for each disc found.
     pub found: Vec<(usize, usize)>,
-    /// Discs that were not.
+    /// Discs that were not found.
     pub missed: Vec<Miss>,
-    /// Features on a disc that a stronger one found already.
+    /// Features on a disc that a stronger one already found.
     pub repeated: Vec<usize>,
-    /// Features where the truth knows of no disc.
+    /// Features where the truth has no disc.
     pub elsewhere: Vec<usize>,
-    /// Whether the truth tells of all that is there, as that of a chart does; a scene's tells of some of it.
+    /// Whether the truth is complete, as that of a chart is; a scene's covers only a part.
     pub is_whole_truth: bool,
 }
 
 impl AgainstTruth {
-    /// What the features [elsewhere](Self::elsewhere) are called: they are false only where the truth is whole.
+    /// Label of the features [elsewhere](Self::elsewhere): they are false only where the truth is complete.
     pub fn name_of_elsewhere(&self) -> &'static str {
         if self.is_whole_truth { "False" } else { "Elsewhere" }
     }
 
-    /// The counts in a sentence.
+    /// The counts as a sentence.
     pub fn summary(&self) -> String {
         format!(
             "{} of {} found; {} missed, {} repeated, {} {}",
@@ -135,7 +134,7 @@ impl AgainstTruth {
     }
 }
 
-/// Compares what was found with `truth`.
+/// Compares the features with `truth`.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -174,7 +173,7 @@ fn miss(cache: &ProbeCache, index: usize, disc: &FeatureTruth, monitor: &Monitor
     }
     let place = [disc.u as f32, disc.v as f32];
     let fates = fates_near(&cache.trail, place, REACH_SIGMAS, monitor)?;
-    // What would have found it: at its place, of its size, and of its sign (a bright disc is a negative extremum).
+    // A candidate would find it with its position, its size, and its sign (a bright disc is a negative extremum).
     let would_find = |fate: &&Fate| {
         let feature = crate::detector::Feature {
             u: fate.pos_image[0],
@@ -199,5 +198,5 @@ fn miss(cache: &ProbeCache, index: usize, disc: &FeatureTruth, monitor: &Monitor
     Ok(Miss { disc: index, fate: best, why })
 }
 
-/// Candidates within this many σ are asked.
+/// Maximum distance of the candidates that are examined, in σ.
 const REACH_SIGMAS: f32 = 1.5;

@@ -1,8 +1,9 @@
-//! Why a feature is not matched, or why it is matched as it is.
+//! Reason why a feature is not matched, or is matched as it is.
 //!
-//! A feature of A goes the way of all: its nearest descriptor in B must be clearly nearer than the second (ratio test),
-//! B's feature must choose it too (mutual check), and the pair must fit the geometry. What is told here is where on
-//! that way it was lost, and, where a geometry is known, whether B has a keypoint at all where the feature must be.
+//! To be matched, a feature of A must pass three steps: its nearest descriptor in B must be clearly nearer than the
+//! second (ratio test), B's feature must choose it too (mutual check), and the pair must fit the geometry. This module
+//! reports the step at which it was lost, and, where a geometry is known, whether B has a keypoint at the expected
+//! place.
 
 use crate::detector::{Descriptor, Detection, Slope};
 use crate::matching::nearest::{Nearest, nearest_two};
@@ -11,68 +12,68 @@ use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Where a feature of A was lost.
+/// Step at which a feature of A was lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Lost {
-    /// It is an inlier.
+    /// The feature is an inlier.
     Not,
-    /// B has no feature at all to compare with, or none of its size where the geometry says that it must be.
+    /// B has no feature to compare with, or none of its size where the geometry expects it.
     NoKeypoint,
     /// The second nearest descriptor is almost as near.
     RatioTest,
-    /// The nearest one in B is nearer to another feature of A.
+    /// The nearest feature of B is nearer to another feature of A.
     MutualCheck,
-    /// Its match does not fit the geometry.
+    /// The match does not fit the geometry.
     Geometry,
 }
 
 impl Lost {
-    /// All of them, in order.
+    /// All steps, in order.
     pub const ALL: [Self; 5] = [Self::Not, Self::NoKeypoint, Self::RatioTest, Self::MutualCheck, Self::Geometry];
 }
 
-/// A feature of B that may be the same as one of A.
+/// A feature of B that may match one of A.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rivalry {
     /// Index in B.
     pub feature: usize,
     /// Distance of the descriptors.
     pub distance: f32,
-    /// That distance over the one of the next one in this list; 0 for the last.
+    /// Ratio of that distance to the one of the next in this list; 0 for the last.
     pub ratio: f32,
-    /// Distance from where the geometry says that it must be, pixels; `None` where none is known.
+    /// Distance from the place that the geometry expects, pixels; `None` where none is known.
     pub error_px: Option<f32>,
-    /// Its slope, px/frame.
+    /// Slope, px/frame.
     pub slope: Slope,
-    /// Whether it lies on the same blob as the first of the list: then the two are no rivals, but one.
+    /// Whether it lies on the same blob as the first of the list; then the two count as one.
     pub is_same_blob: bool,
 }
 
-/// Why a feature is not matched.
+/// Explanation of a feature's match or of its absence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unmatched {
-    /// Where it was lost.
+    /// Step at which it was lost.
     pub lost: Lost,
-    /// The nearest of B, nearest first.
+    /// Nearest features of B, nearest first.
     pub candidates: Vec<Rivalry>,
     /// The feature of A that B's nearest would choose instead, where the mutual check failed.
     pub preferred: Option<usize>,
-    /// Where the geometry says that it must be in B: one place, or a line through these; empty where none is known, and
-    /// where that lies outside the picture.
+    /// Expected place in B by the geometry: one place, or a line through these; empty where none is known, and where it
+    /// lies outside the picture.
     pub expected: Vec<[f64; 2]>,
-    /// The features of B there, nearest descriptor first, with their rank among all of B.
+    /// Features of B there, nearest descriptor first, with their rank among all of B.
     pub there: Vec<(usize, usize)>,
-    /// The same as a sentence.
+    /// Explanation as a sentence.
     pub sentence: String,
 }
 
-/// Two features of one picture nearer than this many σ share a blob.
+/// Distance, in σ, within which two features of one picture share a blob.
 const SAME_BLOB_SIGMAS: f32 = 2.0;
-/// Scales of the same thing differ by at most this factor from picture to picture.
+/// Maximum ratio of scales of the same blob in two pictures.
 const SAME_SCALE: f32 = 2.0;
 
-/// The pair that is asked about: both detections, what came of matching them, and with which parameters.
+/// The pair that is examined: both detections, the result of matching them, and its parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct ComparedPair<'a> {
     /// Image A.
@@ -81,9 +82,9 @@ pub struct ComparedPair<'a> {
     pub b: &'a Detection,
     /// (columns, rows) of B.
     pub size_b: (usize, usize),
-    /// Their matches.
+    /// Result of matching.
     pub result: &'a MatchResult,
-    /// How they were matched.
+    /// Parameters of matching.
     pub params: &'a MatchParams,
 }
 
@@ -102,7 +103,7 @@ impl ComparedPair<'_> {
         [f64::from(f.u), f64::from(f.v)]
     }
 
-    /// Features of B that lie where the geometry says that feature `index` of A must be, and have its size.
+    /// The features of B at the place that the geometry expects for feature `index` of A, and of its size.
     fn there(&self, model: &TwoViewModel, index: usize) -> Vec<usize> {
         let own = &self.a.features[index];
         let limit = f64::from(self.params.max_error_px);
@@ -115,7 +116,7 @@ impl ComparedPair<'_> {
             .collect()
     }
 
-    /// For each feature of A its match, by number.
+    /// For each feature of A the index of its match.
     fn matched(&self) -> Vec<Option<usize>> {
         let mut matched = vec![None; self.a.features.len()];
         for (number, m) in self.result.matches.iter().enumerate() {
@@ -125,15 +126,15 @@ impl ComparedPair<'_> {
     }
 }
 
-/// For each feature of both sides its nearest ones on the other: what takes the time, to be kept while the pair is
-/// asked about.
+/// For each feature of both sides its nearest ones on the other. Expensive to compute, so kept while the pair is
+/// examined.
 #[derive(Debug, Clone)]
 pub struct NearestOfBoth {
     of_a: Vec<Nearest>,
     of_b: Vec<Nearest>,
 }
 
-/// A pair that is ready to be asked: the nearest descriptors of both sides are known.
+/// A pair with the nearest descriptors of both sides computed.
 #[derive(Debug)]
 pub struct Losses<'a> {
     pair: ComparedPair<'a>,
@@ -152,17 +153,17 @@ impl<'a> Losses<'a> {
         Ok(Self::again(pair, Arc::new(NearestOfBoth { of_a, of_b })))
     }
 
-    /// The same with what an earlier look at the same pair found.
+    /// The losses of `pair` with the nearest features from an earlier computation.
     pub fn again(pair: ComparedPair<'a>, nearest: Arc<NearestOfBoth>) -> Self {
         Self { pair, nearest, matched: pair.matched() }
     }
 
-    /// What is to be kept for [`Self::again`].
+    /// The nearest features, for [`Self::again`].
     pub fn nearest(&self) -> Arc<NearestOfBoth> {
         self.nearest.clone()
     }
 
-    /// Where feature `index` of A was lost.
+    /// The step at which feature `index` of A was lost.
     ///
     /// # Panics
     /// When A has no such feature: a mistake of the caller.
@@ -182,7 +183,7 @@ impl<'a> Losses<'a> {
         if pair.params.mutual && of_b[nearest.index].index != index { Lost::MutualCheck } else { Lost::RatioTest }
     }
 
-    /// How many features of A were lost where, in the order of [`Lost::ALL`].
+    /// The numbers of features of A lost at each step, in the order of [`Lost::ALL`].
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -197,7 +198,7 @@ impl<'a> Losses<'a> {
         Ok(counts)
     }
 
-    /// Why feature `index` of A is matched as it is; the `count` nearest of B are listed.
+    /// Explains the match of feature `index` of A or its absence; lists the `count` nearest of B.
     ///
     /// # Panics
     /// When A has no such feature: a mistake of the caller.
@@ -255,7 +256,7 @@ fn distance(a: &Descriptor, b: &Descriptor) -> f32 {
     f64::from(squared).sqrt() as f32
 }
 
-/// How people number features: by strength, from 1, as tables do.
+/// Name of a feature by its rank in strength, from 1, as in tables.
 fn rank_name(index: usize) -> String {
     format!("feature #{}", index + 1)
 }

@@ -1,26 +1,26 @@
-//! How explanations write numbers.
+//! Number formats of explanations.
 
 use crate::detector::Slope;
 
-/// A slope in px/frame, short: one number where it is horizontal, two otherwise.
+/// A slope in px/frame as short text: one number where it is horizontal, two otherwise.
 pub fn slope_text(slope: Slope) -> String {
     if slope.v == 0.0 { number(slope.u, 2) } else { format!("({}, {})", number(slope.u, 2), number(slope.v, 2)) }
 }
 
-/// A number with at most `digits` behind the point and no zeros at its end.
+/// A number as text with at most `digits` decimals and no trailing zeros.
 pub fn number(x: f32, digits: usize) -> String {
     let text = format!("{x:.digits$}");
     let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if short == "-0" { "0".to_owned() } else { short.replace('-', "−") }
 }
 
-/// The largest number with `significant` digits that is not above `x`, for a limit that `x` must pass; 0 for what is
-/// not above 0.
+/// The largest number with `significant` digits that is at most `x`, for a limit that `x` must pass; 0 where `x` is not
+/// above 0.
 pub fn rounded_down(x: f64, significant: i32) -> f64 {
     rounded(x, significant, f64::floor)
 }
 
-/// The smallest number with `significant` digits that is not below `x`.
+/// The smallest number with `significant` digits that is at least `x`.
 pub fn rounded_up(x: f64, significant: i32) -> f64 {
     rounded(x, significant, f64::ceil)
 }
@@ -30,19 +30,19 @@ fn rounded(x: f64, significant: i32, round: fn(f64) -> f64) -> f64 {
         return 0.0;
     }
     let digits = significant - 1 - x.log10().floor() as i32;
-    // By way of text, so that 0.0031 is not 0.0031000000000000003.
+    // Through text, so that 0.0031 is not 0.0031000000000000003.
     let power = 10f64.powi(digits);
     let value = round(x * power) / power;
     format!("{value:.*}", digits.max(0) as usize).parse().unwrap_or(value)
 }
 
-/// “1 feature”, “2 features”.
+/// A count with its noun: “1 feature”, “2 features”.
 pub fn counted(count: usize, what: &str) -> String {
     let grouped = crate::detector::advice::grouped(count as u64);
     if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}s") }
 }
 
-/// A sentence in which features are counted from 1, as the window does; commands count them from 0.
+/// A sentence in which features are counted from 1, as in the window; commands count them from 0.
 pub fn counted_from_one(text: &str) -> String {
     const WORD: &str = "feature ";
     let mut out = String::with_capacity(text.len() + 4);

@@ -1,7 +1,7 @@
-//! From the pixels around a feature to the Gaussian level on which it is described.
+//! Blur of the pixels around a feature to the Gaussian level on which it is described.
 //!
 //! One blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the rows
-//! around them, then convolved, so that what lies between the two passes stays in the nearest cache.
+//! around them, then convolved, so that the intermediate values stay in the nearest cache.
 
 use super::machine::PATCH_ROWS_TOGETHER as TOGETHER;
 use crate::kernel::patch::{LANES, Patch};
@@ -11,16 +11,16 @@ use crate::plane::blur::GaussianKernel;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Space for what lies between the passes; reused from patch to patch.
+/// Buffer for the values between the passes; reused from patch to patch.
 #[derive(Debug, Default)]
 pub struct BlurScratch(Aligned);
 
 impl Patch {
-    /// Columns `columns` and rows `rows` (at least four) blurred by `kernel`, into `out`. The patch must reach farther
-    /// by the kernel's radius.
+    /// Blurs columns `columns` and rows `rows` (at least four) by `kernel` into `out`. The patch must extend beyond
+    /// them by the kernel's radius.
     ///
     /// # Panics
-    /// When it doesn't, or there are fewer rows.
+    /// When it does not, or when there are fewer rows.
     pub fn blurred(
         &self,
         columns: Range<i64>,
@@ -33,7 +33,7 @@ impl Patch {
         let (left, top) = (columns.start - radius, rows.start - radius);
         assert!(self.columns().start <= left && self.columns().end >= columns.end + radius, "the patch is wide enough");
         assert!(self.rows().start <= top && self.rows().end >= rows.end + radius, "the patch is high enough");
-        // Vectors that begin where cache lines do.
+        // Vectors that begin at cache lines.
         let skipped = (left - self.columns().start) as usize % LANES;
         let (width, count) = (columns.clone().count(), rows.clone().count());
         assert!(count >= TOGETHER, "{count} rows are too few");
@@ -63,7 +63,7 @@ struct BlurRows<'a> {
     from: &'a [f32],
     from_stride: usize,
     half: &'a [f32],
-    /// Combined rows `band_stride` apart, beginning where those of `from` do.
+    /// Combined rows `band_stride` apart, beginning at the columns where `from` does.
     band: &'a mut [f32],
     band_stride: usize,
     skipped: usize,
@@ -102,8 +102,8 @@ impl WithSimd for BlurRows<'_> {
     }
 }
 
-/// One vector of [`TOGETHER`] rows of Σ taps·values over a symmetric kernel. `from` begins at the first row that the
-/// first one reads.
+/// Combines one vector of [`TOGETHER`] rows: Σ taps·values over a symmetric kernel. `from` begins at the first row that
+/// the first one reads.
 #[inline(always)]
 fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mut [f32], out_stride: usize) {
     let radius = half.len() - 1;
@@ -114,7 +114,7 @@ fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mu
         sums[i] = simd.mul_f32s(tap, above[i]);
     }
     let mut below = above;
-    // The rows a tap farther away are those at hand, one place on, and a new one.
+    // One tap farther, the rows needed are those already loaded, shifted by one, and a new one.
     let mut distance = 1;
     macro_rules! step {
         () => {
@@ -147,7 +147,7 @@ fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mu
     }
 }
 
-/// `V` vectors of Σ taps·values over a symmetric kernel; `line` begins at the first value under the first tap.
+/// Convolves `V` vectors: Σ taps·values over a symmetric kernel; `line` begins at the first value under the first tap.
 #[inline(always)]
 fn convolve<S: Simd, const V: usize>(simd: S, half: &[f32], line: &[f32], out: &mut [f32]) {
     let (radius, read) = (half.len() - 1, V * S::F32_LANES);
@@ -156,7 +156,7 @@ fn convolve<S: Simd, const V: usize>(simd: S, half: &[f32], line: &[f32], out: &
     for (i, sum) in sums.iter_mut().enumerate() {
         *sum = simd.mul_f32s(tap, load::<S>(line, radius + i * S::F32_LANES));
     }
-    // Iterators need no test of bounds in the loop.
+    // Iterators need no bounds checks in the loop.
     let before = line[..radius + read - 1].windows(read).rev();
     let after = line[radius + 1..2 * radius + read].windows(read);
     for ((before, after), &tap) in before.zip(after).zip(&half[1..]) {

@@ -1,17 +1,17 @@
-//! Compactly supported kernels: small round filters that say exactly where a blob lies.
+//! Compactly supported kernels: small round filters that locate a blob precisely.
 //!
-//! The DoG's Gaussians never end; what lies three radii away from a blob still pulls at its extremum. A compact kernel
+//! The DoG's Gaussians never end; content three radii away from a blob still pulls at its extremum. A compact kernel
 //! ends. Over q = ρ²/R² it is h(q) = (1 − q)³·p(q) for q < 1 and 0 beyond, with a polynomial p that makes its mean 0,
 //! so that neither a grey level nor a ramp moves a blob; it reaches its end with two continuous derivatives. Gradient
 //! and second derivatives are known in closed form, so Newton's steps find the extremum. There are two:
 //!
-//! - [`RIM`], p = 1 + 3q − 24q²: level in the middle and steepest where it is zero. With that on a blob's rim the place
-//!   is known best, and nothing beyond 1.9 radii matters.
-//! - [`SOFT`], p = 1 − 10q + 24q² − 21q³: much like the DoG, for structure that has no such rim; it reaches 2.65 radii.
+//! - [`RIM`], p = 1 + 3q − 24q²: flat in the middle and steepest where it is zero. With that radius on a blob's rim the
+//!   place is determined best, and nothing beyond 1.9 radii matters.
+//! - [`SOFT`], p = 1 − 10q + 24q² − 21q³: much like the DoG, for structure without such a rim; it reaches 2.65 radii.
 //!
-//! The noise of a place is that of the gradient over the curvature. For a disc it is √(∫h'²ρ dρ)/(r·h'(r)), in units of
-//! the pixels' noise over contrast: 0.79 for [`RIM`], 1.11 for [`SOFT`], 1.19 for the DoG at the disc's own scale and
-//! 0.94 for a DoG of the best scale.
+//! The noise of a position is that of the gradient over the curvature. For a disc it is √(∫h'²ρ dρ)/(r·h'(r)), in units
+//! of the pixels' noise over contrast: 0.79 for [`RIM`], 1.11 for [`SOFT`], 1.19 for the DoG at the disc's own scale
+//! and 0.94 for a DoG of the best scale.
 
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -21,18 +21,18 @@ use multiversion::multiversion;
 pub struct CompactKernel {
     /// Coefficients of 1, q, q², q³ in h over (1 − q)³.
     value: [f32; 4],
-    /// The same in h' over (1 − q)².
+    /// Coefficients of 1, q, q², q³ in h' over (1 − q)².
     first: [f32; 4],
-    /// The same in h'' over 1 − q.
+    /// Coefficients of 1, q, q², q³ in h'' over 1 − q.
     second: [f32; 4],
-    /// Where the kernel is zero, in units of its radius R.
+    /// Distance from the centre at which the kernel is zero, in units of its radius R.
     pub zero_at: f64,
     /// Standard deviation of a component of the gradient on pixels of white noise of standard deviation 1: √(2π∫q·h'²
     /// dq), whatever the radius.
     pub gradient_noise: f64,
 }
 
-/// For blobs with a rim.
+/// Kernel for blobs with a rim.
 pub const RIM: CompactKernel = CompactKernel {
     value: [1.0, 3.0, -24.0, 0.0],
     first: [0.0, -60.0, 120.0, 0.0],
@@ -40,7 +40,7 @@ pub const RIM: CompactKernel = CompactKernel {
     zero_at: 0.525_329,
     gradient_noise: 2.9960,
 };
-/// For everything else.
+/// Kernel for all other structure.
 pub const SOFT: CompactKernel = CompactKernel {
     value: [1.0, -10.0, 24.0, -21.0],
     first: [-13.0, 88.0, -183.0, 126.0],
@@ -52,31 +52,31 @@ pub const SOFT: CompactKernel = CompactKernel {
 const LINE: usize = 192;
 /// Largest radius, pixels.
 pub const MAX_RADIUS: f64 = 90.0;
-/// Values of a vector register.
+/// Values in a vector register.
 const LANES: usize = 8;
 
-/// A part of an image: its pixels and where they begin. Beyond them the nearest one is repeated.
+/// Part of an image: its pixels and their position. Beyond them the nearest pixel is repeated.
 #[derive(Debug, Clone, Copy)]
 pub struct PixelView<'a> {
     /// The pixels, row after row.
     pub data: &'a [f32],
-    /// From one row to the next.
+    /// Values from one row to the next.
     pub stride: usize,
     /// Columns and rows.
     pub size: (usize, usize),
-    /// Column of the image at which they begin.
+    /// Column of the image at which the pixels begin.
     pub left: i64,
-    /// Row of the image at which they begin.
+    /// Row of the image at which the pixels begin.
     pub top: i64,
 }
 
 impl<'a> PixelView<'a> {
-    /// A whole image.
+    /// View of a whole image.
     pub fn of(plane: &'a Plane) -> Self {
         Self { data: plane.data(), stride: plane.width(), size: plane.size(), left: 0, top: 0 }
     }
 
-    /// Row `v` of the image from column `first` on.
+    /// Copies row `v` of the image from column `first` on into `out`.
     #[inline(always)]
     pub fn line(&self, v: i64, first: i64, out: &mut [f32]) {
         let (width, height) = (self.size.0 as i64, self.size.1 as i64);
@@ -92,14 +92,14 @@ impl<'a> PixelView<'a> {
     }
 }
 
-/// The kernel's answer at a place, its gradient, and its second derivatives (uu, vv, uv), per pixel.
+/// Response of the kernel at a place, its gradient, and its second derivatives (uu, vv, uv), per pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct KernelResponse {
-    /// The answer.
+    /// Response.
     pub value: f64,
-    /// Its derivatives to the right and down.
+    /// First derivatives, to the right and down.
     pub gradient: [f64; 2],
-    /// Its second derivatives uu, vv and uv.
+    /// Second derivatives uu, vv and uv.
     pub hessian: [f64; 3],
 }
 
@@ -117,9 +117,8 @@ fn cubic(c: &[f32; 4], q: f32) -> f32 {
     q.mul_add(q.mul_add(q.mul_add(c[3], c[2]), c[1]), c[0])
 }
 
-/// The sums that make an [`KernelResponse`], over the pixels from (`first.0`, `first.1`) on. `x` and `y` are the
-/// distances of their columns and rows from the place in radii; those of columns that only fill up a vector are
-/// beyond 1.
+/// The sums that make a [`KernelResponse`], over the pixels from (`first.0`, `first.1`) on. `x` and `y` are the
+/// distances of their columns and rows from the place in radii; columns that only pad a vector have distances beyond 1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sums(
     kernel: &CompactKernel,
@@ -159,10 +158,10 @@ fn sums(
 }
 
 impl PixelView<'_> {
-    /// The grey level around the place (x, y) of the image: the mean of pixels on a circle of nine tenths of `radius`.
+    /// The local mean around the place (x, y) of the image: the mean of pixels on a circle of nine tenths of `radius`.
     ///
-    /// The samples of a kernel do not sum to exactly 0. Where it ends they are least even, so a kernel is laid on the
-    /// difference from what is there.
+    /// The samples of a kernel do not sum to exactly 0. The error is largest where the kernel ends, so the kernel is
+    /// applied to the difference from the grey level there.
     pub fn local_mean(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
         let near = |at: f64, n: usize| (at.round().max(0.0) as usize).min(n - 1);
         let at = |du: f64, dv: f64| {
@@ -176,8 +175,8 @@ impl PixelView<'_> {
         sum / 16.0
     }
 
-    /// The answer of `kernel` of `radius` pixels at the place (x, y) of the image, on the pixels less `local_mean`,
-    /// which [`PixelView::local mean`] gives.
+    /// The response of `kernel` of `radius` pixels at the place (x, y) of the image, on the pixels less `local_mean`,
+    /// which [`PixelView::local_mean`] gives.
     ///
     /// # Panics
     /// When the radius is not between 1 and [`MAX_RADIUS`], or there are no pixels.
@@ -203,7 +202,7 @@ impl PixelView<'_> {
         }
         let sums = sums(kernel, self, first, &distances[0][..columns], &distances[1][..rows], local_mean);
         let [value, ring, ring_x, ring_y, xx, yy, xy] = sums.map(f64::from);
-        // Derivatives of q with respect to the place, not the pixel.
+        // Derivatives of q with respect to the place, not to the pixel.
         let (once, twice) = (2.0 * inverse, 4.0 * inverse * inverse);
         KernelResponse {
             value,
@@ -239,7 +238,7 @@ mod tests {
         (0..20_000).map(|i| f((f64::from(i) + 0.5) / 20_000.0)).sum::<f64>() / 20_000.0
     }
 
-    /// The definition, pixel by pixel.
+    /// The response by its definition, pixel by pixel.
     fn by_definition(kernel: &CompactKernel, plane: &Plane, radius: f64, (x, y): (f64, f64), local_mean: f32) -> f64 {
         let mut sum = 0.0;
         for v in -30..90i64 {

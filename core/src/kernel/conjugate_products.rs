@@ -2,10 +2,10 @@
 
 use multiversion::multiversion;
 
-/// Complex numbers of one length: real and imaginary parts.
+/// Complex numbers as two slices of one length: real and imaginary parts.
 pub(crate) type Parts<'a> = (&'a [f32], &'a [f32]);
 
-/// Adds conj(a)·b to the complex numbers `re` and `im`, which are as many as those of `a` and `b` or fewer.
+/// Adds conj(a)·b to the complex numbers `re` and `im`; these are at most as many as those of `a` and `b`.
 pub(crate) fn add_conjugate_products(a: Parts<'_>, b: Parts<'_>, re: &mut [f32], im: &mut [f32]) {
     add(a.0, a.1, b.0, b.1, re, im);
 }
@@ -24,7 +24,7 @@ fn add(a_re: &[f32], a_im: &[f32], b_re: &[f32], b_im: &[f32], re: &mut [f32], i
 mod tests {
     use super::*;
 
-    /// The definition, number by number.
+    /// The sum by its definition, number by number.
     fn plain(a: [f32; 2], b: [f32; 2], sum: [f32; 2]) -> [f32; 2] {
         [sum[0] + a[0] * b[0] + a[1] * b[1], sum[1] + a[0] * b[1] - a[1] * b[0]]
     }

@@ -1,7 +1,7 @@
 //! Gradients around a feature, a vector at a time, and the Gaussian windows that weight them.
 //!
-//! Orientation and descriptor make the gradients that they need where they need them; nothing is stored. Everything
-//! here is branch-free arithmetic, so that it runs in vector lanes of whatever function it is inlined into.
+//! Orientation and descriptor compute the gradients that they need on the spot; nothing is stored. Everything here is
+//! branch-free arithmetic, so that it runs in vector lanes of any function it is inlined into.
 
 use crate::kernel::patch::{LANES, Patch, inside};
 use std::f32::consts::{LN_2, LOG2_E};
@@ -10,7 +10,7 @@ use std::ops::Range;
 /// Eighths of a turn in a radian.
 const EIGHTHS: f32 = 4.0 / std::f32::consts::PI;
 
-/// The values of a vector.
+/// Values of one vector.
 pub(crate) type Lane = [f32; LANES];
 
 /// The smaller of two numbers, neither of which is NaN: unlike [`f32::min`] a single instruction.
@@ -25,7 +25,7 @@ pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The polynomial with these coefficients, of the highest power first.
+/// The polynomial with these coefficients at `x`, highest power first.
 #[inline(always)]
 fn polynomial<const N: usize>(coefficients: [f32; N], x: f32) -> f32 {
     let mut sum = coefficients[0];
@@ -56,13 +56,14 @@ fn polar(gu: f32, gv: f32) -> (f32, f32) {
 #[inline(always)]
 fn exp_of_negative(x: f32) -> f32 {
     let doublings = max((x * LOG2_E + 0.5).floor(), -127.0);
-    // What is left is within ±ln 2 / 2.
+    // The remainder is within ±ln 2 / 2.
     let rest = max(x - doublings * LN_2, -LN_2);
     let series = polynomial([1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0], rest);
     series * f32::from_bits(whole(doublings + 127.0) << 23)
 }
 
-/// exp(−d²/(2·sigma²)) of the distances of `range` from `centre`, into `out`, which goes on for at least a vector more.
+/// Writes exp(−d²/(2·sigma²)) of the distances of `range` from `centre` to `out`, which ends with at least one more
+/// vector.
 #[inline(always)]
 pub(crate) fn window(range: Range<i64>, centre: f32, sigma: f32, out: &mut Vec<f32>) {
     let scale = -0.5 / (sigma * sigma);
@@ -83,8 +84,8 @@ pub(crate) fn vector_of(values: &[f32], at: usize) -> &Lane {
     values[at..at + LANES].try_into().expect("a vector")
 }
 
-/// A part of a row of a Gaussian level, of which the gradients are wanted: its neighbours on four sides, each beginning
-/// at the first pixel's neighbour.
+/// The neighbours on four sides of part of a row of a Gaussian level, for its gradients; each slice begins at the first
+/// pixel's neighbour.
 pub(crate) struct GradientRow<'a> {
     before: &'a [f32],
     after: &'a [f32],
@@ -93,7 +94,7 @@ pub(crate) struct GradientRow<'a> {
 }
 
 impl<'a> GradientRow<'a> {
-    /// Row `v` of `level` from column `u` on; the level holds what is around it.
+    /// Row `v` of `level` from column `u` on; the level holds its neighbours.
     #[inline(always)]
     pub(crate) fn new(level: &'a Patch, u: i64, v: i64) -> Self {
         let row = level.values(u - 1, v);
@@ -115,7 +116,7 @@ impl<'a> GradientRow<'a> {
     }
 }
 
-/// The octave's columns (or rows) within `radius` of the pixel at `centre`, except the image's rim, of `n`.
+/// The octave's columns (or rows), of `n`, within `radius` of the pixel at `centre`, without the image's rim.
 pub(crate) fn reach(centre: f32, radius: i64, n: usize) -> Range<i64> {
     let centre = (centre + 0.5) as i64;
     let wanted = centre - radius..centre + radius + 1;
@@ -126,7 +127,7 @@ pub(crate) fn reach(centre: f32, radius: i64, n: usize) -> Range<i64> {
     inner.start.max(1) as i64..inner.end.min(n - 1) as i64
 }
 
-/// A whole number from 0 to 2²² as an integer, without the tests that a conversion of any number needs.
+/// Converts a whole number from 0 to 2²² to an integer, without the checks that a conversion of any number needs.
 #[inline(always)]
 pub(crate) fn whole(x: f32) -> u32 {
     // From 2²³ on a number's last bit is worth 1.

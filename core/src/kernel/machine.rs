@@ -1,8 +1,8 @@
-//! What is fitted to the machine: sizes of tiles, strips and blocks.
+//! Sizes tuned to the machine: of tiles, strips and blocks.
 //!
 //! None of these changes a bit of any result; they decide how much fits into registers and caches. The benches named
-//! beside each measure it, the single routines in `stages`, a whole detection in `cpu_time` (one thread's CPU time, so
-//! that a busy machine matters little). Whoever changes one runs its bench before and after.
+//! beside each measure it: the single routines in `stages`, a whole detection in `cpu_time` (one thread's CPU time, so
+//! that a busy machine matters little). Run the bench before and after changing one.
 //!
 //! | constant | held to | what it trades | bench |
 //! | --- | --- | --- | --- |
@@ -22,29 +22,29 @@ pub(crate) const MAX_VECTORS: usize = 6;
 pub(crate) const WIDEST_VECTOR: usize = 16;
 /// Columns that the filter bank makes together: two vectors of the widest kind, a whole number of any kind.
 pub(crate) const BLOCK_COLUMNS: usize = 32;
-/// Rows that the filter bank finishes before it begins the next ones: few enough that what lies between the passes
-/// stays in the second cache.
+/// Rows that the filter bank finishes before it begins the next ones: few enough that the values between the passes
+/// stay in the second cache.
 pub(crate) const BATCH_ROWS: usize = 112;
-/// Rows of one level that are made at once, at most; half of them where vectors are shorter and registers fewer.
+/// Maximum number of rows of one level computed at once; half of them where vectors are shorter and registers fewer.
 pub(crate) const MAX_LEVEL_ROWS: usize = 8;
-/// Rows of a patch that are combined together: of the rows that one reads, the next one reads all but one.
+/// Rows of a patch that are combined together: neighbouring rows read the same source rows but one.
 pub(crate) const PATCH_ROWS_TOGETHER: usize = 4;
-/// Columns of a tile. With those held around it for the moves of the refinement it is five blocks of vectors wide, and
-/// what lies between the two passes of its filters stays in the second cache.
+/// Columns of a tile. With the margin held for the moves of the refinement it is five blocks of vectors wide, and the
+/// values between the two passes of its filters stay in the second cache.
 pub(crate) const TILE_COLUMNS: usize = 148;
-/// Rows of a tile where the window does not ask for fewer: enough that the rows its filters need around it matter
+/// Rows of a tile where the window does not require fewer: enough that the margin of rows for its filters matters
 /// little.
 pub(crate) const TILE_ROWS: usize = 548;
-/// Bytes of DoG tiles that the threads' windows of slopes may hold together.
+/// Maximum size of the DoG tiles of the windows of slopes of all threads together, bytes.
 pub(crate) const WINDOWS_BYTES: usize = 128 << 20;
-/// Bytes that one of them holds at most: as much as stays in a thread's share of the third cache. Fewer rows than that
-/// repeat too much of what the filters need around a tile.
+/// Maximum size of one window, bytes: as much as stays in a thread's share of the third cache. Fewer rows than that
+/// repeat too much of the filters' margin around a tile.
 pub(crate) const WINDOW_BYTES: usize = 6 << 20;
-/// Slopes whose frames are stacked together, at most: whole rows of the grid where it has two axes, which share the
-/// mixing of rows.
+/// Maximum number of slopes whose frames are stacked together: whole rows of the grid where it has two axes, which
+/// share the mixing of rows.
 pub(crate) const STACKED_SLOPES: usize = 16;
-/// Keypoints are described in strips of this many columns, each from top to bottom: what their patches share of the
-/// frames is then still in the cache.
+/// Width of the strips in which keypoints are described, columns, each from top to bottom: pixels of the frames that
+/// their patches share are then still in the cache.
 pub(crate) const STRIP_COLUMNS: f32 = 200.0;
 /// Keypoints that one thread describes in a row.
 pub(crate) const KEYPOINTS_TOGETHER: usize = 32;

@@ -1,11 +1,10 @@
-//! The vector code under the detector's steps.
+//! Vector code of the detector's steps.
 //!
-//! What takes the time is written here for whole vectors, and nothing else: rows of frames that are weighted and summed
+//! Only the most expensive routines are written here, for whole vectors: rows of frames that are weighted and summed
 //! (`stack_rows`, `weighted_rows`), all Gaussian levels of an octave in one pass ([`gaussian_bank`]), and, on the
 //! [`patch`] around one feature, its motion stack (`stack_patch`), its blur (`blur_patch`), its `gradient`s and the
-//! response of a compactly supported kernel ([`compact_kernel`]). Which of these are asked for, and what the numbers
-//! mean, is [`crate::detector`]'s. Each routine has a plain twin, a few lines that say what it computes, and a test
-//! that holds the two equal.
+//! response of a compactly supported kernel ([`compact_kernel`]). [`crate::detector`] chooses among them and knows the
+//! meaning of the numbers. Each routine has a plain reference of a few lines, and a test that compares the two.
 
 pub(crate) mod blur_patch;
 pub mod compact_kernel;

@@ -1,22 +1,22 @@
-//! Where a frame is read: an offset in whole pixels and a fraction, and which pixels of an image it covers there.
+//! Offset at which a frame is read, in whole pixels and a fraction, and the pixels of an image that it covers there.
 
 use std::ops::Range;
 
-/// Where one frame is read: whole pixels and a fraction in [0, 1) in each direction.
+/// Offset of one frame: whole pixels and a fraction in [0, 1) in each direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameOffset {
     /// Whole columns.
     pub whole_u: i64,
     /// Whole rows.
     pub whole_v: i64,
-    /// The rest of a column.
+    /// Fraction of a column.
     pub part_u: f32,
-    /// The rest of a row.
+    /// Fraction of a row.
     pub part_v: f32,
-    /// How many columns before the first one still count as it, 0 or 1: see
+    /// Number of columns before the first one that still count as it, 0 or 1: see
     /// [`crate::detector::Interpolation::Truncated`].
     pub before_u: i64,
-    /// The same for rows.
+    /// Number of rows before the first one that still count as it, 0 or 1.
     pub before_v: i64,
 }
 
@@ -31,8 +31,8 @@ impl FrameOffset {
         Self::covered(self.whole_u, self.part_u, self.before_u, width)
     }
 
-    /// Columns of an image `width` wide at which the frame has pixels of its own, and one more to the right, whether
-    /// that is needed or not.
+    /// Columns of an image `width` wide at which the frame has pixels of its own, and one more to the right, whether or
+    /// not that is needed.
     pub(crate) fn reads_next_columns(&self, width: usize) -> Range<usize> {
         Self::covered(self.whole_u, 1.0, 0, width)
     }
@@ -47,8 +47,8 @@ impl FrameOffset {
         self.covers_rows(height).contains(&v)
     }
 
-    /// Positions `0 … n−1` that this offset keeps inside, as a half-open range: whole offset `whole`, fraction `part`;
-    /// the position `before` 0 counts too.
+    /// Positions `0 … n−1` that stay inside at whole offset `whole` and fraction `part`, as a half-open range; `before`
+    /// positions before 0 count too.
     fn covered(whole: i64, part: f32, before: i64, n: usize) -> Range<usize> {
         let reach = i64::from(part > 0.0);
         let start = (-whole - before).clamp(0, n as i64);

@@ -1,20 +1,20 @@
 //! Patches: the pixels around one feature at one slope.
 //!
-//! The search leaves nothing behind but keypoints; localisation and description make the little that they need of a
-//! feature's own motion-stack image again, from the frames or from the octave's stored first level. A patch always
-//! holds the whole rectangle asked for: beyond the octave's border the nearest pixel is repeated, as everywhere, so
-//! that nothing that reads a patch needs to know about borders.
+//! The search stores only keypoints; localisation and description compute again the small part that they need of a
+//! feature's own motion-stack image, from the frames or from the octave's stored first level. A patch always holds the
+//! whole rectangle asked for: beyond the octave's border the nearest pixel is repeated, as everywhere, so that code
+//! that reads a patch needs no cases for borders.
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::weighted_rows::WeightedRows;
 use crate::plane::aligned::Aligned;
 use std::ops::Range;
 
-/// Values that one vector instruction takes. Loops over a patch's rows take whole vectors; what lies beyond the row's
-/// end is computed and dropped.
+/// Number of values in a vector. Loops over a patch's rows take whole vectors; values beyond the row's end are computed
+/// and dropped.
 pub(crate) const LANES: usize = 16;
 
-/// A rectangle of pixels of an octave, at its place. The buffer keeps its capacity when it is reset.
+/// A rectangle of pixels of an octave, with its place. The buffer keeps its capacity when it is reset.
 #[derive(Debug, Default)]
 pub struct Patch {
     columns: Range<i64>,
@@ -24,7 +24,7 @@ pub struct Patch {
     data: Aligned,
 }
 
-/// Space that making patches needs; reused from patch to patch.
+/// Buffers for making patches; reused from patch to patch.
 #[derive(Debug, Default)]
 pub struct PatchScratch {
     pub(crate) narrow: Patch,
@@ -39,10 +39,10 @@ pub(crate) fn inside(range: &Range<i64>, n: usize) -> Range<usize> {
 }
 
 impl Patch {
-    /// Makes this the given columns and rows. The contents are unspecified until written.
+    /// Sets the columns and rows. The contents are unspecified until written.
     pub fn reset(&mut self, columns: Range<i64>, rows: Range<i64>) {
         self.stride = columns.clone().count().next_multiple_of(LANES);
-        // Vectors may begin at any pixel of a row and at the one after it.
+        // Vectors may begin at any pixel of a row and at the next one.
         self.data.grow(self.stride * rows.clone().count() + 2 * LANES);
         (self.columns, self.rows) = (columns, rows);
     }
@@ -57,7 +57,7 @@ impl Patch {
         self.rows.clone()
     }
 
-    /// The pixels and where they lie.
+    /// View of the pixels.
     pub fn pixels(&self) -> PixelView<'_> {
         let size = (self.columns.clone().count(), self.rows.clone().count());
         PixelView { data: &self.data, stride: self.stride, size, left: self.columns.start, top: self.rows.start }
@@ -68,8 +68,8 @@ impl Patch {
         self.stride
     }
 
-    /// All values from pixel (u, v) on: the rest of its row, what fills it up to whole vectors, and the rows below; at
-    /// least a vector from any held pixel.
+    /// All values from pixel (u, v) on: the rest of its row, its padding to whole vectors, and the rows below; at least
+    /// a vector from any held pixel.
     ///
     /// # Panics
     /// When the pixel is not held.
@@ -80,14 +80,14 @@ impl Patch {
         &self.data[at..]
     }
 
-    /// The same, to be written.
+    /// All values from pixel (u, v) on, mutable.
     pub(crate) fn values_mut(&mut self, u: i64, v: i64) -> &mut [f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
         let at = (v - self.rows.start) as usize * self.stride + (u - self.columns.start) as usize;
         &mut self.data[at..]
     }
 
-    /// Row `v`, one value a held column.
+    /// Row `v`, one value for each held column.
     ///
     /// # Panics
     /// When the row is not held.
@@ -100,7 +100,7 @@ impl Patch {
         &mut self.values_mut(self.columns.start, v)[..width]
     }
 
-    /// Writes what lies beyond the octave of `size`, given what lies inside.
+    /// Fills the pixels beyond the octave of `size` from those inside.
     pub(crate) fn repeat_border(&mut self, size: (usize, usize)) {
         let (columns, rows) = (inside(&self.columns, size.0), inside(&self.rows, size.1));
         let (left, right) = (self.columns.start, columns.end as i64);
@@ -123,7 +123,8 @@ impl Patch {
         (1..=below as usize).for_each(|v| data.copy_within(last * stride..(last + 1) * stride, (last + v) * stride));
     }
 
-    /// Subtracts the value in the middle: only differences matter around a feature, and small numbers round less.
+    /// Subtracts the value in the middle: only differences matter around a feature, and small numbers have smaller
+    /// rounding errors.
     pub(crate) fn centre(&mut self) {
         let (columns, rows) = (self.columns(), self.rows());
         let middle = self.values((columns.start + columns.end) / 2, (rows.start + rows.end) / 2)[0];
@@ -133,7 +134,7 @@ impl Patch {
 }
 
 impl Patch {
-    /// Fills this from `narrow` doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j).
+    /// Fills the patch from `narrow` doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j) of `narrow`.
     pub(crate) fn double(&mut self, narrow: &Self, row: &mut Vec<f32>) {
         let left = self.columns.start;
         row.resize(narrow.columns.clone().count(), 0.0);

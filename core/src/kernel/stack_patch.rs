@@ -1,7 +1,7 @@
 //! The motion stack of a patch: few rows and columns of many frames.
 //!
-//! Where every frame covers the whole patch, which frame pixels belong together and with which weights is the same for
-//! all of its pixels; it is worked out once. At the image's sides rows are made one by one as those of whole images. A
+//! Where every frame covers the whole patch, the frame pixels that belong together and their weights are the same for
+//! all of its pixels; they are computed once. At the image's sides rows are made one by one as those of whole images. A
 //! pixel has the same bits either way, unless a frame is read between its rows.
 
 use crate::kernel::offset::FrameOffset;
@@ -12,7 +12,7 @@ use crate::plane::Plane;
 use crate::plane::tile::Region;
 use std::ops::Range;
 
-/// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, of one size, at their
+/// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, which have one size, at their
 /// [`crate::detector::stack::offsets::frame_offsets`].
 pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {
     let part = part_inside(patch, frames[0].size());

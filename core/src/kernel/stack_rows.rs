@@ -4,8 +4,8 @@
 //! memory once. Slopes that also agree in their vertical part share the mixing of two rows into one.
 //!
 //! Inside, where every frame of a row covers the column and the next one, rows are [weighted
-//! sums](crate::kernel::weighted_rows) of the frames' rows; which pixels belong together and with which weights is the
-//! same for all rows that the same frames cover, so it is worked out once. At the sides, where fewer and fewer frames
+//! sums](crate::kernel::weighted_rows) of the frames' rows; the pixels that belong together and their weights are the
+//! same for all rows that the same frames cover, so they are computed once. At the sides, where fewer and fewer frames
 //! cover the columns, frames are added one after the other and divided by their number.
 
 use super::offset::FrameOffset;
@@ -18,7 +18,7 @@ use std::ops::Range;
 #[derive(Debug)]
 pub struct RowStacker<'a> {
     frames: &'a [&'a Plane],
-    /// For each slope, where its frames are read.
+    /// Offsets of the frames for each slope.
     slopes: Vec<&'a [FrameOffset]>,
     groups: Vec<Group<'a>>,
     mixed: Vec<f32>,
@@ -33,24 +33,24 @@ struct Group<'a> {
     run: Run<'a>,
 }
 
-/// What the rows have in common that the same frames cover.
+/// Data shared by the rows that the same frames cover.
 #[derive(Debug, Default)]
 struct Run<'a> {
     rows: Range<usize>,
     columns: Range<usize>,
-    /// Their frames.
+    /// Indices of the frames that cover them.
     covering: Vec<usize>,
     /// The columns of the frames that any slope of the group reads.
     wide: Range<usize>,
     /// Whether any of the frames is read between its rows.
     mixes: bool,
-    /// For each slope the columns inside.
+    /// For each slope the columns covered by all frames.
     inner: Vec<Range<usize>>,
-    /// For each slope, unless rows are mixed, what is summed inside the run's first row.
+    /// For each slope, unless rows are mixed, the terms of the sum inside the run's first row.
     taps: Vec<Vec<Tap<'a>>>,
 }
 
-/// One frame's part of a row: its pixels from column `left` on, and where a slope's pixel finds its own.
+/// Part of a row of one frame: its pixels from column `left` of the frame on.
 struct Source<'s> {
     frame: usize,
     pixels: &'s [f32],
@@ -58,13 +58,13 @@ struct Source<'s> {
 }
 
 impl<'a> Run<'a> {
-    /// The rows from `v` on, columns `columns`, of `frames` at `slopes`, which are those of a group.
+    /// The rows from `v` on, columns `columns`, of `frames` at `slopes`, which form a group.
     fn new(frames: &'a [&'a Plane], slopes: &[&'a [FrameOffset]], v: usize, columns: Range<usize>) -> Self {
         let (width, height) = frames[0].size();
         let first = slopes[0];
         let covering: Vec<usize> = (0..frames.len()).filter(|&t| first[t].covers_row(v, height)).collect();
         let changes = first.iter().map(|offset| offset.covers_rows(height)).flat_map(|rows| [rows.start, rows.end]);
-        // Rows before the frame's first one that count as it are all made of that one.
+        // Rows before the frame's first one that count as it are all copies of it.
         let reads = covering.iter().map(|&t| usize::try_from(-first[t].whole_v).unwrap_or(0));
         let end = changes.chain(reads).filter(|&change| change > v).min().unwrap_or(height);
         let shifts = || slopes.iter().flat_map(|slope| slope.iter()).map(|offset| offset.whole_u);
@@ -94,7 +94,7 @@ impl<'a> Run<'a> {
 }
 
 impl<'a> RowStacker<'a> {
-    /// For `frames` of one size in time order and, for each slope, their
+    /// Stacker for `frames` of one size in time order and, for each slope, their
     /// [`crate::detector::stack::offsets::frame_offsets`].
     pub fn new(frames: &'a [&'a Plane], slopes: Vec<&'a [FrameOffset]>) -> Self {
         let vertical = |slope: &[FrameOffset]| -> Vec<(i64, f32, i64)> {
@@ -113,7 +113,8 @@ impl<'a> RowStacker<'a> {
         Self { frames, slopes, groups, mixed, counts, sums }
     }
 
-    /// Row `v`, columns `columns`, of each slope's motion-stack image into its `outs`, one value a column.
+    /// Writes row `v`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, one value for each
+    /// column.
     pub fn row(&mut self, v: usize, columns: Range<usize>, outs: &mut [&mut [f32]]) {
         for index in 0..self.groups.len() {
             let Group { slopes, run } = &mut self.groups[index];
@@ -157,8 +158,8 @@ impl<'a> RowStacker<'a> {
     }
 }
 
-/// What the frames that cover row `v` of `run` have for it, at the vertical parts of `offsets`; two rows that are read
-/// together are mixed into one in `mixed`.
+/// The sources of row `v` of `run` from the frames that cover it, at the vertical parts of `offsets`; two rows that are
+/// read together are mixed into one in `mixed`.
 fn sources<'s>(
     frames: &[&'s Plane],
     offsets: &[FrameOffset],
@@ -182,7 +183,7 @@ fn sources<'s>(
     run.covering.iter().zip(mixed.chunks_mut(wide.len())).map(source).collect()
 }
 
-/// The columns `side` of row `v`, where not all `sources` reach.
+/// Computes the columns `side` of row `v`, which not all `sources` cover.
 fn side_columns(
     frames: &[&Plane],
     offsets: &[FrameOffset],
@@ -201,7 +202,7 @@ fn side_columns(
         let covered = offset.covers_columns(width);
         let reads = offset.reads_columns(width);
         let (start, end) = (covered.start.max(side.start), covered.end.min(side.end));
-        // Columns that count as the frame's first one come before those that it reads.
+        // Columns that count as the frame's first one precede those that it reads.
         let first_read = reads.start.clamp(start, end.max(start));
         for u in start..first_read.min(end) {
             out[u - side.start] += source.pixels[0];

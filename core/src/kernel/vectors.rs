@@ -1,4 +1,4 @@
-//! Rows in vectors of the processor at hand, some at once.
+//! Rows in vectors of the processor's width, several at once.
 
 pub(crate) use super::machine::MAX_VECTORS;
 use pulp::Simd;
@@ -15,14 +15,14 @@ pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
     S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;
 }
 
-/// Where `V` vectors of `lanes` begin, the first one at vector `first` of a row of `n` values: one after the other, but
-/// the row's last one ends where the row does, unless the row is shorter than a vector.
+/// First values of `V` vectors of `lanes`, the first one at vector `first` of a row of `n` values: one after the other,
+/// but the row's last one ends where the row does, unless the row is shorter than a vector.
 #[inline(always)]
 pub(crate) fn places<const V: usize>(first: usize, lanes: usize, n: usize) -> [usize; V] {
     std::array::from_fn(|i| ((first + i) * lanes).min(n.saturating_sub(lanes)))
 }
 
-/// Does `$body` for groups of `$count` vectors (a constant, at most [`MAX_VECTORS`]) of the kind `$simd` that begin at
+/// Runs `$body` for groups of `$count` vectors (a constant, at most [`MAX_VECTORS`]) of the kind `$simd` that begin at
 /// `$places` and together cover `0 … $n`.
 macro_rules! in_vectors {
     ($simd:ident, $n:expr, |$count:ident, $places:ident| $body:block) => {

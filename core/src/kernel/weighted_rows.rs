@@ -1,23 +1,23 @@
 //! Rows of weighted sums of frames that are read between their columns.
 //!
 //! Each frame pixel adds to two pixels of the sum, the one at its place and the one before, in proportion to the
-//! frame's fraction of a column. So two sums are made of the frames, both from the same loads and in registers, and at
-//! last they are added, the second one shifted by a pixel. Where no frame has a fraction there is one sum. The search
-//! and the patches around its features are both made this way, so a pixel has the same bits wherever it is made.
+//! frame's fraction of a column. So two sums are made of the frames, both from the same loads and in registers, and
+//! finally added, the second one shifted by a pixel. Where no frame has a fraction there is one sum. The search and the
+//! patches around its features both use this, so a pixel has the same bits in either.
 
 use crate::kernel::vectors::{MAX_VECTORS, in_vectors, load, store};
 use crate::plane::aligned::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Vectors of any processor are at most this long.
+/// Maximum number of values in a vector of any processor.
 const LONGEST: usize = 16;
 
-/// One frame's pixels from where a sum begins to read them.
+/// Pixels of one frame in a sum, from the first one that is read.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tap<'a> {
-    /// The pixels; rows as far apart as in the image.
+    /// Pixels; rows as far apart as in the image.
     pub pixels: &'a [f32],
-    /// Their weights at their own place and a pixel to the left.
+    /// Weights of the pixels at their own place and a pixel to the left.
     pub weights: [f32; 2],
 }
 
@@ -28,7 +28,7 @@ impl<'a> Tap<'a> {
     }
 }
 
-/// Space for a row of both sums, and the processor's kind; reused from row to row.
+/// Buffers for a row of both sums, and the processor's kind; reused from row to row.
 #[derive(Debug)]
 pub(crate) struct WeightedRows {
     arch: Arch,
@@ -42,8 +42,8 @@ impl Default for WeightedRows {
 }
 
 impl WeightedRows {
-    /// Rows `rows` of the sum of `taps`, `columns` values each, into `out`, where rows lie `stride` apart. Row 0 is the
-    /// one with which the pixels of the taps begin; rows of theirs lie `width` apart, and each holds a pixel more than
+    /// Writes rows `rows` of the sum of `taps`, `columns` values each, to `out`, where rows lie `stride` apart. Row 0
+    /// is the first one of the taps' pixels; the taps' rows lie `width` apart, and each holds a pixel more than
     /// `columns`.
     pub fn make(
         &mut self,
@@ -68,7 +68,7 @@ impl WeightedRows {
     }
 }
 
-/// A row too short for vectors.
+/// Computes a row too short for vectors.
 fn short_row(taps: &[Tap<'_>], row: usize, between: bool, out: &mut [f32]) {
     let sum = |i: usize, which: usize| {
         taps.iter().fold(0.0f32, |sum, tap| tap.weights[which].mul_add(tap.pixels[row + i], sum))
@@ -84,7 +84,7 @@ struct RowsJob<'a> {
     /// At least [`LONGEST`].
     columns: usize,
     rows: std::ops::Range<usize>,
-    /// Whether there is a second sum.
+    /// Whether a second sum is needed.
     between: bool,
     here: &'a mut [f32],
     shifted: &'a mut [f32],
@@ -100,7 +100,7 @@ impl WithSimd for RowsJob<'_> {
         for (index, v) in self.rows.enumerate() {
             let (out, row) = (&mut self.out[index * self.stride..][..self.columns], v * self.width);
             if self.between {
-                // Of the second sum one more is needed.
+                // The second sum needs one value more.
                 in_vectors!(S, self.columns + 1, |V, places| {
                     let sums = two_sums::<S, V>(simd, self.taps, row, places);
                     for i in 0..V {
@@ -142,7 +142,7 @@ fn two_sums<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, plac
     sums
 }
 
-/// The same for the first sum alone.
+/// Vectors of the first sum alone at `places`.
 #[inline(always)]
 fn one_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [S::f32s; V] {
     let mut sums = [simd.splat_f32s(0.0); V];
@@ -174,7 +174,7 @@ mod tests {
                     let mut expected = vec![0.0; columns];
                     short_row(&taps, (v + 1) * 133, parts.iter().any(|&part| part > 0.0), &mut expected);
                     assert_eq!(row[..columns], expected, "{parts:?} {columns}");
-                    // Nothing else is written.
+                    // No other values are written.
                     assert!(row[columns..].iter().all(|x| x.is_nan()), "{parts:?} {columns}");
                 }
             }

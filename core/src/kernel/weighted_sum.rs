@@ -1,11 +1,11 @@
-//! The weighted sum of rows that a motion-stack image is made of, and the same for a single pixel at the border.
+//! The weighted sum of rows that makes a motion-stack image, and the sample of a single pixel at the border.
 
 use super::offset::FrameOffset;
 use crate::plane::Plane;
 use crate::plane::blocks::{BlockSize, LARGE, SMALL, for_blocks};
 use multiversion::multiversion;
 
-/// The bilinear sample of `frame` for pixel (u, v), its nearest pixels where it doesn't reach.
+/// The bilinear sample of `frame` for pixel (u, v); beyond the frame the nearest pixel.
 pub(crate) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
     let (width, height) = frame.size();
     let at = |du: i64, dv: i64| {

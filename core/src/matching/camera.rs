@@ -1,7 +1,7 @@
-//! A camera's intrinsics: how a direction in space becomes a pixel, and back.
+//! A camera's intrinsics: mapping between directions in space and pixels.
 //!
-//! Models, names and the order of the parameters are COLMAP's, and so is the place of the principal point: **the centre
-//! of the first pixel is (0.5, 0.5)** there, so that parameters can be taken from COLMAP's files as they are.
+//! Models, names and the order of the parameters are COLMAP's, and so is the convention of the principal point: **the
+//! centre of the first pixel is (0.5, 0.5)** there, so that parameters can be taken from COLMAP's files as they are.
 //! [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's convention, where it is (0,
 //! 0), and add the half pixel themselves.
 
@@ -14,7 +14,7 @@ use std::str::FromStr;
 /// Half a pixel: the centre of the first pixel in COLMAP's convention.
 const FIRST_PIXEL: f64 = 0.5;
 
-/// How directions become pixels.
+/// Mapping from directions to pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum CameraModel {
@@ -54,7 +54,7 @@ impl CameraModel {
     }
 }
 
-/// A camera's intrinsics.
+/// Intrinsics of a camera.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
@@ -88,7 +88,7 @@ struct Distortion {
 }
 
 impl Distortion {
-    /// The distorted place of the direction (x, y, 1).
+    /// The distorted position of the direction (x, y, 1).
     fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let r2 = x * x + y * y;
         let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
@@ -98,11 +98,11 @@ impl Distortion {
         ]
     }
 
-    /// The derivatives of [`Self::apply`] after x and y, by rows.
+    /// The derivatives of [`Self::apply`] with respect to x and y, by rows.
     fn jacobian(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let r2 = x * x + y * y;
         let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
-        // Twice the derivative of `radial` after r².
+        // Twice the derivative of `radial` with respect to r².
         let slope = 2.0 * (self.k1 + 2.0 * r2 * self.k2);
         let mixed = x * y * slope + 2.0 * self.p1 * x + 2.0 * self.p2 * y;
         [
@@ -111,8 +111,8 @@ impl Distortion {
         ]
     }
 
-    /// The (x, y) that [`Self::apply`] takes to `distorted`, by Newton's method. Where strong distortion has no inverse
-    /// it is the closest that was reached.
+    /// The (x, y) that [`Self::apply`] maps to `distorted`, by Newton's method; the closest point reached where strong
+    /// distortion has no inverse.
     fn remove(&self, distorted: [f64; 2]) -> [f64; 2] {
         if *self == Self::default() {
             return distorted;
@@ -130,7 +130,7 @@ impl Distortion {
             let step = [(d * off[0] - b * off[1]) / determinant, (a * off[1] - c * off[0]) / determinant];
             let next = [at[0] - step[0], at[1] - step[1]];
             let next_off = miss(next);
-            // Also false when something is not a number.
+            // Also false for NaN.
             let is_closer = length(next_off) < length(off);
             if !is_closer {
                 break;
@@ -142,16 +142,16 @@ impl Distortion {
 }
 
 impl Camera {
-    /// A pinhole camera whose principal point is the image's centre. `focal_px` is in pixels.
+    /// A pinhole camera with the principal point at the image's centre. `focal_px` is in pixels.
     pub fn centred(width: usize, height: usize, focal_px: f64) -> Self {
         let params = vec![focal_px, width as f64 / 2.0, height as f64 / 2.0];
         Self { model: CameraModel::SimplePinhole, width, height, params }
     }
 
-    /// Checks size and parameters. `parameter` is the name of the option that they came from.
+    /// Checks size and parameters. `parameter` names the option that they came from, for the error.
     ///
     /// # Errors
-    /// What makes no sense.
+    /// The first value that makes no sense.
     pub fn validate(&self, parameter: &'static str) -> Result<(), ParamError> {
         let fail = |problem: String, remedy: String| Err(ParamError { parameter, problem, remedy });
         let names = self.model.param_names();
@@ -196,18 +196,19 @@ impl Camera {
         [fx, fy]
     }
 
-    /// K, which takes directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, if there were no distortion.
+    /// The matrix K, which maps directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, without
+    /// distortion.
     pub fn matrix(&self) -> Matrix3<f64> {
         let Pinhole { fx, fy, cx, cy } = self.pinhole();
         Matrix3::new(fx, 0.0, cx - FIRST_PIXEL, 0.0, fy, cy - FIRST_PIXEL, 0.0, 0.0, 1.0)
     }
 
-    /// Whether straight lines in space are straight in its images.
+    /// Whether straight lines in space are straight in the images: there is no distortion.
     pub fn is_straight(&self) -> bool {
         self.distortion() == Distortion::default()
     }
 
-    /// The direction (x, y, 1) that is seen at the pixel (u, v), with the distortion removed.
+    /// The direction (x, y, 1) seen at the pixel (u, v), with the distortion removed.
     ///
     /// # Panics
     /// For a camera that [`Self::validate`] refuses.

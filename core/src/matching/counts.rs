@@ -1,4 +1,4 @@
-//! How well two images match, in the numbers of the paper's Table 1.
+//! Matching statistics of images, as in the paper's Table 1.
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
 //! match, and precision the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
@@ -8,16 +8,16 @@
 
 use serde::Serialize;
 
-/// The numbers of one pair of images, A and B.
+/// Counts of one pair of images, A and B.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct MatchCounts {
     /// Features of A.
     pub keypoints_a: usize,
     /// Features of B.
     pub keypoints_b: usize,
-    /// Matches by descriptors alone.
+    /// Number of matches by descriptors alone.
     pub putative: usize,
-    /// Matches that a common geometry explains; `None` where none was asked for.
+    /// Number of matches consistent with a common geometry; `None` where none was requested.
     pub inliers: Option<usize>,
 }
 
@@ -49,38 +49,38 @@ impl MatchCounts {
     }
 }
 
-/// The numbers of many images that were matched with one another, as in the paper's table: of each image, with all
+/// Statistics of many images that were matched with one another, as in the paper's table: of each image, with all
 /// others that it was paired with, and then the mean over the images.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ImageCounts {
-    /// Features of an image.
+    /// Mean number of features of an image.
     pub keypoints_per_image: f64,
-    /// Putative matches of an image.
+    /// Mean number of putative matches of an image.
     pub putative_per_image: f64,
-    /// Inliers of an image.
+    /// Mean number of inliers of an image.
     pub inliers_per_image: f64,
-    /// Putative matches over keypoints.
+    /// Putative matches over keypoints, mean over the images.
     pub match_ratio: f64,
-    /// Inliers over keypoints.
+    /// Inliers over keypoints, mean over the images.
     pub match_score: f64,
     /// Inliers over putative matches, of all pairs together; `None` without matches.
     pub precision: Option<f64>,
-    /// Pairs with inliers.
+    /// Number of pairs with inliers.
     pub verified_pairs: usize,
 }
 
 impl ImageCounts {
-    /// Of images with so many `keypoints` each, and of pairs of them (by their places) that were matched. Pairs that
-    /// were not verified count as pairs without inliers. `None` without images.
+    /// Computes the statistics of images with `keypoints` features each, and of the matched pairs of them (by index).
+    /// Pairs that were not verified count as pairs without inliers. `None` without images.
     ///
     /// # Panics
-    /// When a pair has a place that `keypoints` has not: a mistake of the caller.
+    /// When a pair has an index outside `keypoints`: a mistake of the caller.
     pub fn of(keypoints: &[usize], pairs: &[((usize, usize), MatchCounts)]) -> Option<Self> {
         if keypoints.is_empty() {
             return None;
         }
         let images = keypoints.len() as f64;
-        // Each match is one of both images.
+        // Each match counts for both images.
         let of_images = |count: &dyn Fn(&MatchCounts) -> usize| {
             let mut sums = vec![0; keypoints.len()];
             for ((a, b), counts) in pairs {

@@ -6,10 +6,10 @@
 //!
 //! An *inlier* is a putative match that agrees with a geometry of the two views on which most others agree too.
 //!
-//! The way of the data: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check)
-//! → [`geometry`] (robust estimation, inliers) → [`counts`] (the numbers of the paper). [`match_detections`] is the
-//! composition, [`params`] holds everything that decides its result, [`camera`] the intrinsics where they are known,
-//! [`pairs`] says which images are matched with which.
+//! The data flow: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check) →
+//! [`geometry`] (robust estimation, inliers) → [`counts`] (the numbers of the paper). [`match_detections`] is the
+//! composition, [`params`] holds all parameters of its result, [`camera`] the intrinsics where they are known,
+//! [`pairs`] selects the pairs of images to match.
 
 pub mod camera;
 pub mod counts;
@@ -29,13 +29,13 @@ pub use putative::{Match, match_descriptors};
 use crate::detector::{Descriptor, Detection, Feature, ParamError};
 use crate::monitor::{Cancelled, Monitor};
 
-/// Why there are no matches.
+/// Reason why matching failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MatchError {
     /// A parameter makes no sense.
     #[error(transparent)]
     Param(#[from] ParamError),
-    /// It was cancelled.
+    /// Matching was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -46,18 +46,18 @@ pub struct MatchResult {
     /// The putative matches, in the order of A's features. No feature of A is in two of them, and with the mutual check
     /// none of B either.
     pub matches: Vec<Match>,
-    /// What they agree on; `None` where no geometry was asked for.
+    /// Geometry that they agree on; `None` where no geometry was requested.
     pub verification: Option<Verification>,
-    /// How many there are of what.
+    /// Counts of keypoints, putative matches and inliers.
     pub counts: MatchCounts,
 }
 
-/// Features of an image, as far as matching needs them.
+/// Features of an image, as matching needs them.
 #[derive(Debug, Clone, Copy)]
 pub struct MatchSide<'a> {
-    /// (u, v) of each, pixels.
+    /// (u, v) of each feature, pixels.
     pub places: &'a [[f64; 2]],
-    /// A descriptor for each.
+    /// Descriptor of each feature.
     pub descriptors: &'a [Descriptor],
 }
 
@@ -79,13 +79,13 @@ pub fn match_detections(
     match_features(a, MatchSide { places: &of_b, descriptors: &b.descriptors }, params, monitor)
 }
 
-/// The same for features that were kept without everything else that a detection says.
+/// Matches features given by places and descriptors alone, and verifies the matches.
 ///
 /// # Errors
 /// As [`match_detections`].
 ///
 /// # Panics
-/// When there is not one place for each descriptor: a mistake of the caller.
+/// When the numbers of places and descriptors differ: a mistake of the caller.
 pub fn match_features(
     a: MatchSide<'_>,
     b: MatchSide<'_>,

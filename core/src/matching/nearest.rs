@@ -4,10 +4,10 @@
 //! 128·255² = 8 323 200, and twice that is below 2²⁴, so `f32` holds every sum and every partial sum exactly: the
 //! result is that of integer arithmetic, whatever the order of the additions, at the speed of floating-point lanes.
 //!
-//! Layout. The descriptors that are searched are turned into blocks of `LANES`, element by element, so that one lane is
-//! one descriptor and no sum has to be taken across lanes. Queries go in groups that stay in the nearest cache together
-//! with one block, and `TILE` of them share each load of the block. Groups run in parallel; each query is searched by
-//! one thread alone, and ties go to the lowest index, so threads cannot change the result.
+//! Layout. The searched descriptors are transposed into blocks of `LANES`, element by element, so that one lane is one
+//! descriptor and no sum is taken across lanes. Queries go in groups that stay in the nearest cache together with one
+//! block, and `TILE` of them share each load of the block. Groups run in parallel; each query is searched by one thread
+//! alone, and ties go to the lowest index, so the result does not depend on threads.
 
 use crate::detector::Descriptor;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -24,21 +24,21 @@ const GROUP: usize = 32;
 /// Elements of a descriptor.
 const LENGTH: usize = 128;
 
-/// The nearest of the descriptors searched, and how far the second nearest is.
+/// Nearest of the searched descriptors, and the distance of the second nearest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Nearest {
-    /// Index of the nearest; the lowest one of several that are equally near.
+    /// Index of the nearest; the lowest of several equally near ones.
     pub index: usize,
-    /// Its squared Euclidean distance, a whole number of at most 128·255².
+    /// Squared Euclidean distance of the nearest, a whole number of at most 128·255².
     pub distance_squared: u32,
-    /// Squared distance of the second nearest, which may be as near as the nearest; `None` where only one descriptor
+    /// Squared distance of the second nearest, which may equal that of the nearest; `None` where only one descriptor
     /// was searched.
     pub second_distance_squared: Option<u32>,
 }
 
 impl Nearest {
-    /// Distance of the nearest over that of the second nearest, 0 … 1. It is 1 where both are 0 (nothing tells them
-    /// apart), and 0 where there is no second.
+    /// Distance of the nearest over that of the second nearest, 0 … 1. It is 1 where both are 0 (they are
+    /// indistinguishable), and 0 where there is no second.
     pub fn ratio(&self) -> f32 {
         match self.second_distance_squared {
             None => 0.0,
@@ -48,8 +48,8 @@ impl Nearest {
     }
 }
 
-/// For each of `queries`, in order, the nearest and second nearest of `searched` by Euclidean distance. Empty when
-/// nothing is searched.
+/// Finds, for each of `queries` in order, the nearest and second nearest of `searched` by Euclidean distance. Empty
+/// when `searched` is empty.
 ///
 /// Progress is reported as [`Stage::Match`].
 ///
@@ -73,7 +73,7 @@ pub fn nearest_two(
             let mut states = [State::START; GROUP];
             let elements = floats_of(group);
             for (number, block) in blocks.iter().enumerate() {
-                // A large set takes a while for each group of queries.
+                // With a large set each group of queries takes a while.
                 if number % 1024 == 1023 {
                     monitor.check()?;
                 }
@@ -92,7 +92,7 @@ fn squared_length(descriptor: &Descriptor) -> u32 {
     descriptor.iter().map(|&x| u32::from(x) * u32::from(x)).sum()
 }
 
-/// Descriptors side by side, one a lane.
+/// Descriptors side by side, one for each lane.
 struct Block {
     elements: [[f32; LANES]; LENGTH],
     /// |d|² of each; infinite in lanes without a descriptor, which then are never the nearest.
@@ -112,7 +112,7 @@ impl Block {
     }
 }
 
-/// The elements of up to [`GROUP`] queries, `TILE` side by side; queries that are missing are 0.
+/// The elements of up to [`GROUP`] queries, `TILE` side by side; missing queries are 0.
 fn floats_of(group: &[Descriptor]) -> [[[f32; TILE]; LENGTH]; GROUP / TILE] {
     let mut tiles = [[[0.0; TILE]; LENGTH]; GROUP / TILE];
     for (index, query) in group.iter().enumerate() {
@@ -123,7 +123,7 @@ fn floats_of(group: &[Descriptor]) -> [[[f32; TILE]; LENGTH]; GROUP / TILE] {
     tiles
 }
 
-/// What was found so far for one query, in each lane by itself. Scores are 2·a·b − |b|²: the larger, the nearer.
+/// Best results so far for one query, in each lane by itself. Scores are 2·a·b − |b|²: the larger, the nearer.
 #[derive(Clone, Copy)]
 struct State {
     best: [f32; LANES],
@@ -141,7 +141,7 @@ impl State {
         let Self { mut best, mut second, mut block } = *self;
         for l in 0..LANES {
             let score = 2.0 * products[l] - squared_lengths[l];
-            // Only what is strictly nearer replaces what came before: the lowest index wins.
+            // Only a strictly nearer descriptor replaces an earlier one: the lowest index wins.
             let nearer = score > best[l];
             let loser = if nearer { best[l] } else { score };
             second[l] = if loser > second[l] { loser } else { second[l] };
@@ -196,7 +196,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// One pair at a time, in whole numbers.
+    /// The nearest two by comparing one pair at a time, in whole numbers.
     fn brute_force(queries: &[Descriptor], searched: &[Descriptor]) -> Vec<Nearest> {
         let distance_squared = |a: &Descriptor, b: &Descriptor| {
             a.iter().zip(b).map(|(&x, &y)| u32::from(x.abs_diff(y)).pow(2)).sum::<u32>()

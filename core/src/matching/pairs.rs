@@ -1,4 +1,4 @@
-//! Which pairs of images are matched.
+//! Selection of the pairs of images that are matched.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,7 +9,7 @@ pub enum PairSelection {
     /// Each image with every other one: N·(N − 1)/2 pairs.
     #[default]
     All,
-    /// Each image with the next few after it, for a way that does not come back: about N times as many pairs.
+    /// Each image with the next few after it, for a camera path that does not return: about N times as many pairs.
     Sequential(usize),
 }
 

@@ -1,13 +1,13 @@
-//! The parameters of matching: defined, described and checked here and nowhere else.
+//! The parameters of matching, with their descriptions and checks.
 //!
-//! As with the detector's, the command line, the window and files use these names, and their help texts come from
-//! [`doc`].
+//! As with the detector's parameters, the command line, the window and files use these names, and their help texts come
+//! from [`doc`].
 
 use super::camera::Camera;
 use crate::detector::{ParamDoc, ParamError};
 use serde::{Deserialize, Serialize};
 
-/// What a geometry of the two views the matches are verified against.
+/// Geometry of the two views against which the matches are verified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Geometry {
@@ -23,10 +23,10 @@ pub enum Geometry {
 }
 
 impl Geometry {
-    /// All of them, in the order in which they are offered.
+    /// All geometries, in the order in which they are offered.
     pub const ALL: [Self; 4] = [Self::None, Self::Fundamental, Self::Essential, Self::Homography];
 
-    /// The name on the command line and in files.
+    /// Name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -37,8 +37,7 @@ impl Geometry {
     }
 }
 
-/// Everything that decides which features match, and which matches are inliers. The same features and the same
-/// parameters give the same bits.
+/// Parameters of matching and verification. The same features and parameters give the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MatchParams {
@@ -79,7 +78,7 @@ impl Default for MatchParams {
     }
 }
 
-/// Most samples that may be asked for.
+/// Maximum number of samples that may be requested.
 const MAX_ITERATIONS: usize = 10_000_000;
 
 impl MatchParams {
@@ -120,7 +119,7 @@ impl MatchParams {
     }
 }
 
-/// The descriptions of the parameters of matching, in the words that every surface shows.
+/// Descriptions of the parameters of matching, as the window, the command line and files show them.
 pub mod doc {
     use crate::detector::ParamDoc;
     use crate::detector::params::doc::param_doc;
@@ -198,7 +197,7 @@ pub mod doc {
         "Needed for the essential matrix; the centre of the first pixel is at (0.5, 0.5) in it, as in COLMAP."
     );
 
-    /// All of them, in the order in which surfaces show them.
+    /// All descriptions, in the order in which they are shown.
     pub const ALL: [ParamDoc; 9] =
         [RATIO, MUTUAL, GEOMETRY, MAX_ERROR_PX, MIN_INLIERS, CONFIDENCE, MAX_ITERATIONS, SEED, CAMERA];
 }

@@ -17,12 +17,12 @@ pub struct Match {
     /// Euclidean distance of their descriptors, in the descriptors' own unit: 0 … 2885, and up to about 724 for those
     /// of the detector, which have a length of about 512.
     pub distance: f32,
-    /// That distance over the one to the second nearest descriptor, 0 … 1; with the mutual check the larger of the two
-    /// images' ratios. It is 0 where there is no second descriptor, and 1 where both distances are 0.
+    /// Ratio of that distance to the one to the second nearest descriptor, 0 … 1; with the mutual check the larger of
+    /// the two images' ratios. It is 0 where there is no second descriptor, and 1 where both distances are 0.
     pub ratio: f32,
 }
 
-/// The putative matches of the descriptors of images A and B, in the order of A's.
+/// Finds the putative matches of the descriptors of images A and B, in the order of A's.
 ///
 /// Each match is a descriptor of A with its nearest one in B, if the ratio of the distances to the nearest and the
 /// second nearest is at most [`MatchParams::ratio`]. With [`MatchParams::mutual`] the descriptor of A must also be the
@@ -66,7 +66,7 @@ mod tests {
         match_descriptors(a, b, params, &Monitor::default()).expect("valid and not cancelled")
     }
 
-    /// A descriptor whose only elements are two numbers.
+    /// A descriptor with two non-zero elements.
     fn at(x: u8, y: u8) -> Descriptor {
         let mut descriptor = [0; 128];
         (descriptor[3], descriptor[100]) = (x, y);

@@ -1,6 +1,6 @@
-//! Numbers that begin where a cache line does.
+//! A buffer of numbers that starts at a cache line.
 //!
-//! A vector of the widest kind is as long as a cache line. Where rows begin at cache lines no vector of theirs touches
+//! A vector of the widest kind is as long as a cache line. Where rows begin at cache lines no vector of a row straddles
 //! two of them, which would take twice as long.
 
 use std::ops::{Deref, DerefMut};
@@ -10,14 +10,14 @@ use std::ops::{Deref, DerefMut};
 #[repr(C, align(64))]
 struct Line([f32; 16]);
 
-/// A growing buffer of `f32` whose first one lies at the start of a cache line.
+/// Growing buffer of `f32` whose first value lies at the start of a cache line.
 #[derive(Debug, Clone, Default)]
 pub struct Aligned {
     lines: Vec<Line>,
 }
 
 impl Aligned {
-    /// Makes room for at least `len` numbers; those that are there stay, new ones are 0.
+    /// Makes room for at least `len` numbers; existing ones keep their values, new ones are 0.
     pub fn grow(&mut self, len: usize) {
         let lines = len.div_ceil(16);
         if self.lines.len() < lines {

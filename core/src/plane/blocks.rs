@@ -1,15 +1,15 @@
-//! How the inner loops cut a row into blocks.
+//! Cutting a row into blocks for the inner loops.
 //!
-//! A block's sums stay in vector registers. A row is made in large blocks; what is left over is covered by one more
-//! block that overlaps the last, so that rows of any length run in vector lanes. Each value is computed by itself, so
-//! making some twice changes nothing.
+//! A block's sums stay in vector registers. A row is computed in large blocks; the rest is covered by one more block
+//! that overlaps the last, so that rows of any length run in vector lanes. Each value is computed by itself, so
+//! computing some twice changes nothing.
 
 /// Pixels of a large block: enough independent sums to hide the latency of an addition.
 pub const LARGE: usize = 64;
 /// Pixels of a small block, for rows shorter than a large one: a vector register's worth.
 pub const SMALL: usize = 16;
 
-/// Which block is to be made.
+/// Size of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BlockSize {
     /// [`LARGE`] values.

@@ -1,8 +1,8 @@
-//! Gaussian kernels, and the plain separable blur that says what they do.
+//! Gaussian kernels, and the plain separable blur that defines what they compute.
 //!
 //! A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉ and normalised to sum 1, as in VLFeat (`vl_imsmooth`);
 //! beyond the image the nearest pixel is repeated. The detector makes its levels with [`crate::kernel::gaussian_bank`];
-//! [`gaussian_blur`] is what that is held against.
+//! [`gaussian_blur`] is the reference for its tests.
 
 use super::Plane;
 

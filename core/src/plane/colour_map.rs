@@ -1,9 +1,8 @@
 //! Colour maps: from a position in [0, 1] to a colour.
 //!
-//! This is the one place of colour maps. The window, the exported pictures and the legends all read the same tables.
-//! Perceptual maps run from dark to light in even steps, so that equal differences in value look equally large.
-//! Diverging maps have an exactly neutral grey at the centre and are meant for values with a sign, such as the DoG
-//! response.
+//! All colour maps are defined here. The window, the exported pictures and the legends read the same tables. Perceptual
+//! maps run from dark to light in even steps, so that equal differences in value look equally large. Diverging maps
+//! have an exactly neutral grey at the centre and are meant for values with a sign, such as the DoG response.
 
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +45,7 @@ impl ColourMap {
         Self::PurpleWhiteGreen,
     ];
 
-    /// The name that a person reads, in sentence case.
+    /// Name for the user, in sentence case.
     pub fn name(self) -> &'static str {
         match self {
             Self::Grey => "Grey",
@@ -60,7 +59,7 @@ impl ColourMap {
         }
     }
 
-    /// What the map is good for, in one sentence.
+    /// Use of the map, in one sentence.
     pub fn help(self) -> &'static str {
         match self {
             Self::Grey => "The plain picture.",
@@ -95,7 +94,7 @@ impl ColourMap {
         })
     }
 
-    /// The colour at `t` in [0, 1], before it goes into the table.
+    /// The colour at `t` in [0, 1], from which the table is made.
     fn eval(self, t: f64) -> Rgb {
         match self {
             Self::Grey => [(t * 255.0).round() as u8; 3],
@@ -154,7 +153,7 @@ pub fn direction_colour(angle_rad: f32, magnitude_fraction: f32) -> Rgb {
     oklab_to_srgb(LIGHTNESS, chroma * hue.cos(), chroma * hue.sin())
 }
 
-/// OKLab to 8-bit sRGB; what lies outside is clamped.
+/// OKLab to 8-bit sRGB; values outside are clamped.
 fn oklab_to_srgb(lightness: f32, a: f32, b: f32) -> Rgb {
     let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
     let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);

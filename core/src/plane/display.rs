@@ -1,32 +1,33 @@
-//! How values become colours: range, gamma and colour map.
+//! Mapping of values to colours: range, gamma and colour map.
 //!
-//! [`Display::colour`] is the reference. The card's shader does the same arithmetic, and a test holds the two against
-//! each other; exported pictures and thumbnails use this one.
+//! [`Display::colour`] is the reference. The shader computes the same, and a test compares the two; exported pictures
+//! and thumbnails use this one.
 
 use super::Plane;
 use super::colour_map::{ColourMap, Rgb};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// The colour of a value that is not a number. No sequential or diverging map contains it.
+/// Colour of a value that is not a number. No sequential or diverging map contains it.
 pub const NAN_COLOUR: Rgb = [255, 0, 255];
 
-/// Smallest and largest gamma that [`Display::sanitised`] lets through.
+/// Gammas that [`Display::sanitised`] allows.
 pub const GAMMA_RANGE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 
-/// How values become colours.
+/// Mapping of values to colours.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
-    /// The value shown with the map's first colour, in the picture's unit (fraction of full scale). Smaller values look
-    /// the same.
+    /// Value shown with the map's first colour, in the picture's unit (fraction of full scale). Smaller values get the
+    /// same colour.
     pub min: f32,
-    /// The value shown with the map's last colour. Larger values look the same.
+    /// Value shown with the map's last colour. Larger values get the same colour.
     pub max: f32,
-    /// Raising it above 1 brightens the dark half: the position in the range is raised to the power 1/gamma. With a
-    /// diverging map the same happens to the distance from the centre, so that both signs are treated alike.
+    /// Exponent's inverse: the position in the range is raised to the power 1/gamma, so that values above 1 brighten
+    /// the dark half. With a diverging map it applies to the distance from the centre, so that both signs are treated
+    /// alike.
     pub gamma: f32,
-    /// The colours.
+    /// Colour map.
     pub map: ColourMap,
     /// Whether the range is kept symmetric about zero, for pictures whose values have a sign.
     pub symmetric: bool,
@@ -40,18 +41,19 @@ impl Default for Display {
 }
 
 impl Display {
-    /// For values with a sign: ±`limit` with a diverging map.
+    /// Display of values with a sign: ±`limit` with a diverging map.
     pub fn symmetric(limit: f32) -> Self {
         Self { min: -limit, max: limit, gamma: 1.0, map: ColourMap::BlueWhiteRed, symmetric: true }
     }
 
-    /// The same display over another range. A symmetric one takes ± the larger of the two magnitudes. A range that is
-    /// empty or not finite is made a small one around `min` (or 0), so that a display is always usable.
+    /// This display with another range. A symmetric one takes ± the larger of the two magnitudes. An empty or
+    /// non-finite range becomes a small one around `min` (or 0), so that a display is always usable.
     #[must_use]
     pub fn with_range(self, min: f32, max: f32) -> Self {
         let min = if min.is_finite() { min } else { 0.0 };
         let max = if max.is_finite() { max } else { min };
-        // Half a millionth of full scale is below what any file here holds, yet well above f32's resolution near 1.
+        // Half a millionth of full scale is less than any step of the files read here, yet well above f32's resolution
+        // near 1.
         let smallest = |at: f32| 5e-7_f32.max(at.abs() * 1e-6);
         if self.symmetric {
             let limit = min.abs().max(max.abs()).max(smallest(0.0));
@@ -61,7 +63,7 @@ impl Display {
         }
     }
 
-    /// The same display with everything in its allowed range: what was read from a file may hold anything.
+    /// This display with all values in their allowed ranges, since a file may hold anything.
     #[must_use]
     pub fn sanitised(self) -> Self {
         let gamma =
@@ -69,13 +71,13 @@ impl Display {
         Self { gamma, ..self }.with_range(self.min, self.max)
     }
 
-    /// Where `value` lies in the colour map, in [0, 1], after gamma; `None` for a value that is not a number.
+    /// Position of `value` in the colour map, in [0, 1], after gamma; `None` for a value that is not a number.
     pub fn position(&self, value: f32) -> Option<f32> {
         if value.is_nan() {
             return None;
         }
         let t = ((value - self.min) / (self.max - self.min)).clamp(0.0, 1.0);
-        // An infinite value over an infinite range cannot come from a sanitised display; 0 keeps it harmless.
+        // An infinite value over an infinite range cannot come from a sanitised display; 0 is a safe result.
         let t = if t.is_nan() { 0.0 } else { t };
         let exponent = 1.0 / self.gamma;
         Some(if self.map.is_diverging() {
@@ -91,13 +93,13 @@ impl Display {
         self.colours().colour(value)
     }
 
-    /// A ready table for many values.
+    /// The display with its colour table, for many values.
     pub fn colours(&self) -> Colours {
         Colours { display: *self, lut: self.map.lut() }
     }
 }
 
-/// A [`Display`] with its map's table: quick for many values.
+/// A [`Display`] with its map's table: fast for many values.
 #[derive(Debug, Clone)]
 pub struct Colours {
     display: Display,
@@ -116,7 +118,7 @@ impl Colours {
     }
 }
 
-/// The picture as shown: one opaque RGBA pixel for each value.
+/// The picture as displayed: one opaque RGBA pixel for each value.
 pub fn to_rgba8(plane: &Plane, display: &Display) -> image::RgbaImage {
     let colours = display.colours();
     let width = plane.width();

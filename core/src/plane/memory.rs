@@ -1,13 +1,13 @@
-//! Memory for pixels, asked for in a way that can be refused.
+//! Memory for pixels, with allocations that may fail without ending the program.
 //!
-//! What the user's input sizes (frames, the planes of a search, exported pictures) may be more than the machine has. An
-//! allocation that fails ends the whole program, and with it the window and all that was open in it. So such memory is
-//! asked for here. A refusal unwinds as [`NoMemory`], through all the steps that have no part in it and without a
-//! panic's message, up to where somebody can say it: [`refusable`] makes an error of it, for a file that is opened, a
-//! command, or a piece of work in the background.
+//! The user's input decides the size of frames, of the planes of a search and of exported pictures; that may exceed the
+//! machine's memory. A failed allocation ends the whole program, and with it the window and all open work. So such
+//! memory is allocated here. A refusal unwinds as [`NoMemory`], without a panic's message, through all steps that do
+//! not handle it; [`refusable`] turns it into an error, for a file that is opened, a command, or a job in the
+//! background.
 //!
-//! A system may promise memory that it does not have and end the program later; no program can prevent that. The limit
-//! that keeps a search well below it is [`crate::detector`]'s, before it starts.
+//! A system may promise memory that it does not have and end the program later; no program can prevent that.
+//! [`crate::detector`] checks, before a search starts, the limit that keeps it well below that.
 
 use bytemuck::Zeroable;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -20,7 +20,7 @@ use std::sync::OnceLock;
     bytes.div_ceil(1 << 20)
 )]
 pub struct NoMemory {
-    /// How much was asked for at once.
+    /// Size of the refused allocation, bytes.
     pub bytes: u64,
 }
 
@@ -30,7 +30,7 @@ impl NoMemory {
     }
 
     fn unwind(self) -> ! {
-        // Not a panic: nobody made a mistake, and the hook that prints panics is not called.
+        // Not a panic: there is no bug, and the hook that prints panics is not called.
         resume_unwind(Box::new(self))
     }
 }
@@ -49,8 +49,8 @@ pub fn with_capacity<T>(count: usize) -> Vec<T> {
     }
 }
 
-/// Memory that this process may have, bytes: the least of the machine's, its control group's and its own limit of
-/// address space. `None` where the system does not say (anything but Linux). Read once.
+/// Memory available to this process, bytes: the minimum of the machine's, its control group's and its own limit of
+/// address space. `None` where the system does not tell (anything but Linux). Read once.
 pub fn machine_bytes() -> Option<u64> {
     static BYTES: OnceLock<Option<u64>> = OnceLock::new();
     *BYTES.get_or_init(read_machine_bytes)
@@ -64,23 +64,23 @@ fn read_machine_bytes() -> Option<u64> {
     Some([group, own].into_iter().flatten().fold(total, u64::min))
 }
 
-/// Bytes of memory that `/proc/meminfo` tells.
+/// Bytes of memory, from the text of `/proc/meminfo`.
 fn machine_bytes_of(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find(|line| line.starts_with("MemTotal:"))?;
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? << 10)
 }
 
-/// Bytes of address space that `/proc/self/limits` allows; `None` for any number.
+/// Limit of the address space in bytes, from the text of `/proc/self/limits`; `None` without a limit.
 fn address_space_of(limits: &str) -> Option<u64> {
     limits.lines().find_map(|line| line.strip_prefix("Max address space"))?.split_whitespace().next()?.parse().ok()
 }
 
-/// Does `work`.
+/// Runs `work`; turns a refused allocation into an error.
 ///
 /// # Errors
 /// [`NoMemory`] where the system refused it memory.
 pub fn refusable<T>(work: impl FnOnce() -> T) -> Result<T, NoMemory> {
-    // What the work has half changed is its own, and dropped with it.
+    // State that the work has changed halfway is its own, and dropped with it.
     catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.downcast::<NoMemory>() {
         Ok(refused) => *refused,
         Err(panic) => resume_unwind(panic),

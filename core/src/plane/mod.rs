@@ -1,4 +1,4 @@
-//! One float image, and what can be done to it without knowing what it shows.
+//! Float images, and operations that do not depend on what the image shows.
 //!
 //! A [`Plane`] is a rectangle of `f32` in row-major order without padding: the value at column `u` and row `v` is
 //! `data[v·width + u]`. Frames, motion-stack images, Gaussian levels and DoG responses are all planes.
@@ -24,7 +24,7 @@ pub struct Plane {
 
 impl Plane {
     /// A plane of zeros of `width × height` pixels. Either may be 0. Unwinds as [`memory::NoMemory`] where the system
-    /// refuses the memory, as all that make planes do.
+    /// refuses the memory, as all constructors of planes do.
     pub fn zeros(width: usize, height: usize) -> Self {
         Self { width, height, data: memory::zeroed(width.saturating_mul(height)) }
     }
@@ -49,12 +49,12 @@ impl Plane {
         Self { width, height, data }
     }
 
-    /// Columns.
+    /// Number of columns.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
@@ -69,12 +69,12 @@ impl Plane {
         &self.data
     }
 
-    /// All pixels, row by row, to be changed.
+    /// All pixels, row by row, mutable.
     pub fn data_mut(&mut self) -> &mut [f32] {
         &mut self.data
     }
 
-    /// The pixels, row by row, without the plane.
+    /// Turns the plane into its pixels, row by row.
     pub fn into_vec(self) -> Vec<f32> {
         self.data
     }
@@ -87,7 +87,7 @@ impl Plane {
         &self.data[v * self.width..(v + 1) * self.width]
     }
 
-    /// Row `v`, to be changed.
+    /// Row `v`, mutable.
     ///
     /// # Panics
     /// When `v >= height`.
@@ -98,7 +98,7 @@ impl Plane {
     /// The value at column `u`, row `v`.
     ///
     /// # Panics
-    /// When outside.
+    /// When the pixel is outside.
     pub fn at(&self, u: usize, v: usize) -> f32 {
         assert!(u < self.width && v < self.height, "({u}, {v}) is outside {}×{}", self.width, self.height);
         self.data[v * self.width + u]

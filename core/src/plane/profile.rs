@@ -1,23 +1,23 @@
-//! Values along a straight line, and what is known of the values in a rectangle.
+//! Values along a straight line, and statistics of the values in a rectangle.
 
 use super::Plane;
 use super::sample::bilinear;
 use super::statistics::{Region, summary};
 
-/// The value at one place of a line.
+/// Value at one place of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfileSample {
-    /// How far along the line, in the pixels in which its ends were given.
+    /// Distance from the line's start, in the pixels in which its ends were given.
     pub distance_px: f32,
-    /// Column of the place, in the same pixels.
+    /// Column of the place, in the pixels of the ends.
     pub u: f32,
-    /// Row of the place.
+    /// Row of the place, in the pixels of the ends.
     pub v: f32,
-    /// The value there, linear between the plane's pixels; NaN beside the plane.
+    /// Value there, linear between the plane's pixels; NaN outside the plane.
     pub value: f32,
 }
 
-/// More samples than this are not taken: a screen shows no more.
+/// Maximum number of samples of a profile: a screen shows no more.
 const MAX_SAMPLES: usize = 1 << 14;
 
 /// The values of `plane` along the line from `from` to `to`, both (u, v) in pixels of which `px_per_plane_px` make one
@@ -42,18 +42,18 @@ pub fn profile(plane: &Plane, from: [f32; 2], to: [f32; 2], px_per_plane_px: f32
         .collect()
 }
 
-/// What is known of the values in a rectangle. Values that are not finite take no part.
+/// Statistics of the values in a rectangle. Values that are not finite are left out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegionStatistics {
-    /// Finite values.
+    /// Number of finite values.
     pub count: usize,
-    /// Their mean.
+    /// Mean of the finite values.
     pub mean: f64,
-    /// Their standard deviation about the mean; 0 for a single value.
+    /// Standard deviation about the mean; 0 for a single value.
     pub deviation: f64,
-    /// The smallest.
+    /// Smallest finite value.
     pub min: f32,
-    /// The largest.
+    /// Largest finite value.
     pub max: f32,
     /// The standard deviation of white noise on a smooth picture, from neighbouring values; `None` in a region smaller
     /// than 3 × 3 pixels.

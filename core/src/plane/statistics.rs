@@ -1,7 +1,7 @@
-//! What values a plane holds, in whole or in a rectangle of it: range, mean, percentiles, histogram.
+//! Statistics of the values of a plane or of a rectangle of it: range, mean, percentiles, histogram.
 //!
-//! Values that are not finite are counted but take no part. Everything works in parallel over rows and answers within a
-//! few milliseconds for a camera picture, so that a window can ask while the hand still moves.
+//! Values that are not finite are counted but otherwise left out. Everything works in parallel over rows and takes a
+//! few milliseconds for a camera picture, so that a window can ask while the user drags.
 
 use super::Plane;
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ pub struct Region {
 }
 
 impl Region {
-    /// All of a plane.
+    /// All pixels of a plane.
     pub fn whole(plane: &Plane) -> Self {
         Self { u: 0..plane.width(), v: 0..plane.height() }
     }
@@ -33,13 +33,13 @@ impl Region {
         self.u.len() * self.v.len()
     }
 
-    /// Whether it holds no pixel.
+    /// Whether the region holds no pixel.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// The finite values of `region` (cut to the plane), row by row in parallel.
+/// The values of `region` (cut to the plane), row by row in parallel.
 fn rows<'a>(plane: &'a Plane, region: &Region) -> impl IndexedParallelIterator<Item = &'a [f32]> {
     let region = region.within(plane);
     let columns = region.u;
@@ -49,9 +49,9 @@ fn rows<'a>(plane: &'a Plane, region: &Region) -> impl IndexedParallelIterator<I
 /// Count, range and mean of the finite values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
-    /// Finite values.
+    /// Number of finite values.
     pub count: usize,
-    /// Values that are NaN or infinite.
+    /// Number of values that are NaN or infinite.
     pub not_finite: usize,
     /// Smallest finite value; +∞ when there is none.
     pub min: f32,
@@ -70,7 +70,8 @@ impl Summary {
 
 /// Count, range and mean of the finite values of `region`. The same bits for any number of threads.
 pub fn summary(plane: &Plane, region: &Region) -> Summary {
-    // Sums are made per row and then added in order, so that the mean does not depend on how rows were shared out.
+    // Sums are computed per row and then added in order, so that the mean does not depend on the distribution of rows
+    // over threads.
     let per_row: Vec<(usize, usize, f32, f32, f64)> = rows(plane, region)
         .map(|row| {
             row.iter().fold((0, 0, f32::INFINITY, f32::NEG_INFINITY, 0.0), |(n, bad, low, high, sum), &x| {
@@ -125,7 +126,7 @@ pub fn percentiles(plane: &Plane, region: &Region, percents: &[f32]) -> Option<V
     Some(percents.iter().map(percentile).collect())
 }
 
-/// Counts the finite values of `region` by what `bin` makes of their keys (below 65536; `None` leaves out).
+/// Counts the finite values of `region` by the bin that `bin` gives for their keys (below 65536; `None` leaves out).
 fn count_keys(plane: &Plane, region: &Region, bin: impl Fn(u32) -> Option<u32> + Sync) -> Vec<u64> {
     const BINS: usize = 1 << 16;
     let add = |mut a: Vec<u64>, b: Vec<u64>| {
@@ -162,14 +163,14 @@ fn value_of_key(key: u32) -> f32 {
     f32::from_bits(if key >> 31 == 1 { key & !(1 << 31) } else { !key })
 }
 
-/// How many values fall into each of equal bins over [min, max].
+/// Counts of values in equal bins over [min, max].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     /// Lower end of the first bin.
     pub min: f32,
     /// Upper end of the last bin, which holds `max` itself too.
     pub max: f32,
-    /// One count for each bin.
+    /// Counts of the bins.
     pub counts: Vec<u64>,
     /// Values below `min`, −∞ included.
     pub below: u64,

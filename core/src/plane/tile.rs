@@ -1,4 +1,4 @@
-//! A rectangular part of an image, at its place.
+//! A rectangular part of an image, with its place.
 //!
 //! The search works tile by tile so that its memory stays bounded and its data stays in the cache. A [`Tile`] knows
 //! which columns and rows of the image it holds; its buffer is reused from slope to slope.
@@ -43,12 +43,12 @@ impl Tile {
         self.data.grow(stride * region.rows.len());
     }
 
-    /// What is held.
+    /// The part of the image that is held.
     pub fn region(&self) -> &Region {
         &self.region
     }
 
-    /// Row `v` of the image, its held columns.
+    /// The held columns of row `v` of the image.
     ///
     /// # Panics
     /// When `v` is not held.
@@ -58,7 +58,7 @@ impl Tile {
         &self.data[start..start + self.region.columns.len()]
     }
 
-    /// Row `v` of the image, and the rest of its memory.
+    /// The held columns of row `v` of the image, and the padding up to the next row.
     pub(crate) fn padded_row(&self, v: usize) -> &[f32] {
         let start = (v - self.region.rows.start) * self.stride;
         &self.data[start..start + self.stride]
@@ -73,13 +73,13 @@ impl Tile {
         self.row(v)[u - self.region.columns.start]
     }
 
-    /// Rows from row `v` of the image on, with what lies between them.
+    /// `count` rows from row `v` of the image on, with the padding between them; mutable.
     pub(crate) fn rows_from_mut(&mut self, v: usize, count: usize) -> &mut [f32] {
         let start = (v - self.region.rows.start) * self.stride;
         &mut self.data[start..start + count * self.stride]
     }
 
-    /// Row `v` of the image, to be written.
+    /// The held columns of row `v` of the image; mutable.
     ///
     /// # Panics
     /// When `v` is not held.
@@ -89,7 +89,8 @@ impl Tile {
     }
 }
 
-/// `n` pixels cut into as few nearly equal parts of at most `most` as possible; all but the last end at even places.
+/// `n` pixels cut into as few nearly equal parts of at most `max` as possible; all parts but the last end at even
+/// places.
 pub fn cuts(n: usize, max: usize) -> Vec<Range<usize>> {
     let count = n.div_ceil(max.max(2)).max(1);
     // Rounded up, so that no part grows by more than the one before it shrinks.
@@ -98,7 +99,7 @@ pub fn cuts(n: usize, max: usize) -> Vec<Range<usize>> {
 }
 
 /// The rows of `plane` cut at `columns` and `rows`, which follow one another from 0 on and cover at most the plane: for
-/// each part, in the order of rows of parts, its pieces of rows. What lies beyond the last part is left out.
+/// each part, in the order of rows of parts, its pieces of rows. Pixels beyond the last part are left out.
 pub fn split_mut<'p>(plane: &'p mut Plane, columns: &[Range<usize>], rows: &[Range<usize>]) -> Vec<Vec<&'p mut [f32]>> {
     let width = plane.width();
     let mut parts: Vec<Vec<&mut [f32]>> = Vec::with_capacity(columns.len() * rows.len());

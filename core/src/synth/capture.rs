@@ -1,4 +1,4 @@
-//! From a way to draw the signal of frame t to a captured burst, frames in parallel.
+//! Captures a burst from a function that draws the signal of frame t, frames in parallel.
 
 use super::noise::Camera;
 use super::random::Stream;

@@ -1,8 +1,8 @@
 //! Charts: discs on an even background, each with its own motion.
 //!
-//! A chart is the test target on which detectors are compared: the place, size and motion of every disc is known
-//! exactly, and anything found elsewhere is false. Discs do not touch at mid-burst and stay inside the image in all
-//! frames. In other frames they may cross; then the faster one is in front, as the nearer one would be.
+//! A chart is the test target on which detectors are compared: the position, size and motion of every disc is known
+//! exactly, and any other feature is false. Discs do not touch at mid-burst and stay inside the image in all frames. In
+//! other frames they may cross; then the faster one is in front, as the nearer one would be.
 
 mod drawing;
 mod layout;
@@ -21,7 +21,7 @@ use std::ops::RangeInclusive;
 
 pub use drawing::draw_disc;
 
-/// What a chart is to be like.
+/// Parameters of a chart.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartParams {
@@ -33,9 +33,9 @@ pub struct ChartParams {
     pub discs: usize,
     /// Range of the radii, pixels.
     pub radius: RangeInclusive<f64>,
-    /// How radii are spread over that range.
+    /// Distribution of the radii over that range.
     pub radius_law: RadiusLaw,
-    /// Least distance between the rims of two discs at mid-burst, pixels.
+    /// Minimum distance between the rims of two discs at mid-burst, pixels.
     pub gap: f64,
     /// Intensity of a disc over that of the background; above 1 is brighter.
     pub contrast: f64,
@@ -52,7 +52,7 @@ pub struct ChartParams {
     pub read_noise: f64,
     /// Bits of the converter, 4 … 16.
     pub bits: u32,
-    /// The seed of layout and noise.
+    /// Seed of layout and noise.
     pub seed: u64,
 }
 
@@ -79,7 +79,7 @@ impl Default for ChartParams {
     }
 }
 
-/// The levels of a chart and the camera that captures it.
+/// Signal levels of a chart and the camera that captures it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposure {
     /// Signal of the background, fraction of full scale above black.
@@ -90,13 +90,13 @@ pub struct Exposure {
     pub camera: Camera,
 }
 
-/// Noise is kept this many standard deviations away from black and white, so that nothing is cut off.
+/// Distance of the noise from black and white, in standard deviations, so that nothing is clipped.
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
 impl ChartParams {
-    /// The levels and the camera. The background's signal is a tenth of full scale, as a gain that suits the light
-    /// makes it, and less where the noise would not fit between black and white otherwise. The black level is a 64th of
-    /// full scale, and more where the noise would be cut off at zero.
+    /// The signal levels and the camera. The background's signal is a tenth of full scale, as with a gain that suits
+    /// the light, and less where the noise would not fit between black and white otherwise. The black level is a 64th
+    /// of full scale, and more where the noise would be clipped at zero.
     ///
     /// # Errors
     /// When contrast or SNR make no sense.

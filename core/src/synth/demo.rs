@@ -1,10 +1,9 @@
-//! The demo: a street at night, built into the program and drawn when it is asked for.
+//! The demo: a street at night, built into the program and drawn on request.
 //!
-//! Four planes move past the camera, each with its own slope, and the light is so poor that one frame shows little.
-//! Averaging the frames as they are smears everything that moves; averaging at a plane's own slope brings that plane
-//! out:
+//! Four planes move past the camera, each with its own slope, and the light is so poor that one frame shows little. The
+//! plain average of the frames smears everything that moves; averaging at a plane's own slope makes that plane visible:
 //!
-//! | layer | slope (px/frame) | what there is to see |
+//! | layer | slope (px/frame) | content |
 //! | --- | --- | --- |
 //! | skyline | (0.95, 0) | moon, stars, towers with lit windows |
 //! | houses | (−1.05, 0) | a row of houses, windows, doors, a street |
@@ -27,14 +26,14 @@ pub const DEMO_SIZE: (usize, usize) = (480, 360);
 pub const DEMO_FRAMES: usize = 10;
 
 const SEED: u64 = 20_220_919;
-/// From the middle of the demo to the middle of the later burst, in frames.
+/// Time from the middle of the demo to the middle of the later burst, frames.
 pub const LATER_FRAMES: f64 = 12.0;
 /// Frames from mid-burst to the first and last one.
 const HALF_SPAN: f64 = 0.5 * (DEMO_FRAMES as f64 - 1.0);
-/// How much of the light that the layers are painted with reaches the camera: the dial between a picture that one frame
-/// shows and one that needs the burst.
+/// Share of the light of the painted layers that reaches the camera: chosen so that one frame shows little and the
+/// burst is needed.
 const LIGHT: f32 = 0.38;
-/// The night sky, as painted.
+/// Value of the night sky, as painted.
 const SKY: f32 = 0.006;
 
 /// The camera: a high gain (200 electrons at full scale), 3 electrons of read noise, 12 bits.
@@ -47,9 +46,9 @@ pub fn demo_burst() -> Burst {
     demo_burst_at("demo", 0.0, SEED)
 }
 
-/// The same street [`LATER_FRAMES`] frames later, with noise of its own: what the first burst can be matched with. Its
-/// layers have moved on by as many slopes: three of them horizontally, as for a camera that moves sideways past a still
-/// street, while the lanterns rise and fit no such camera.
+/// The demo's street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst. Its layers have
+/// moved on by as many slopes: three of them horizontally, as for a camera that moves sideways past a still street,
+/// while the lanterns rise and fit no such camera.
 pub fn later_demo_burst() -> Burst {
     demo_burst_at("demo-later", LATER_FRAMES, SEED + 1)
 }
@@ -62,7 +61,7 @@ fn demo_burst_at(name: &str, later: f64, noise_seed: u64) -> Burst {
         .expect("nobody can cancel this monitor")
 }
 
-/// What is known about the demo burst.
+/// The truth of the demo burst.
 pub fn demo_truth() -> Truth {
     let layers = layers(HALF_SPAN);
     Truth {
@@ -88,7 +87,7 @@ fn draw_demo(layers: &[Layer], dt: f64, monitor: &Monitor) -> Result<Plane, Canc
     Ok(signal)
 }
 
-/// The layers as they are at the demo's mid-burst, painted as far as they are seen `reach` frames away from it.
+/// The layers at the demo's mid-burst, painted as far as they are visible `reach` frames away from it.
 fn layers(reach: f64) -> [Layer; 4] {
     [skyline(reach), houses(reach), sign(reach), lanterns(reach)]
 }

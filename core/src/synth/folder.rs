@@ -1,9 +1,9 @@
-//! A folder that is written whole or not at all: everything goes into a hidden folder beside the target, which then
-//! takes the target's place.
+//! A folder that is written completely or not at all: everything goes into a hidden folder beside the target, which
+//! then replaces the target.
 //!
-//! A run that is killed leaves its hidden folder; the next one that writes there removes it. A lock of the system on a
-//! file in it, which ends with its process, tells what is still in use. Another lock, beside the target, keeps two
-//! processes from making the same folder.
+//! A killed run leaves its hidden folder; the next one that writes there removes it. A system lock on a file in it,
+//! which ends with its process, shows that it is still in use. Another lock, beside the target, keeps two processes
+//! from making the same folder.
 
 use crate::files::lock::{FolderLock, LockError, is_free};
 use crate::files::write_problem;
@@ -12,10 +12,10 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Why a burst was not written.
+/// Reason why a burst was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteBurstError {
-    /// The folder holds something that is not an earlier synthetic burst.
+    /// The folder holds files that are no earlier synthetic burst.
     #[error("the folder holds files that are not a synthetic burst; name a new or an empty folder: {}", .0.display())]
     Occupied(PathBuf),
     /// Writing failed.
@@ -23,32 +23,32 @@ pub enum WriteBurstError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The folder's name is that of a link, in whose place the new folder would be put.
+    /// The folder's name is that of a link, which the new folder would replace.
     #[error("this is a link, and links are not followed; name the folder itself: {}", .0.display())]
     Link(PathBuf),
     /// Another process makes the folder.
     #[error(transparent)]
     Lock(#[from] LockError),
-    /// It was cancelled; nothing was written.
+    /// The work was cancelled; nothing was written.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// What turns a failure at `path` into an error.
+/// Converter of a failure at `path` into an error.
 pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> WriteBurstError + use<> {
     let path = path.to_owned();
     move |source| WriteBurstError::Io { path: path.clone(), source }
 }
 
-/// Makes the folder `dir` by `fill`, which writes into the empty folder that it is given. What is in `dir` is replaced
-/// as a whole if `replaceable` says so (an empty folder always is), and otherwise left alone. While it is made no other
-/// process may make it.
+/// Makes the folder `dir` by `fill`, which writes into the empty folder that it is given. An existing `dir` is replaced
+/// as a whole if `replaceable` returns true (an empty folder always is), and otherwise left unchanged. Meanwhile no
+/// other process can make it.
 ///
 /// # Errors
-/// See [`WriteBurstError`]; the folder is then as it was before.
+/// See [`WriteBurstError`]; the folder is then unchanged.
 pub(super) fn write_folder(
     dir: &Path,
     replaceable: impl FnOnce(&Path) -> std::io::Result<bool>,
@@ -85,7 +85,7 @@ pub(super) fn write_folder(
 }
 
 const STAGE_PREFIX: &str = ".synth-";
-/// The file in a hidden folder whose lock says that it is in use; its text is the name of the folder that is made.
+/// File in a hidden folder whose lock shows that it is in use; its text is the name of the folder that is made.
 const LOCK_FILE: &str = "in-use";
 
 fn locked(path: &Path, target: &Path) -> std::io::Result<File> {
@@ -97,8 +97,8 @@ fn locked(path: &Path, target: &Path) -> std::io::Result<File> {
     Ok(file)
 }
 
-/// Removes the hidden folders in `parent` that killed runs have left. Where one was killed between taking the old
-/// folder away and putting the new one there, the new one, which was complete by then, takes its place.
+/// Removes the hidden folders in `parent` that killed runs have left. If a run was killed between moving the old folder
+/// away and putting the new one there, the new one, which was complete by then, is moved to its place.
 fn remove_abandoned(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
         let stage = entry.path();
@@ -118,7 +118,7 @@ fn remove_abandoned(parent: &Path) {
         {
             continue;
         }
-        // One that cannot be removed does no harm.
+        // A folder that cannot be removed does no harm.
         let _ = std::fs::remove_dir_all(&stage);
     }
 }
@@ -127,7 +127,7 @@ fn remove_abandoned(parent: &Path) {
 mod tests {
     use super::*;
 
-    /// A hidden folder as a killed run leaves it.
+    /// Creates a hidden folder as a killed run leaves it.
     fn left(parent: &Path, name: &str, target: &str, parts: &[&str]) -> PathBuf {
         let stage = parent.join(name);
         std::fs::create_dir(&stage).expect("made");

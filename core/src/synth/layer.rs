@@ -1,16 +1,16 @@
 //! Layers: painted sheets that move, one in front of the other.
 //!
 //! A layer's point at `x` at mid-burst is at `x + dt·λ` in the frame `dt` frames later. To draw a frame, each layer's
-//! samples are interpolated (Catmull–Rom, which keeps the centre of gravity of everything exactly where it belongs) at
-//! the moved places and averaged over each pixel; then the layers are put over one another, far to near. Interpolating
-//! and averaging is one short filter per axis, the same for all pixels of a frame.
+//! samples are interpolated (Catmull–Rom, which preserves every centre of gravity exactly) at the moved positions and
+//! averaged over each pixel; then the layers are composited, far to near. Interpolating and averaging is one short
+//! filter per axis, the same for all pixels of a frame.
 
 use super::paint::{OVERSAMPLING, Sheet};
 use super::truth::{FeatureTruth, LayerTruth, disc_sigma};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
-/// A disc painted on a layer, whose place and size are worth knowing.
+/// Disc painted on a layer, recorded for the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Landmark {
     /// Column at mid-burst, pixels.
@@ -19,20 +19,20 @@ pub struct Landmark {
     pub v: f64,
     /// Radius, pixels.
     pub radius: f64,
-    /// Whether it is brighter than what is around it.
+    /// Whether it is brighter than its surroundings.
     pub bright: bool,
 }
 
 /// A plane of the scene: a sheet with its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
-    /// What it shows.
+    /// Name of its content.
     pub name: String,
     /// Motion to the right, pixels per frame.
     pub slope_u: f64,
     /// Motion downwards, pixels per frame.
     pub slope_v: f64,
-    /// Its picture at mid-burst.
+    /// Picture at mid-burst.
     pub sheet: Sheet,
     /// Discs on it, in the order in which they were painted.
     pub landmarks: Vec<Landmark>,
@@ -61,7 +61,7 @@ fn axis_filter(first_sample: f64) -> (i64, [f32; TAPS]) {
 }
 
 impl Layer {
-    /// An empty layer for an image of `width × height` pixels that is seen at most `half_span` frames away from
+    /// An empty layer for an image of `width × height` pixels that is visible at most `half_span` frames away from
     /// mid-burst.
     pub fn new(name: &str, size: (usize, usize), slope: (f64, f64), half_span: f64) -> Self {
         let margin = |slope: f64| (half_span * slope.abs()).ceil() as usize + 3;
@@ -74,13 +74,13 @@ impl Layer {
         }
     }
 
-    /// Paints a disc and remembers it.
+    /// Paints a disc and records it as a landmark.
     pub fn landmark(&mut self, u: f64, v: f64, radius: f64, value: f32, bright: bool) {
         self.sheet.disc(u as f32, v as f32, radius as f32, value);
         self.landmarks.push(Landmark { u, v, radius, bright });
     }
 
-    /// Puts the layer, as it is `dt` frames after mid-burst, over `picture`.
+    /// Composites the layer, as it is `dt` frames after mid-burst, over `picture`.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -92,7 +92,7 @@ impl Layer {
         let s = OVERSAMPLING as i64;
         let taps = TAPS as i64;
         let (sheet_width, sheet_height) = (self.sheet.size().0 as i64, self.sheet.size().1 as i64);
-        // Pixels whose filter touches used samples; the margins keep filters inside the sheet, clamping is for
+        // Pixels whose filter touches used samples; the margins keep filters inside the sheet, and clamping handles
         // rounding.
         let pixels = |first: i64, used: (usize, usize), end: usize| {
             let start = (used.0 as i64 - taps + 1 - first).div_euclid(s).clamp(0, end as i64);
@@ -135,7 +135,7 @@ impl Layer {
                             alpha += w * a;
                         }
                     }
-                    // At the sheet's very edge its last sample goes on for ever.
+                    // At the sheet's edge its last sample is repeated.
                     None => {
                         for (tap, &w) in weights_u.iter().enumerate() {
                             let i = (start + tap as i64).clamp(0, values.len() as i64 - 1) as usize;
@@ -150,7 +150,7 @@ impl Layer {
         Ok(())
     }
 
-    /// What is known about it.
+    /// The truth of the layer.
     pub fn truth(&self) -> LayerTruth {
         LayerTruth { name: self.name.clone(), slope_u: self.slope_u, slope_v: self.slope_v }
     }
@@ -168,7 +168,7 @@ pub fn draw_layers(layers: &[Layer], size: (usize, usize), dt: f64, monitor: &Mo
     Ok(picture)
 }
 
-/// The landmarks that can be seen whole in every frame within `half_span` of mid-burst: inside the image, with no
+/// The landmarks that are completely visible in every frame within `half_span` of mid-burst: inside the image, with no
 /// nearer layer over them.
 pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), half_span: f64) -> Vec<FeatureTruth> {
     let mut features = Vec::new();
@@ -203,7 +203,7 @@ pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), half_span: f64)
 }
 
 impl Layer {
-    /// Whether it covers any of the image's disc around (u, v) `dt` frames after mid-burst.
+    /// Whether the layer covers any of the image's disc around (u, v) `dt` frames after mid-burst.
     fn hides(&self, u: f64, v: f64, radius: f64, dt: f64) -> bool {
         let (u, v) = (u - dt * self.slope_u, v - dt * self.slope_v);
         let reach = radius.ceil() as i64;

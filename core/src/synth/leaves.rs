@@ -1,15 +1,15 @@
 //! Dead leaves: a texture with structure at every scale.
 //!
-//! Shapes of random size, grey value and turn fall on a sheet, later ones over earlier ones. Sizes follow the law 1/r³,
-//! by which every octave of sizes covers the same area. Pictures made so have the statistics of natural ones (A. B.
-//! Lee, D. Mumford and J. Huang, "Occlusion models for natural images", International Journal of Computer Vision 41
+//! Shapes of random size, grey value and orientation fall on a sheet, later ones over earlier ones. Sizes follow the
+//! law 1/r³, by which every octave of sizes covers the same area. Such pictures have the statistics of natural ones (A.
+//! B. Lee, D. Mumford and J. Huang, "Occlusion models for natural images", International Journal of Computer Vision 41
 //! (2001), 35–59), so that a detector finds features at all its scales.
 
 use super::paint::{Area, Sheet};
 use super::random::Stream;
 use std::ops::RangeInclusive;
 
-/// How often the leaves cover the sheet on average; of what was there before, exp(−3) or 5 % stays.
+/// Mean number of times that the leaves cover the sheet; exp(−3) or 5 % of the previous content remains.
 const COVERAGE: f64 = 3.0;
 
 /// Covers the whole of `sheet` with leaves of radii in `radii` (pixels, above 0) and values in `values`.
@@ -38,21 +38,21 @@ pub(super) fn paint_leaves(
     }
 }
 
-/// A radius whose density falls like 1/r³ over the range.
+/// A random radius whose density falls like 1/r³ over the range.
 fn leaf_radius(radii: &RangeInclusive<f64>, stream: &mut Stream) -> f64 {
     let (fine, coarse) = (1.0 / radii.start().powi(2), 1.0 / radii.end().powi(2));
     1.0 / (fine - stream.uniform() * (fine - coarse)).sqrt()
 }
 
-/// The area of a leaf on average, pixels: that of discs, π·E(r²), and of rectangles, E(4·r²·aspect), in equal shares.
+/// Mean area of a leaf, pixels: that of discs, π·E(r²), and of rectangles, E(4·r²·aspect), in equal shares.
 fn mean_area(radii: &RangeInclusive<f64>) -> f64 {
     let (a, b) = (*radii.start(), *radii.end());
     let mean_square = if b - a < 1e-6 * a { a * a } else { 2.0 * libm::log(b / a) / (a.powi(-2) - b.powi(-2)) };
     mean_square * 0.5 * (std::f64::consts::PI + 4.0 * 0.7)
 }
 
-/// A direction in the plane, all equally likely, by rejection: sine and cosine need not round alike everywhere, roots
-/// do.
+/// A random direction in the plane, uniform, by rejection: sine and cosine need not round alike on every machine,
+/// square roots do.
 fn direction(stream: &mut Stream) -> (f64, f64) {
     loop {
         let (x, y) = (stream.within(-1.0, 1.0), stream.within(-1.0, 1.0));
@@ -63,7 +63,7 @@ fn direction(stream: &mut Stream) -> (f64, f64) {
     }
 }
 
-/// A filled rectangle around `centre` with half sides `half`, the first of them along `direction`.
+/// Paints a filled rectangle around `centre` with half sides `half`, the first of them along `direction`.
 fn turned_rectangle(sheet: &mut Sheet, centre: (f64, f64), half: (f64, f64), direction: (f64, f64), value: f32) {
     let (u, v) = (centre.0 as f32, centre.1 as f32);
     let (cos, sin) = (direction.0 as f32, direction.1 as f32);
@@ -91,8 +91,8 @@ mod tests {
             areas[((radius / 1.5).log2() as usize).min(3)] += radius * radius;
             total += radius * radius;
         }
-        // Few leaves are in the coarsest octave, each with much area: one in 340, so its share is known within some 6
-        // %.
+        // There are few leaves in the coarsest octave, each with much area: one in 340, so its share is known to within
+        // about 6 %.
         assert!(areas.iter().all(|area| (area / total - 0.25).abs() < 0.02), "{areas:?}");
         let predicted = mean_area(&radii) / (0.5 * (std::f64::consts::PI + 2.8));
         assert!((total / COUNT as f64 / predicted - 1.0).abs() < 0.03, "{predicted}");
@@ -118,7 +118,7 @@ mod tests {
             }
         }
         let spread = (squares / count - (sum / count).powi(2)).sqrt();
-        // Values spread evenly from 0.1 to 0.9 have a standard deviation of 0.23.
+        // Values uniform from 0.1 to 0.9 have a standard deviation of 0.23.
         assert!((0.15..0.28).contains(&spread), "{spread}");
         assert_eq!(sheet, painted(1));
         assert_ne!(sheet, painted(2));
@@ -130,7 +130,7 @@ mod tests {
         turned_rectangle(&mut sheet, (30.0, 30.0), (16.0, 6.0), (0.8, 0.6), 1.0);
         let covered: f32 = (0..sheet.size().1).map(|row| sheet.row(row).1.iter().sum::<f32>()).sum();
         assert!((covered / 4.0 - 32.0 * 12.0).abs() < 3.0, "{covered}");
-        // 14 px along its long side it is there, 14 px across it is not.
+        // Painted 14 px along its long side, unpainted 14 px across it.
         assert_eq!(sheet.alpha_at(30.0 + 14.0 * 0.8, 30.0 + 14.0 * 0.6), 1.0);
         assert_eq!(sheet.alpha_at(30.0 - 14.0 * 0.6, 30.0 + 14.0 * 0.8), 0.0);
     }

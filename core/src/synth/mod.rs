@@ -2,13 +2,13 @@
 //!
 //! A synthetic burst is made in two steps. First the *signal* of each frame is drawn without noise: discs or textured
 //! layers, each moved by its own slope. Then a [`Camera`] captures it: electrons are counted (shot noise), read out
-//! (read noise) and rounded to the levels of the converter. What was drawn, where and how fast it moves is kept as
-//! [`Truth`].
+//! (read noise) and rounded to the levels of the converter. The drawn objects, their positions and motions are stored
+//! as [`Truth`].
 //!
-//! A [`trajectory`] is a whole dataset: bursts that a camera takes on its way past a scene of textured planes, drawn in
+//! A [`trajectory`] is a whole dataset: bursts of a camera that moves past a scene of textured planes, drawn in
 //! perspective, with its poses.
 //!
-//! Real frames can be captured once more by such a camera: [`noisy`] makes dark copies of them.
+//! Real frames can be captured again by such a camera: [`noisy`] makes dark copies of them.
 //!
 //! Everything follows from a seed. The same seed gives the same bits on every machine and for any number of threads:
 //! each frame has its own random stream, and functions such as the logarithm come from `libm`, not from the system.
@@ -56,7 +56,7 @@ pub use write::write_burst;
 use crate::monitor::Cancelled;
 use serde::{Deserialize, Serialize};
 
-/// Directions in which things may move.
+/// Directions of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Motion {
@@ -67,7 +67,7 @@ pub enum Motion {
     TwoD,
 }
 
-/// Why there is no synthetic burst.
+/// Reason why there is no synthetic burst.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SynthError {
     /// A parameter, or a combination of them, makes no sense.
@@ -75,12 +75,12 @@ pub enum SynthError {
     Param {
         /// Name of the parameter to change, as on the command line without the dashes.
         parameter: &'static str,
-        /// What is wrong.
+        /// Problem with its value.
         problem: String,
-        /// What would be right.
+        /// Suggested change.
         remedy: String,
     },
-    /// It was cancelled.
+    /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -91,10 +91,10 @@ impl SynthError {
     }
 }
 
-/// The most pixels that a synthetic burst may have, over all its frames: 2^31, 8 GiB in memory.
+/// Maximum number of pixels of a synthetic burst, over all its frames: 2^31, 8 GiB in memory.
 pub const MAX_PIXELS: u64 = 1 << 31;
 
-/// Checks what every kind of synthetic burst has in common.
+/// Checks the parameters that all kinds of synthetic bursts have.
 fn check_common(
     width: usize,
     height: usize,
@@ -133,7 +133,7 @@ fn check_common(
     check_camera(read_noise, bits)
 }
 
-/// Checks what every camera has.
+/// Checks the camera parameters.
 fn check_camera(read_noise: f64, bits: u32) -> Result<(), SynthError> {
     if !(read_noise.is_finite() && read_noise >= 0.0) {
         return Err(SynthError::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));

@@ -1,9 +1,9 @@
-//! The camera's noise: what a sensor makes of a noiseless signal.
+//! The camera's noise: the capture of a noiseless signal by a sensor.
 //!
 //! A signal `x` is a fraction of full scale *above the black level*. The sensor collects `Poisson(x·F)` electrons,
 //! where `F` is the number of electrons at full scale (a small `F` is a high gain, as cameras use in the dark). Reading
-//! it out adds Gaussian noise of `r` electrons. The result, divided by `F`, is lifted by the black level, a pedestal
-//! that keeps the noise around a dark signal from being cut off at zero, and rounded to the levels of a converter of
+//! it out adds Gaussian noise of `r` electrons. The result, divided by `F`, is raised by the black level, a pedestal
+//! that keeps the noise around a dark signal from being clipped at zero, and rounded to the levels of a converter of
 //! `bits` bits.
 //!
 //! # Signal-to-noise ratio
@@ -25,21 +25,21 @@ use super::random::Stream;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
-/// A camera: how many electrons full scale is, what reading out adds, the pedestal, the converter.
+/// Camera: electrons at full scale, read noise, pedestal, and converter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Electrons at full scale, F; infinite for a camera without noise.
     pub full_scale_electrons: f64,
     /// Standard deviation of the read noise, electrons.
     pub read_noise_electrons: f64,
-    /// The pedestal, fraction of full scale.
+    /// Pedestal, fraction of full scale.
     pub black_level: f64,
     /// Bits of the converter, 4 … 16, or `None` for values that are not rounded.
     pub bits: Option<u32>,
 }
 
 impl Camera {
-    /// A camera without noise and rounding: it only adds the black level.
+    /// A camera without noise and rounding, which only adds the black level.
     pub fn noiseless(black_level: f64) -> Self {
         Self { full_scale_electrons: f64::INFINITY, read_noise_electrons: 0.0, black_level, bits: None }
     }
@@ -82,7 +82,7 @@ impl Camera {
         Ok(Self { full_scale_electrons: 1.0 / y, read_noise_electrons, black_level, bits: Some(bits) })
     }
 
-    /// Whether frames come out without noise.
+    /// Whether frames are captured without noise.
     pub fn is_noiseless(&self) -> bool {
         self.full_scale_electrons.is_infinite()
     }
@@ -103,7 +103,8 @@ impl Camera {
         ((signal.max(0.0) * f + self.read_noise_electrons.powi(2)) / (f * f) + rounding).sqrt()
     }
 
-    /// One frame: `signal` (fractions of full scale above black) with black level, noise and rounding, in [0, 1].
+    /// Captures one frame: `signal` (fractions of full scale above black) with black level, noise and rounding, in [0,
+    /// 1].
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -137,7 +138,7 @@ impl Camera {
 pub fn quantised_word(value: f64, bits: u32) -> u16 {
     let shift = 16 - bits.min(16);
     let levels = (1u32 << bits.min(16)) - 1;
-    // Cutting off the fraction rounds down, because nothing is negative after the clamp.
+    // Truncation rounds down, because nothing is negative after the clamp.
     let level = (value * (65535.0 / f64::from(1u32 << shift)) + 0.5).clamp(0.0, f64::from(levels));
     ((level as u32) << shift) as u16
 }

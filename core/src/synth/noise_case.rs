@@ -1,9 +1,9 @@
-//! Noise as cameras and files make it: bursts of a scene without structure, each with one thing that is not white
+//! Noise as cameras and files produce it: bursts of a scene without structure, each with one deviation from white
 //! noise.
 //!
-//! Every frame is a grey level with white Gaussian noise, except for what the [`NoiseCase`] changes. Nothing is there
-//! to be found, so that every feature of such a burst is false. Values are floats without rounding unless the case is
-//! about files.
+//! Every frame is a grey level with white Gaussian noise, except for the changes of the [`NoiseCase`]. There are no
+//! objects, so every feature of such a burst is false. Values are floats without rounding unless the case is about
+//! files.
 
 use super::noise::{quantisation_step, quantised_word};
 use super::random::Stream;
@@ -13,18 +13,18 @@ use crate::plane::Plane;
 use serde::{Serialize, Serializer};
 use std::io::Cursor;
 
-/// What is not white about the noise of a burst.
+/// Deviation of a burst's noise from white noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NoiseCase {
-    /// Nothing: the same white noise in every frame, around half of full scale.
+    /// No deviation: white noise of equal strength in every frame, around half of full scale.
     #[default]
     White,
-    /// Every frame is there twice.
+    /// Every frame occurs twice.
     Doubled,
-    /// Frames that a JPEG file of this quality (1 … 100) has held, 8 bits.
+    /// Frames are stored as JPEG files of this quality (1 … 100), 8 bits.
     Jpeg(u8),
-    /// Each pixel shares its noise with the pixels next to it, with weights 1, 2, 1 along both axes; as strong as white
-    /// noise.
+    /// Each pixel shares its noise with the neighbouring pixels, with weights 1, 2, 1 along both axes; as strong as
+    /// white noise.
     Correlated,
     /// The middle frame is black.
     BlackFrame,
@@ -32,35 +32,35 @@ pub enum NoiseCase {
     NoisyFrame,
     /// The right half has three times the noise.
     NoisyHalf,
-    /// Each column is lifted by its own amount, as strong as the noise, the same in all frames.
+    /// Each column has its own offset, as strong as the noise, the same in all frames.
     ColumnStripes,
     /// 200 pixels are brighter by 5 to 20 standard deviations, the same in all frames.
     HotPixels,
-    /// Each frame has its own exposure, spread by 10 %.
+    /// Each frame has its own exposure, with a spread of 10 %.
     GainFlicker,
-    /// The level is black, so that half of the noise is cut off.
+    /// The level is black, so that half of the noise is clipped.
     ClippedBlack,
-    /// The level is white, so that half of the noise is cut off.
+    /// The level is white, so that half of the noise is clipped.
     Saturated,
-    /// A frame without noise, as a dropped one that was filled.
+    /// The middle frame has no noise, like a dropped one that was filled.
     ConstantFrame,
-    /// No noise at all, in any frame.
+    /// No frame has noise.
     Constant,
 }
 
-/// By how much the middle frame of [`NoiseCase::NoisyFrame`] is noisier.
+/// Ratio of the noise of the middle frame of [`NoiseCase::NoisyFrame`] to that of the others.
 const NOISY_FRAME: f64 = 5.0;
-/// By how much the right half of [`NoiseCase::NoisyHalf`] is noisier.
+/// Ratio of the noise of the right half of [`NoiseCase::NoisyHalf`] to that of the left.
 const NOISY_HALF: f64 = 3.0;
-/// The hot pixels of [`NoiseCase::HotPixels`].
+/// Number of hot pixels of [`NoiseCase::HotPixels`].
 const HOT_PIXELS: usize = 200;
-/// The spread of exposures of [`NoiseCase::GainFlicker`].
+/// Spread of exposures of [`NoiseCase::GainFlicker`].
 const FLICKER: f64 = 0.1;
-/// The grey level of the scene, fraction of full scale.
+/// Grey level of the scene, fraction of full scale.
 const LEVEL: f64 = 0.5;
 
 impl NoiseCase {
-    /// All cases, with the JPEG qualities that are usually measured.
+    /// All cases, with the JPEG qualities that are commonly measured.
     pub const ALL: [Self; 16] = [
         Self::White,
         Self::Doubled,
@@ -80,7 +80,7 @@ impl NoiseCase {
         Self::Constant,
     ];
 
-    /// Its name on the command line and in reports; [`str::parse`] reads it.
+    /// Name on the command line and in reports; [`str::parse`] reads it.
     pub fn name(self) -> String {
         let word = match self {
             Self::White => "white",
@@ -101,8 +101,8 @@ impl NoiseCase {
         word.to_owned()
     }
 
-    /// A burst of `frames` frames of `size` = (columns, rows), with noise of standard deviation `sigma` (fraction of
-    /// full scale) where the case says nothing else.
+    /// Makes a burst of `frames` frames of `size` = (columns, rows), with noise of standard deviation `sigma` (fraction
+    /// of full scale) unless the case changes it.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -114,7 +114,7 @@ impl NoiseCase {
         seed: u64,
         monitor: &Monitor,
     ) -> Result<Burst, Cancelled> {
-        // Stream 0 is what all frames share; frame t has stream t + 1.
+        // Stream 0 is for the pattern shared by all frames; frame t has stream t + 1.
         let pattern = self.pattern(size, sigma, &mut Stream::new(seed, 0));
         let mut exposures = Stream::new(seed, frames as u64 + 1);
         let mut planes: Vec<Plane> = Vec::with_capacity(frames);
@@ -142,7 +142,7 @@ impl NoiseCase {
         Ok(burst)
     }
 
-    /// What is added to every frame alike.
+    /// The pattern added to every frame.
     fn pattern(self, (width, height): (usize, usize), sigma: f64, stream: &mut Stream) -> Plane {
         let mut pattern = Plane::zeros(width, height);
         match self {
@@ -161,7 +161,7 @@ impl NoiseCase {
         pattern
     }
 
-    /// One frame before what files and exposures make of it; `middle` says whether it is the middle one.
+    /// One frame before the effects of files and exposures; `middle` is true for the middle one.
     fn frame(self, size: (usize, usize), sigma: f64, pattern: &Plane, middle: bool, stream: &mut Stream) -> Plane {
         let level = match self {
             Self::ClippedBlack => 0.0,
@@ -206,7 +206,7 @@ fn mapped(plane: &Plane, value: impl Fn(f32) -> f32) -> Plane {
     Plane::from_vec(plane.width(), plane.height(), plane.data().iter().map(|&x| value(x)).collect())
 }
 
-/// The frame as an 8-bit grey JPEG file of `quality` gives it back.
+/// The frame after storage in an 8-bit grey JPEG file of `quality`.
 fn through_jpeg(frame: &Plane, quality: u8) -> Plane {
     let (width, height) = frame.size();
     let grey: Vec<u8> = frame.data().iter().map(|&x| (quantised_word(f64::from(x), 8) >> 8) as u8).collect();
@@ -218,7 +218,7 @@ fn through_jpeg(frame: &Plane, quality: u8) -> Plane {
     Plane::from_vec(width, height, decoded.to_luma8().iter().map(|&x| f32::from(x) / 255.0).collect())
 }
 
-/// The frame around [`LEVEL`] filtered by 1, 2, 1 along both axes and made as strong as before.
+/// The frame around [`LEVEL`] filtered by 1, 2, 1 along both axes and scaled to its previous strength.
 fn with_shared_noise(frame: &Plane) -> Plane {
     let (width, height) = frame.size();
     let at = |u: i64, v: i64| frame.at(u.clamp(0, width as i64 - 1) as usize, v.clamp(0, height as i64 - 1) as usize);
@@ -299,7 +299,7 @@ mod tests {
         assert!((spread / 0.02 - 1.0).abs() < 0.15, "{spread}");
         let hot = mean_of(NoiseCase::HotPixels).data().iter().filter(|&&x| x > 0.5 + 0.08).count();
         assert!((HOT_PIXELS * 9 / 10..=HOT_PIXELS).contains(&hot), "{hot}");
-        // Neighbouring pixels differ less, the more a file leaves out.
+        // Neighbouring pixels differ less with stronger compression.
         let difference = |case| {
             let frame = &burst(case).frames[0];
             let differences = frame.data().windows(2).map(|w| (w[1] - w[0]).powi(2));

@@ -1,14 +1,14 @@
-//! Noisy copies of real frames: what our camera would have taken of the same view with less light.
+//! Noisy copies of real frames: the same view as captured by our camera with less light.
 //!
-//! The frames are taken for the signal: their own noise, which is small in a picture taken in good light, counts as
-//! part of the scene. Each frame is captured anew by a [`Camera`], with shot noise, read noise and rounding, so that
+//! The frames are taken as the signal: their own noise, which is small in a picture taken in good light, counts as part
+//! of the scene. Each frame is captured again by a [`Camera`], with shot noise, read noise and rounding, so that
 //! methods can be compared on real structure and real motion at any noise level, and the clean frames are the gold
 //! standard.
 //!
 //! # Signal-to-noise ratio
-//! As in [`super::noise`], with two levels that stand for the contrast of the frames: half a standard deviation of all
-//! their pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at
-//! their mean.
+//! As in [`super::noise`], with two levels for the contrast of the frames: half a standard deviation of all their
+//! pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at their
+//! mean.
 
 use super::folder::WriteBurstError;
 use super::folder::{io, write_folder};
@@ -27,7 +27,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How noisy the copies shall be.
+/// Parameters of the noise of the copies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoisyParams {
@@ -37,7 +37,7 @@ pub struct NoisyParams {
     pub read_noise: f64,
     /// Bits of the converter, 4 … 16.
     pub bits: u32,
-    /// The seed of the noise.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
@@ -47,7 +47,7 @@ impl Default for NoisyParams {
     }
 }
 
-/// How bright frames are, as fractions of full scale: what decides the exposure.
+/// Brightness statistics of frames, as fractions of full scale, from which the exposure is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameLevels {
     pixels: f64,
@@ -57,8 +57,7 @@ pub struct FrameLevels {
 }
 
 impl FrameLevels {
-    /// Takes account of all frames of `burst`. The result does not depend on the order of the bursts by more than
-    /// rounding.
+    /// Adds all frames of `burst`. The result does not depend on the order of the bursts, up to rounding.
     pub fn add(&mut self, burst: &Burst) {
         for frame in &burst.frames {
             for &value in frame.data() {
@@ -76,7 +75,7 @@ impl FrameLevels {
         self.sum / self.pixels
     }
 
-    /// The brightest pixel.
+    /// The maximum of all pixels.
     pub fn max(&self) -> f64 {
         self.max
     }
@@ -87,11 +86,11 @@ impl FrameLevels {
     }
 }
 
-/// The camera of the copies and what it makes of the frames' values.
+/// Camera of the copies and the gain of the frames' values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoisyExposure {
-    /// The signal is this times the frame's value, at most 1: less where the noise around the brightest pixels would be
-    /// cut off.
+    /// Factor from the frame's value to the signal, at most 1: less where the noise around the brightest pixels would
+    /// be clipped.
     pub gain: f64,
     /// The camera.
     pub camera: Camera,
@@ -99,11 +98,11 @@ pub struct NoisyExposure {
     pub mean_signal: f64,
 }
 
-/// Noise is kept this many standard deviations away from black and white.
+/// Distance of the noise from black and white, in standard deviations.
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
 impl NoisyParams {
-    /// The camera for frames of these levels, one for all bursts of a dataset.
+    /// Computes the camera for frames of these levels, one for all bursts of a dataset.
     ///
     /// # Errors
     /// [`SynthError::Param`] for parameters that make no sense, and for frames without any contrast.
@@ -118,8 +117,8 @@ impl NoisyParams {
             let level = |sign: f64| (gain * (mean + sign * 0.5 * contrast)).max(0.0);
             Camera::for_snr(self.snr, level(-1.0), level(1.0), self.read_noise, 0.0, self.bits)
         };
-        // Noise follows the gain, but for rounding, which is small beside it: so what the noise needs at gain 1 tells
-        // the gain at which it fits.
+        // Noise is proportional to the gain, except for rounding, which is small beside it: so the range that the noise
+        // needs at gain 1 determines the gain at which it fits.
         let full = camera(1.0)?;
         let needed = levels.max + CLEARANCE_SIGMAS * (full.sigma(levels.max) + full.sigma(0.0));
         let gain = ((1.0 - 1.0 / 64.0) / needed).min(1.0);
@@ -130,8 +129,8 @@ impl NoisyParams {
 }
 
 impl NoisyExposure {
-    /// What the camera takes of the frames of `burst`. Frame t takes its noise from stream `first_stream + t` of the
-    /// seed, so that the result depends neither on the threads nor on what else is captured.
+    /// Captures the frames of `burst` with the camera. Frame t takes its noise from stream `first_stream + t` of the
+    /// seed, so that the result does not depend on threads or on other captures.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -151,33 +150,33 @@ impl NoisyExposure {
     }
 }
 
-/// What is known of a folder of noisy copies: the content of its `noise.json`.
+/// Truth of a folder of noisy copies: the content of its `noise.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoisyTruth {
-    /// The per-pixel signal-to-noise ratio that was asked for; absent (null) for none.
+    /// Requested per-pixel signal-to-noise ratio; absent (null) for none.
     pub snr: Option<f64>,
-    /// The seed of the noise.
+    /// Seed of the noise.
     pub seed: u64,
-    /// The signal is this times the original frame's value.
+    /// Factor from the original frame's value to the signal.
     pub gain: f64,
-    /// The pedestal under all values, fraction of full scale.
+    /// Pedestal under all values, fraction of full scale.
     pub black_level: f64,
     /// The camera's noise, at the mean of the signal; `None` (null) for noiseless copies.
     pub noise: Option<NoiseTruth>,
-    /// The frames' files, relative to the folder, with `/` between folder and file.
+    /// Files of the frames, relative to the folder, with `/` between folder and file.
     pub frames: Vec<String>,
 }
 
-/// The name of the file that says what a folder of noisy copies holds.
+/// Name of the file that describes a folder of noisy copies.
 const TRUTH_FILE: &str = "noise.json";
 
-/// Writes noisy copies of bursts into the folder `dir`: 16-bit PNG frames under the originals' names, of each burst in
-/// a subfolder of its name if `subfolders` says so, and `noise.json`. `open` opens burst k of `names`. Earlier noisy
-/// copies in `dir` are replaced as a whole; a folder that holds anything else is left alone.
+/// Writes noisy copies of bursts into the folder `dir`: 16-bit PNG frames under the originals' names, those of each
+/// burst in a subfolder of its name if `subfolders` is true, and `noise.json`. `open` opens burst k of `names`. Earlier
+/// noisy copies in `dir` are replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
-/// What `open` answers, or [`WriteBurstError`]; the folder is then as it was before.
+/// An error of `open`, or [`WriteBurstError`]; the folder is then unchanged.
 pub fn write_noisy<E: From<WriteBurstError> + From<Cancelled>>(
     dir: &Path,
     names: &[String],
@@ -222,7 +221,7 @@ pub fn write_noisy<E: From<WriteBurstError> + From<Cancelled>>(
     }
 }
 
-/// Writes the frames of a burst into `dir`, or its subfolder `part`; answers their names for [`NoisyTruth::frames`].
+/// Writes the frames of a burst into `dir`, or its subfolder `part`; returns their names for [`NoisyTruth::frames`].
 fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<String>, WriteBurstError> {
     let folder = part.map_or_else(|| dir.to_owned(), |part| dir.join(part));
     std::fs::create_dir_all(&folder).map_err(io(&folder))?;
@@ -231,8 +230,8 @@ fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<Str
     Ok(names.into_iter().map(|name| part.map_or_else(|| name.clone(), |part| format!("{part}/{name}"))).collect())
 }
 
-/// The copies' file names: the originals' with a new ending, or numbers where these are not all different or not those
-/// of files.
+/// The copies' file names: the originals' with a new extension, or numbers where these are not all different or not
+/// those of files.
 fn frame_files(originals: &[String]) -> Vec<String> {
     let png = |name: &String| PathBuf::from(name).with_extension("png").to_string_lossy().into_owned();
     let names: Vec<String> = originals.iter().map(png).collect();
@@ -245,7 +244,7 @@ fn frame_files(originals: &[String]) -> Vec<String> {
     }
 }
 
-/// Whether `dir` holds nothing but what its own `noise.json` lists.
+/// Whether `dir` holds only files that its own `noise.json` lists.
 fn replaceable(dir: &Path) -> std::io::Result<bool> {
     let Ok(text) = read_text(&dir.join(TRUTH_FILE), MAX_TABLE_BYTES) else {
         return Ok(false);
@@ -299,7 +298,7 @@ mod tests {
             let params = NoisyParams { snr, ..NoisyParams::default() };
             let exposure = exposure(&params, &burst);
             let noisy = exposure.capture(&burst, 5, 1, &Monitor::default()).expect("not cancelled");
-            // Columns near the middle have nearly the mean's level.
+            // Columns near the middle have approximately the mean level.
             let offset = |u: usize, v: usize, t: usize| {
                 let clean = exposure.gain * f64::from(burst.frames[t].at(u, v)) + exposure.camera.black_level;
                 f64::from(noisy.frames[t].at(u, v)) - clean

@@ -1,8 +1,8 @@
 //! Painting: shapes with smooth edges on a sheet that is larger and finer than the frames.
 //!
-//! A [`Sheet`] holds one layer of a scene at mid-burst: a value for each point, and how much of the point the layer
-//! covers (its alpha). Coordinates are image pixels at `t0`; the sheet reaches beyond the image by a margin, so that
-//! there is something to see when the layer moves, and has [`OVERSAMPLING`] samples per pixel on each axis, so that it
+//! A [`Sheet`] holds one layer of a scene at mid-burst: for each point a value, and the share of the point that the
+//! layer covers (its alpha). Coordinates are image pixels at `t0`; the sheet extends beyond the image by a margin, so
+//! that content is visible when the layer moves, and has [`OVERSAMPLING`] samples per pixel on each axis, so that it
 //! can be moved by fractions of a pixel and averaged down without stair-steps.
 
 use super::random::lattice;
@@ -11,7 +11,7 @@ use crate::plane::memory;
 /// Samples per pixel on each axis.
 pub const OVERSAMPLING: usize = 2;
 
-/// A rectangle in image pixels; bounds of a shape.
+/// Rectangle in image pixels; bounds of a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
     /// Left edge.
@@ -44,7 +44,7 @@ impl Area {
     }
 }
 
-/// One layer's picture at mid-burst, with alpha. Values are multiplied by alpha already.
+/// Picture of one layer at mid-burst, with alpha. Values are premultiplied by alpha.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
     width: usize,
@@ -53,7 +53,7 @@ pub struct Sheet {
     margin_v: usize,
     value: Vec<f32>,
     alpha: Vec<f32>,
-    /// Columns and rows of the sheet that hold anything: (first, one past the last).
+    /// Columns and rows of the sheet that were painted: (first, one past the last).
     used: Option<[usize; 4]>,
 }
 
@@ -83,23 +83,22 @@ impl Sheet {
         (&self.value[range.clone()], &self.alpha[range])
     }
 
-    /// Columns and rows that hold anything: `[first column, end column, first row, end row]`; `None` when nothing was
-    /// painted.
+    /// Painted columns and rows: `[first column, end column, first row, end row]`; `None` when nothing was painted.
     pub fn used(&self) -> Option<[usize; 4]> {
         self.used
     }
 
-    /// The sample index of an image column, which may lie between samples.
+    /// The sample index of an image column; it may be fractional.
     pub fn column_of(&self, u: f64) -> f64 {
         (u + self.margin_u as f64 + 0.5) * OVERSAMPLING as f64 - 0.5
     }
 
-    /// The sample index of an image row, which may lie between samples.
+    /// The sample index of an image row; it may be fractional.
     pub fn row_of(&self, v: f64) -> f64 {
         (v + self.margin_v as f64 + 0.5) * OVERSAMPLING as f64 - 0.5
     }
 
-    /// Alpha at the sample nearest to the image place (u, v); 0 outside.
+    /// Alpha at the sample nearest to the image position (u, v); 0 outside.
     pub fn alpha_at(&self, u: f64, v: f64) -> f32 {
         let (column, row) = (self.column_of(u).round(), self.row_of(v).round());
         if column < 0.0 || row < 0.0 || column >= self.width as f64 || row >= self.height as f64 {
@@ -108,7 +107,7 @@ impl Sheet {
         self.alpha[row as usize * self.width + column as usize]
     }
 
-    /// Paints over: within `bounds`, covers each sample by `shade(u, v)` = (value, alpha), over what is there already.
+    /// Paints each sample within `bounds` with `shade(u, v)` = (value, alpha), over the existing content.
     pub fn paint(&mut self, bounds: Area, mut shade: impl FnMut(f32, f32) -> (f32, f32)) {
         let Some([c0, c1, r0, r1]) = self.each(bounds, |u, v, value, alpha| {
             let (x, a) = shade(u, v);
@@ -123,8 +122,8 @@ impl Sheet {
         self.used = Some([old[0].min(c0), old[1].max(c1), old[2].min(r0), old[3].max(r1)]);
     }
 
-    /// A soft glow that adds light to what is painted already: `value` at its centre, nothing at `radius`. It covers
-    /// nothing.
+    /// Adds a soft glow of light to the painted content: `value` at its centre, 0 at `radius`. It does not change
+    /// alpha.
     pub fn glow(&mut self, u: f32, v: f32, radius: f32, value: f32) {
         self.each(Area::around(u, v, radius), |x, y, light, alpha| {
             let q = ((x - u) * (x - u) + (y - v) * (y - v)) / (radius * radius);
@@ -134,8 +133,8 @@ impl Sheet {
         });
     }
 
-    /// Calls `change(u, v, value, alpha)` for each sample within `bounds`; returns the samples visited, as
-    /// [`Self::used`] counts them.
+    /// Calls `change(u, v, value, alpha)` for each sample within `bounds`; returns the samples visited, in the form of
+    /// [`Self::used`].
     fn each(&mut self, bounds: Area, mut change: impl FnMut(f32, f32, &mut f32, &mut f32)) -> Option<[usize; 4]> {
         let s = OVERSAMPLING as f32;
         let clip = |x: f64, end: usize| x.clamp(0.0, end as f64) as usize;
@@ -157,7 +156,7 @@ impl Sheet {
         Some([c0, c1, r0, r1])
     }
 
-    /// Keeps only what `mask` covers, a sheet of the same size: value and alpha are multiplied by its alpha.
+    /// Keeps only the part covered by `mask`, a sheet of the same size: value and alpha are multiplied by its alpha.
     pub fn keep_where(&mut self, mask: &Self) {
         for ((value, alpha), share) in self.value.iter_mut().zip(&mut self.alpha).zip(&mask.alpha) {
             *value *= share;
@@ -171,8 +170,7 @@ impl Sheet {
         self.paint(self.area(), |u, v| (value(u, v), 1.0));
     }
 
-    /// Paints the inside of a shape that is given by its signed distance (pixels, negative inside), with edges one
-    /// sample wide.
+    /// Paints the inside of a shape given by its signed distance (pixels, negative inside), with edges one sample wide.
     pub fn shape(&mut self, bounds: Area, distance: impl Fn(f32, f32) -> f32, value: impl Fn(f32, f32) -> f32) {
         let s = OVERSAMPLING as f32;
         let bounds = Area::new(bounds.u0 - 1.0, bounds.v0 - 1.0, bounds.u1 + 1.0, bounds.v1 + 1.0);
@@ -182,12 +180,12 @@ impl Sheet {
         });
     }
 
-    /// A filled rectangle.
+    /// Paints a filled rectangle.
     pub fn rectangle(&mut self, area: Area, value: f32) {
         self.shape(area, |u, v| area.distance(u, v), |_, _| value);
     }
 
-    /// A disc.
+    /// Paints a disc.
     pub fn disc(&mut self, u: f32, v: f32, radius: f32, value: f32) {
         self.shape(
             Area::around(u, v, radius),
@@ -196,7 +194,7 @@ impl Sheet {
         );
     }
 
-    /// A straight stroke with round ends, `thickness` pixels wide.
+    /// Paints a straight stroke with round ends, `thickness` pixels wide.
     pub fn stroke(&mut self, from: (f32, f32), to: (f32, f32), thickness: f32, value: f32) {
         let r = 0.5 * thickness;
         let bounds = Area::new(from.0.min(to.0) - r, from.1.min(to.1) - r, from.0.max(to.0) + r, from.1.max(to.1) + r);
@@ -211,7 +209,7 @@ impl Sheet {
     }
 }
 
-/// Smooth random relief in [0, 1]: values on a lattice of `cell` pixels, blended between.
+/// Smooth random relief in [0, 1]: values on a lattice of `cell` pixels, interpolated.
 pub fn relief(seed: u64, u: f32, v: f32, cell: f32) -> f32 {
     let (x, y) = (u / cell, v / cell);
     let (i, j) = (x.floor(), y.floor());

@@ -1,27 +1,26 @@
-//! How the radii of a chart's discs are spread over their range.
+//! Distribution of the radii of a chart's discs.
 
 use super::random::Stream;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// The law by which radii are drawn from their range.
+/// Distribution of radii over their range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RadiusLaw {
-    /// Every radius is as likely as any other: most discs are large.
+    /// Uniform in the radius: most discs are large.
     #[default]
     Uniform,
-    /// Every octave of radii is as likely as any other: as many fine discs as coarse ones, which is how a scale space
-    /// is sampled.
+    /// Uniform in the logarithm of the radius: equally many fine and coarse discs, like the sampling of a scale space.
     Log,
 }
 
 impl RadiusLaw {
-    /// All laws.
+    /// All distributions.
     pub const ALL: [Self; 2] = [Self::Uniform, Self::Log];
 
-    /// The law's name, as on the command line.
+    /// Name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Uniform => "uniform",
@@ -29,8 +28,8 @@ impl RadiusLaw {
         }
     }
 
-    /// A radius from `range` (pixels, above 0). Both laws take one number from `stream`, so charts of the same seed
-    /// differ in nothing else.
+    /// Draws a radius from `range` (pixels, above 0). Both distributions take one number from `stream`, so charts of
+    /// the same seed differ only in their radii.
     pub(super) fn draw(self, range: &RangeInclusive<f64>, stream: &mut Stream) -> f64 {
         let (smallest, largest) = (*range.start(), *range.end());
         match self {

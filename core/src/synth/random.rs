@@ -1,8 +1,8 @@
-//! Random numbers that are the same everywhere.
+//! Random numbers that are the same on every machine.
 //!
-//! The generator is ChaCha with 8 rounds, whose output for a seed and stream is fixed for ever. The distributions on
-//! top use only additions, multiplications, square roots and `libm`'s logarithm and exponential, so that a rounding of
-//! the system's own mathematics library can never change a pixel.
+//! The generator is ChaCha with 8 rounds, whose output for a seed and stream never changes. The distributions use only
+//! additions, multiplications, square roots and `libm`'s logarithm and exponential, so that the rounding of the
+//! system's own mathematics library cannot change a pixel.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -22,12 +22,12 @@ impl Stream {
         Self { generator }
     }
 
-    /// Uniform in [0, 1), with 53 random bits.
+    /// A number uniform in [0, 1), with 53 random bits.
     pub fn uniform(&mut self) -> f64 {
         (self.generator.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
-    /// Uniform in [low, high).
+    /// A number uniform in [low, high).
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
@@ -37,13 +37,13 @@ impl Stream {
         ((self.uniform() * count as f64) as usize).min(count.saturating_sub(1))
     }
 
-    /// Gaussian with mean 0 and variance 1, by the ziggurat of G. Marsaglia and W. W. Tsang, "The ziggurat method for
-    /// generating random variables", Journal of Statistical Software 5(8) (2000).
+    /// A Gaussian number with mean 0 and variance 1, by the ziggurat of G. Marsaglia and W. W. Tsang, "The ziggurat
+    /// method for generating random variables", Journal of Statistical Software 5(8) (2000).
     pub fn normal(&mut self) -> f64 {
         let ziggurat = &*ZIGGURAT;
         loop {
             let bits = self.generator.next_u64();
-            // Seven bits choose a block, 53 others the place in it.
+            // Seven bits choose a block, 53 others the position in it.
             let block = (bits & 127) as usize;
             let place = 2.0 * ((bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)) - 1.0;
             let edge = ziggurat.edges[block];
@@ -75,9 +75,9 @@ impl Stream {
         }
     }
 
-    /// Poisson with the given mean; 0 for a mean of 0 or below. Exact for any mean: inversion for small ones, the
-    /// transformed rejection of W. Hörmann, "The transformed rejection method for generating Poisson random variables",
-    /// Insurance: Mathematics and Economics 12 (1993), 39–45, for large ones.
+    /// A Poisson number with the given mean; 0 for a mean of 0 or below. Exact for any mean: inversion for small ones,
+    /// the transformed rejection of W. Hörmann, "The transformed rejection method for generating Poisson random
+    /// variables", Insurance: Mathematics and Economics 12 (1993), 39–45, for large ones.
     pub fn poisson(&mut self, mean: f64) -> f64 {
         if mean <= 0.0 {
             0.0
@@ -93,8 +93,7 @@ impl Stream {
         let mut count = 0;
         let mut probability = libm::exp(-mean);
         let mut cumulative = probability;
-        // Rounding may leave the sum a little below 1; far out in the tail the probability vanishes and the loop must
-        // end.
+        // Rounding may leave the sum slightly below 1; far in the tail the probability vanishes and the loop must end.
         while u >= cumulative && count < 199 {
             count += 1;
             probability *= mean * RECIPROCALS[count];
@@ -142,9 +141,9 @@ static RECIPROCALS: [f64; 200] = {
     table
 };
 
-/// Where the ziggurat's blocks end and the tail begins, for 128 blocks.
+/// End of the ziggurat's blocks and start of the tail, for 128 blocks.
 const TAIL_START: f64 = 3.442_619_855_899;
-/// The area of each block.
+/// Area of each block.
 const BLOCK_AREA: f64 = 9.912_563_035_262_17e-3;
 
 struct Ziggurat {
@@ -166,7 +165,7 @@ static ZIGGURAT: LazyLock<Ziggurat> = LazyLock::new(|| {
     Ziggurat { edges, ratios: std::array::from_fn(|i| edges[i + 1] / edges[i]) }
 });
 
-/// A fixed pseudo-random value in [0, 1) for a lattice point; the ground of procedural textures.
+/// A fixed pseudo-random value in [0, 1) for a lattice point, on which procedural textures are based.
 pub fn lattice(seed: u64, i: i64, j: i64) -> f32 {
     let mut x = seed
         ^ (i as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)

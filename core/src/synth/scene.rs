@@ -14,7 +14,7 @@ use super::{Motion, SynthError, check_common};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 
-/// What a layered scene is to be like.
+/// Parameters of a layered scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneParams {
     /// Columns.
@@ -27,8 +27,8 @@ pub struct SceneParams {
     pub frames: usize,
     /// Directions in which layers move.
     pub motion: Motion,
-    /// The largest slope of a layer, pixels per frame. Layers are spread over −`max_slope` … `max_slope`, with chance
-    /// in between.
+    /// Largest slope of a layer, pixels per frame. Layers are spread over −`max_slope` … `max_slope`, at random within
+    /// their parts.
     pub max_slope: f64,
     /// Per-pixel signal-to-noise ratio, as [`super::noise`] defines it, between boards ([`BOARD`]) and marks
     /// ([`MARK`]); infinite for no noise.
@@ -37,7 +37,7 @@ pub struct SceneParams {
     pub read_noise: f64,
     /// Bits of the converter, 4 … 16.
     pub bits: u32,
-    /// The seed of layout and noise.
+    /// Seed of layout and noise.
     pub seed: u64,
 }
 
@@ -64,11 +64,11 @@ pub const BOARD: f64 = 0.04;
 /// Signal of the bright marks on a board, fraction of full scale above black.
 pub const MARK: f64 = 0.1;
 
-/// The scene's black level is this many standard deviations of the noise in the dark, so that little is cut off at
-/// zero.
+/// Black level of the scene in standard deviations of the noise in the dark, so that little is clipped at zero.
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
-/// Makes a layered scene and its truth: the layers' slopes, and the landmarks that can be seen whole in every frame.
+/// Makes a layered scene and its truth: the layers' slopes, and the landmarks that are completely visible in every
+/// frame.
 ///
 /// # Errors
 /// A parameter that makes no sense, or [`SynthError::Cancelled`].
@@ -125,15 +125,15 @@ fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Resu
     Ok(layers)
 }
 
-/// Layer `index`'s slope: the range is cut into as many parts as there are layers, and each layer draws from the middle
-/// of its own part.
+/// The slope of layer `index`: the range is divided into as many parts as there are layers, and each layer's slope is
+/// drawn from the middle of its own part.
 fn layer_slope(params: &SceneParams, index: usize, stream: &mut Stream) -> (f64, f64) {
     let part = 2.0 * params.max_slope / params.layers as f64;
     let mut along = || -params.max_slope + part * (index as f64 + stream.within(0.2, 0.8));
     let u = along();
     match params.motion {
         Motion::OneD => (u, 0.0),
-        // Down, the parts are taken in another order, so that the slopes do not lie on a line.
+        // For the vertical slopes the parts are taken in another order, so that the slopes do not lie on a line.
         Motion::TwoD => {
             let other = (index * 2 + 1) % params.layers.max(1);
             (u, -params.max_slope + part * (other as f64 + stream.within(0.2, 0.8)))
@@ -141,12 +141,12 @@ fn layer_slope(params: &SceneParams, index: usize, stream: &mut Stream) -> (f64,
     }
 }
 
-/// Relief with cracks and blobs, over the whole sheet.
+/// Paints relief with cracks and blobs over the whole sheet.
 fn paint_ground(layer: &mut Layer, seed: u64, stream: &mut Stream) {
     let area = layer.sheet.area();
     layer.sheet.fill(|u, v| {
         let ground = 0.012 + 0.05 * fractal_relief(seed, u, v, 48.0, 5);
-        // A second relief, cut at its middle, gives edges.
+        // A second relief, thresholded at its middle, gives edges.
         let edge = fractal_relief(seed ^ 0x5bd1, u, v, 90.0, 2);
         ground + 0.02 * ((edge - 0.5) * 40.0).clamp(-0.5, 0.5)
     });
@@ -168,7 +168,7 @@ fn place_in(area: Area, rim: f64, stream: &mut Stream) -> (f64, f64) {
     (pick(area.u0, area.u1, stream), pick(area.v0, area.v1, stream))
 }
 
-/// Boards with marks, spread over the sheet; nearer layers have fewer and larger ones.
+/// Paints boards with marks, spread over the sheet; nearer layers have fewer and larger ones.
 fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &mut Stream) {
     let scale = (params.width.min(params.height) as f64 / 480.0).clamp(0.25, 4.0);
     let size = scale * (60.0 + 25.0 * index as f64);
@@ -180,7 +180,7 @@ fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &
         let (u, v) = place_in(area, 0.0, stream);
         let board = Area::new((u - half_u) as f32, (v - half_v) as f32, (u + half_u) as f32, (v + half_v) as f32);
         let shade = stream.within(0.7, 1.3) as f32;
-        // A new board hides landmarks that an earlier one of the same layer carried there.
+        // A new board hides landmarks of an earlier one of the same layer there.
         layer.landmarks.retain(|l| board.distance(l.u as f32, l.v as f32) > l.radius as f32 + 1.0);
         layer.sheet.shape(board, |x, y| board.distance(x, y), |_, _| BOARD as f32 * shade);
         match (number + index) % 3 {
@@ -191,7 +191,7 @@ fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &
     }
 }
 
-/// Dots of several sizes on a jittered grid; the landmarks.
+/// Paints dots of several sizes on a jittered grid; the landmarks.
 fn dots(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     let pitch = scale.max(0.5) * stream.within(20.0, 28.0);
     let columns = (f64::from(board.u1 - board.u0) / pitch) as usize;
@@ -208,7 +208,7 @@ fn dots(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     }
 }
 
-/// Rows of short strokes, like words.
+/// Paints rows of short strokes, like words.
 fn writing(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     let height = (7.0 * scale.max(0.5)) as f32;
     let mut v = board.v0 + height;
@@ -227,7 +227,7 @@ fn writing(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     }
 }
 
-/// Slanted stripes.
+/// Paints slanted stripes.
 fn stripes(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     let width = (scale.max(0.5) * stream.within(5.0, 11.0)) as f32;
     let slant = stream.within(-0.8, 0.8) as f32;

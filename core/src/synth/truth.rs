@@ -1,9 +1,9 @@
-//! What is known about a synthetic burst: the content of `truth.json`.
+//! The truth of a synthetic burst: the content of `truth.json`.
 
 use super::noise::Camera;
 use serde::{Deserialize, Serialize};
 
-/// What kind of burst it is.
+/// Kind of a synthetic burst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TruthKind {
@@ -11,16 +11,15 @@ pub enum TruthKind {
     Chart,
     /// Textured layers.
     Scene,
-    /// The scene that is built into the program.
+    /// Scene that is built into the program.
     Demo,
 }
 
-/// Everything that is known about a synthetic burst. Positions are image pixels at `t0`, the centre of the first pixel
-/// is (0, 0).
+/// Truth of a synthetic burst. Positions are image pixels at `t0`, the centre of the first pixel is (0, 0).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Truth {
-    /// What kind of burst it is.
+    /// Kind of the burst.
     pub kind: TruthKind,
     /// Columns of a frame.
     pub width: usize,
@@ -28,22 +27,22 @@ pub struct Truth {
     pub height: usize,
     /// Number of frames, N.
     pub frames: usize,
-    /// The reference time, (N − 1)/2, in frames.
+    /// Reference time, (N − 1)/2, in frames.
     pub t0: f64,
-    /// The seed from which everything follows.
+    /// Seed from which everything is derived.
     pub seed: u64,
     /// The camera's noise; `None` (null) for a noiseless burst.
     pub noise: Option<NoiseTruth>,
-    /// The pedestal under all values, fraction of full scale.
+    /// Pedestal under all values, fraction of full scale.
     pub black_level: f64,
     /// Planes of the scene, far to near; empty for a chart.
     #[serde(default)]
     pub layers: Vec<LayerTruth>,
-    /// Blobs whose place, size and motion are known.
+    /// Blobs whose position, size and motion are known.
     pub features: Vec<FeatureTruth>,
 }
 
-/// The noise of a synthetic burst.
+/// Noise of a synthetic burst.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseTruth {
@@ -57,13 +56,13 @@ pub struct NoiseTruth {
     pub quantisation_step: f64,
     /// Standard deviation of one pixel of one frame at the background's level, fraction of full scale.
     pub sigma_background: f64,
-    /// The per-pixel signal-to-noise ratio that was asked for, as [`super::noise`] defines it; absent where none was.
+    /// Requested per-pixel signal-to-noise ratio, as [`super::noise`] defines it; absent where none was requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub snr: Option<f64>,
 }
 
 impl NoiseTruth {
-    /// What there is to know about `camera`'s noise over a `background` signal; `None` for a noiseless one.
+    /// Describes `camera`'s noise over a `background` signal; `None` for a noiseless camera.
     pub fn of(camera: &Camera, background: f64, snr: Option<f64>) -> Option<Self> {
         (!camera.is_noiseless()).then(|| Self {
             full_scale_electrons: camera.full_scale_electrons,
@@ -76,19 +75,19 @@ impl NoiseTruth {
     }
 }
 
-/// One plane of a layered scene.
+/// Truth of one plane of a layered scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerTruth {
-    /// What it shows.
+    /// Name of its content.
     pub name: String,
-    /// Its motion to the right, pixels per frame.
+    /// Motion to the right, pixels per frame.
     pub slope_u: f64,
-    /// Its motion downwards, pixels per frame.
+    /// Motion downwards, pixels per frame.
     pub slope_v: f64,
 }
 
-/// A round blob with known place and motion.
+/// Round blob with known position and motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FeatureTruth {
@@ -103,24 +102,24 @@ pub struct FeatureTruth {
     pub v: f64,
     /// Radius of the disc, pixels.
     pub radius: f64,
-    /// The scale at which a detector sees it, radius/√2, pixels.
+    /// Scale of the blob for a detector, radius/√2, pixels.
     pub sigma: f64,
     /// Motion to the right, pixels per frame.
     pub slope_u: f64,
     /// Motion downwards, pixels per frame.
     pub slope_v: f64,
-    /// +1 for a blob brighter than what is around it, −1 for a darker one.
+    /// +1 for a blob brighter than its surroundings, −1 for a darker one.
     pub contrast_sign: i8,
 }
 
 impl FeatureTruth {
-    /// Where it is `dt` frames after the reference time: (column, row) in pixels.
+    /// Position `dt` frames after the reference time: (column, row) in pixels.
     pub fn position(&self, dt: f64) -> (f64, f64) {
         (self.u + dt * self.slope_u, self.v + dt * self.slope_v)
     }
 }
 
-/// The scale at which a detector sees a disc of `radius` pixels: its DoG response is strongest at σ = r/√2.
+/// The scale of a disc of `radius` pixels for a detector: its Laplacian-of-Gaussian response is strongest at σ = r/√2.
 pub fn disc_sigma(radius: f64) -> f64 {
     radius * std::f64::consts::FRAC_1_SQRT_2
 }

@@ -1,7 +1,7 @@
-//! Writing a synthetic burst: 16-bit PNG frames and `truth.json`, a whole folder or nothing.
+//! Writing a synthetic burst: 16-bit PNG frames and `truth.json`, as a complete folder or not at all.
 //!
-//! Values of a converter with fewer than 16 bits sit at the top of the 16-bit word (see [`super::noise`]), so that the
-//! files hold them exactly; values that were never rounded are rounded to 16 bits.
+//! Values of a converter with fewer than 16 bits are stored at the top of the 16-bit word (see [`super::noise`]), so
+//! that the files hold them exactly; values that were never rounded are rounded to 16 bits.
 
 use super::folder::{WriteBurstError, io, write_folder};
 use super::noise::quantised_word;
@@ -13,11 +13,11 @@ use image::ImageFormat;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is made. An earlier
-/// synthetic burst in it is replaced as a whole; a folder that holds anything else is left alone.
+/// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is created. An earlier
+/// synthetic burst in it is replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
-/// See [`WriteBurstError`]; the folder is then as it was before.
+/// See [`WriteBurstError`]; the folder is then unchanged.
 pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), WriteBurstError> {
     write_folder(dir, replaceable, |fresh| {
         for (t, frame) in burst.frames.iter().enumerate() {
@@ -38,8 +38,8 @@ pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), WriteBurstEr
     let picture =
         image::ImageBuffer::<image::Luma<u16>, _>::from_raw(frame.width() as u32, frame.height() as u32, words)
             .expect("a plane has width × height values");
-    // By way of the memory: a buffered file that the encoder closes would lose its last bytes without a word where the
-    // disk is full.
+    // Through memory: a buffered file that the encoder closes would silently lose its last bytes where the disk is
+    // full.
     let mut png = Cursor::new(Vec::new());
     picture.write_to(&mut png, ImageFormat::Png).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(path))?;
     std::fs::write(path, png.into_inner()).map_err(io(path))
@@ -50,7 +50,7 @@ pub fn frame_name(t: usize) -> String {
     format!("frame_{t:03}.png")
 }
 
-/// Whether `dir` holds only what [`write_burst`] writes.
+/// Whether `dir` holds only files that [`write_burst`] writes.
 fn replaceable(dir: &Path) -> std::io::Result<bool> {
     let mut has_truth = false;
     for entry in std::fs::read_dir(dir)? {
@@ -90,7 +90,7 @@ mod tests {
             assert_eq!(read, frame.data());
         }
         let text = std::fs::read_to_string(dir.join("truth.json")).expect("a file");
-        // Numbers are written with all their digits (the JSON reader may be off by the last one).
+        // Numbers have all their digits (the JSON reader may be off by the last one).
         assert_eq!(text.trim_end(), serde_json::to_string_pretty(&truth).expect("valid"));
         assert_eq!(serde_json::from_str::<Truth>(&text).expect("valid").features.len(), truth.features.len());
         assert_eq!(std::fs::read_dir(dir.parent().expect("it has one")).expect("a folder").count(), 1, "no leftovers");
@@ -109,7 +109,7 @@ mod tests {
         let error = write_burst(&dir, &long, &truth, &Monitor::default()).expect_err("occupied").to_string();
         assert!(error.contains("chart"), "{error}");
         assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 5);
-        // Pictures without a truth beside them are someone's own.
+        // Pictures without a truth beside them belong to somebody else.
         let own = home.path().join("own");
         std::fs::create_dir(&own).expect("made");
         std::fs::write(own.join("frame_000.png"), "mine").expect("written");

@@ -1,10 +1,11 @@
-//! Damage at random, for the tests of everything that reads what somebody else may have written.
+//! Random damage, for the tests of all readers of files that somebody else may have written.
 #![allow(dead_code)] // Each test program uses a part of it.
 
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// What is put where it does not belong: numbers at the ends of their ranges, signs of the formats, bytes of no text.
+/// Bytes inserted where they do not belong: numbers at the ends of their ranges, signatures of the formats, bytes that
+/// are no text.
 const JUNK: [&[u8]; 30] = [
     b"0",
     b"-1",
@@ -49,7 +50,7 @@ pub enum Damage {
     Cut(Index),
 }
 
-/// A few damages.
+/// A list of a few damages.
 pub fn damage() -> impl Strategy<Value = Vec<Damage>> {
     let at = any::<Index>;
     let one = prop_oneof![
@@ -63,7 +64,7 @@ pub fn damage() -> impl Strategy<Value = Vec<Damage>> {
     prop::collection::vec(one, 1..5)
 }
 
-/// `sound` with these damages, one after the other.
+/// `sound` after these damages, one after the other.
 pub fn damaged(sound: &[u8], damages: &[Damage]) -> Vec<u8> {
     let mut bytes = sound.to_vec();
     for damage in damages {
@@ -99,12 +100,12 @@ pub fn damaged(sound: &[u8], damages: &[Damage]) -> Vec<u8> {
     bytes
 }
 
-/// The same for what is read as text; what is no text any more is made one.
+/// `sound` after these damages as text; invalid UTF-8 is replaced.
 pub fn damaged_text(sound: &str, damages: &[Damage]) -> String {
     String::from_utf8_lossy(&damaged(sound.as_bytes(), damages)).into_owned()
 }
 
-/// Whether an error has words.
+/// Whether an error's message is not blank.
 pub fn says_something(error: &dyn std::fmt::Display) -> bool {
     !error.to_string().trim().is_empty()
 }

@@ -1,4 +1,4 @@
-//! Where the real input and the published implementations' answers are.
+//! Location of the real input and of the published implementations' results.
 //!
 //! They are in the folder that `BURSTSCOPE_SHARED` names, or else in `../shared` beside the checkout. A test that needs
 //! one of them is marked with `#[needs::shared(…)]`, and is ignored where it is missing.

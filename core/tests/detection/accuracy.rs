@@ -1,18 +1,17 @@
-//! How close features come to the truth: places, scales and slopes of a chart's discs, in one and two dimensions of
-//! motion.
+//! Accuracy of features: positions, scales and slopes of a chart's discs, in one and two dimensions of motion.
 //!
-//! True slopes are drawn from a continuum and the grid has steps of 0.5 px/frame, so what is finer than the step is the
-//! refinement's work. Discs reach half a pixel per frame beyond the grid; those must be marked.
+//! True slopes are drawn from a continuum and the grid has steps of 0.5 px/frame, so accuracy finer than the step comes
+//! from the refinement. Discs reach half a pixel per frame beyond the grid; those must be marked.
 
 use burstscope_core::evaluate::accuracy::{AccuracyReport, AccuracyStudy};
 use burstscope_core::evaluate::statistics::Errors;
 use burstscope_core::synth::{ChartParams, Motion};
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid};
 
-/// What must hold at one signal-to-noise ratio. All are medians of magnitudes.
+/// Bounds at one signal-to-noise ratio. All are medians of magnitudes.
 struct Bar {
     snr: f64,
-    /// Distance from the true place, pixels.
+    /// Distance from the true position, pixels.
     distance_px: f64,
     /// Scale, relative to the expected σ.
     scale: f64,
@@ -20,19 +19,20 @@ struct Bar {
     slope_px_per_frame: f64,
 }
 
-/// `cargo test -p burstscope-core --test detection accuracy -- --nocapture` shows what is measured.
+/// Bounds on charts whose discs stand apart. `cargo test -p burstscope-core --test detection accuracy -- --nocapture`
+/// shows the measured values.
 const APART: [Bar; 2] = [
     Bar { snr: 5.0, distance_px: 0.05, scale: 0.005, slope_px_per_frame: 0.015 },
     Bar { snr: 0.6, distance_px: 0.5, scale: 0.03, slope_px_per_frame: 0.1 },
 ];
-/// Neighbours draw features aside.
+/// Bounds on crowded charts, where neighbours shift features.
 const CROWDED: [Bar; 2] = [
     Bar { snr: 5.0, distance_px: 0.07, scale: 0.015, slope_px_per_frame: 0.03 },
     Bar { snr: 0.6, distance_px: 0.5, scale: 0.03, slope_px_per_frame: 0.1 },
 ];
-/// A bias of this many standard errors happens by chance once in 15 000 times; a test looks at a few dozen.
+/// Largest bias, in standard errors. It is exceeded by chance once in 15 000 times; a test checks a few dozen.
 const BIAS_STANDARD_ERRORS: f64 = 4.0;
-/// Neighbours make discs appear smaller, by this much in the mean at most.
+/// Largest mean bias of the scale, since neighbours make discs appear smaller.
 const CROWDED_SCALE_BIAS: f64 = 0.03;
 
 fn check(report: &AccuracyReport, bars: &[Bar], crowded: bool) {
@@ -75,9 +75,9 @@ fn check(report: &AccuracyReport, bars: &[Bar], crowded: bool) {
         for errors in unbiased {
             assert!(errors.signed.is_consistent_with_zero(BIAS_STANDARD_ERRORS), "{errors:?}");
         }
-        // What is beyond the grid is marked, but for a few whose noise pulls them inside.
+        // Discs beyond the grid are marked, except for a few whose noise pulls them inside.
         assert!(row.beyond.marked * 100 >= row.beyond.found * 95, "{:?}", row.beyond);
-        // Inside, only what lies next to the rim may be: in two dimensions about a quarter.
+        // Inside, only discs next to the rim may be: in two dimensions about a quarter.
         assert!(row.within.marked * 5 <= row.within.found * 2, "{:?}", row.within);
     }
 }
@@ -87,7 +87,7 @@ fn study(motion: Motion, bars: &[Bar], seeds: u64) -> AccuracyStudy {
     AccuracyStudy { snrs, first_seed: 21, seeds, ..AccuracyStudy::with_motion(motion) }
 }
 
-/// The published chart is large for a plane of slopes: a third of it, and slopes a little beyond ±2.
+/// A study on a third of the published chart, which is large for a plane of slopes, with slopes a little beyond ±2.
 fn small_2d(bars: &[Bar], seeds: u64) -> AccuracyStudy {
     let full = study(Motion::TwoD, bars, seeds);
     let chart = ChartParams { width: 480, height: 360, discs: 30, max_slope: 2.25, ..full.chart.clone() };
@@ -120,7 +120,7 @@ fn crowded_discs_in_two_dimensions_of_motion() {
     check(&run(&small_2d(&CROWDED, 4)), &CROWDED, true);
 }
 
-/// Without noise only sampling is left.
+/// Without noise only the sampling errors remain.
 #[test]
 fn without_noise_a_hundredth_of_a_pixel_is_far() {
     let study = AccuracyStudy { snrs: vec![f64::INFINITY], ..study(Motion::OneD, &APART, 2) };

@@ -1,4 +1,4 @@
-//! The studies that measure the detector: small ones, with numbers that must come out sane.
+//! The studies that measure the detector: small ones, with numbers that must be plausible.
 
 use burstscope_core::evaluate::figure::roc_svg;
 use burstscope_core::evaluate::frames_figure::{burst_frames_svg, frames_svg};
@@ -134,13 +134,14 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
     for row in &report.rows {
         for search in &row.searches {
             println!("{:?} {}: {} in {} Mpx", row.level, search.label, search.false_features, report.megapixels);
-            // One a megapixel is promised; more than five of one would happen once in 1700 runs, and the seed is fixed.
+            // At most one per megapixel is promised; more than five of one would occur once in 1700 runs, and the seed
+            // is fixed.
             assert!(search.false_features <= 5, "{search:?}");
             let ratio = search.noise_estimate_ratio.expect("it is white");
             assert!((ratio - 1.0).abs() < 0.05, "{search:?}");
         }
     }
-    // The count is a count: with a low gate there is much.
+    // The count responds to the gate: a low gate gives many features.
     let detector = DetectorParams { noise_gate: "3".parse().expect("a gate"), ..DetectorParams::default() };
     let searches = NoiseStudy::searches(&detector)[..1].to_vec();
     let report = NoiseStudy { searches, ..study }.run(&Monitor::default()).expect("a report");

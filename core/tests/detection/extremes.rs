@@ -44,7 +44,7 @@ fn blobs_on_the_border_are_described_wherever_they_are_placed() {
     for localisation in [Localisation::Continuous, Localisation::Quadratic] {
         let params = DetectorParams { method: Method::Sift, localisation, ..DetectorParams::default() };
         let features = found(&burst, &params);
-        // What the filter sees beyond the border is the border's own value; a place may come to lie a little outside.
+        // Beyond the border the filter sees the border's own value; a position may be slightly outside.
         let outside = |f: &&Feature| !(-0.5..=159.5).contains(&f.u) || !(-0.5..=119.5).contains(&f.v);
         println!("{localisation:?}: {} features, {} outside", features.len(), features.iter().filter(outside).count());
         assert!(!features.is_empty());

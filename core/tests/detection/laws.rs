@@ -1,8 +1,8 @@
-//! The laws of the detector: what must hold for every burst, whatever it shows.
+//! The laws of the detector: properties that hold for every burst.
 //!
-//! The bursts are textures of random blobs that move at two slopes under a little noise, so that there is something to
-//! find at several scales and slopes. Features are compared as sets: same count, each with a partner near where the law
-//! says it is.
+//! The bursts are textures of random blobs that move at two slopes under a little noise, so that there are features at
+//! several scales and slopes. Features are compared as sets: equal count, each with a partner near the position that
+//! the law predicts.
 
 use burstscope_core::detector::view::{dog_view, stack_view};
 use burstscope_core::detector::{
@@ -71,20 +71,20 @@ fn inside(detection: &Detection, margin: f32) -> Vec<Feature> {
     detection.features.iter().filter(keep).copied().collect()
 }
 
-/// Features well above the thresholds: sums in another order round differently, which may tip one that is just at a
-/// threshold.
+/// Features well above the thresholds: sums in another order round differently, which may change the outcome for a
+/// feature at a threshold.
 fn clear(detection: &Detection, params: &DetectorParams) -> Vec<Feature> {
     let keep =
         |f: &&Feature| f.response.abs() > 1.1 * params.peak_threshold && f.snr > 1.1 * detection.noise_gate_factor;
     detection.features.iter().filter(keep).copied().collect()
 }
 
-/// Where rounding decides whether the refinement moves on by a pixel, the fit around another sample answers up to a
-/// tenth of a pixel elsewhere.
+/// Tolerance where rounding decides whether the refinement moves on by a pixel: the fit around another sample differs
+/// by up to a tenth of a pixel.
 const ROUNDING_PX: f32 = 0.1;
 
-/// Each of `theirs`, once `mapped`, has a partner in `ours` within `tolerance` px, 1 % of scale, and `tolerance`
-/// px/frame.
+/// Asserts that each of `theirs`, after `mapped`, has a partner in `ours` within `tolerance` px, 1 % of scale, and
+/// `tolerance` px/frame.
 fn assert_all_found(ours: &[Feature], theirs: &[Feature], mapped: impl Fn(&Feature) -> Feature, tolerance: f32) {
     assert!(theirs.len() >= 4, "only {} features: the law would hold for nothing", theirs.len());
     let missing: Vec<&Feature> = theirs
@@ -99,13 +99,13 @@ fn assert_all_found(ours: &[Feature], theirs: &[Feature], mapped: impl Fn(&Featu
             })
         })
         .collect();
-    // About one feature in ten thousand lies on the border of a test (edge ratio, convergence) and is tipped by
+    // About one feature in ten thousand lies on the limit of a test (edge ratio, convergence) and is decided by
     // rounding.
     assert!(missing.len() <= usize::from(tolerance >= ROUNDING_PX), "of {} none for {missing:?}", theirs.len());
 }
 
-/// The laws are about the search. What the noise model measures depends on which squares and frames it looks at, and
-/// these do not move with the burst.
+/// Parameters with the white noise model. The laws are about the search; the other noise model depends on the squares
+/// and frames that it measures, and these do not move with the burst.
 fn plane_grid() -> DetectorParams {
     DetectorParams {
         noise_model: NoiseModelKind::White,
@@ -309,8 +309,8 @@ fn a_blob_beyond_the_grid_is_marked() {
     let strong = &detection.features[..detection.features.len().div_ceil(2)];
     assert!(strong.iter().all(|f| f.at_slope_limit || f.slope.u < 1.0), "{strong:?}");
     assert!(strong.iter().any(|f| f.at_slope_limit));
-    // At each slope for itself a blob also leaves weaker smears at slopes farther from its own.
-    // Its slope is refined to the end of the grid, from the last slope or the one before.
+    // When each slope is searched for itself a blob also leaves weaker smears at slopes farther from its own. Its slope
+    // is refined to the end of the grid, from the last slope or the one before.
     let detection = found(&burst, &params);
     assert_eq!(detection.features[0].slope.u, 1.5);
     assert!(detection.features[0].at_slope_limit);
@@ -323,8 +323,8 @@ fn a_blob_beyond_the_grid_is_marked() {
     assert!(from_before_the_rim.count() > 0, "a smear whose slope leads to the rim");
 }
 
-/// Gaussian blobs of radius σ px and a height, each moving through a place at mid-burst, over an even ground with a
-/// little noise.
+/// Gaussian blobs of radius σ px and a height, each moving through a position at mid-burst, over an even background
+/// with a little noise.
 fn moving(n: usize, blobs: &[(f32, f32, f32, f32, Slope)]) -> Burst {
     let mut rng = Stream::new(5, 0);
     let frame = |t: usize| {
@@ -355,7 +355,7 @@ fn one_blob_has_one_keypoint_whatever_its_place_scale_and_slope() {
                 detection.features.iter().filter(near).count()
             };
             assert_eq!(near(&params), 1, "radius {radius}, {slope:?}");
-            // Without the step there are more: the test can fail.
+            // Without this step there are more, so the test can fail.
             assert!(near(&DetectorParams { distinct: Distinct::Off, ..params }) > 1, "radius {radius}, {slope:?}");
         }
     }
@@ -374,7 +374,7 @@ fn two_motions_at_one_place_both_stay() {
         found(burst, &params).features.iter().filter(near).count()
     };
     assert_eq!((has(&both, wall), has(&both, lantern)), (1, 1));
-    // Alone, the spot leaves nothing at the lantern's slope.
+    // Alone, the spot leaves no feature at the lantern's slope.
     let alone = moving(10, &[(64.0, 48.0, 2.5, 0.25, wall)]);
     assert_eq!((has(&alone, wall), has(&alone, lantern)), (1, 0));
 }

@@ -1,5 +1,5 @@
-//! The detector as a whole, and the studies and explanations that stand on it: laws, published answers, accuracy, noise,
-//! slopes, cancelling.
+//! The detector as a whole, and the studies and explanations based on it: laws, published results, accuracy, noise,
+//! slopes, cancellation.
 
 #[path = "../common/shared.rs"]
 mod shared;

@@ -17,7 +17,7 @@ fn found(burst: &Burst, noise_model: NoiseModelKind) -> Detection {
 
 #[test]
 fn noise_as_cameras_make_it_gives_next_to_nothing() {
-    // The white model finds tens to hundreds in each of these.
+    // The white model finds tens to hundreds of features in each of these.
     for (case, white_finds) in [
         (NoiseCase::Doubled, 100),
         (NoiseCase::Jpeg(60), 20),

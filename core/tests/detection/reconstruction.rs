@@ -1,8 +1,8 @@
-//! What the features are for, scaled down to what runs in seconds and without COLMAP: bursts along a camera's way past
-//! a dark scene, matched and verified pair by pair.
+//! The use of the features, at a size that takes seconds and without COLMAP: bursts along a camera's path past a dark
+//! scene, matched and verified pair by pair.
 //!
-//! The scene and the way are our own (`synth trajectory`), so it is known where each feature of one burst is seen in
-//! another, and matches can be counted that are right, not only those that agree with one another.
+//! The scene and the path are our own (`synth trajectory`), so the true position of each feature of one burst in
+//! another is known, and right matches can be counted, not only those that agree with one another.
 
 use burstscope_core::Monitor;
 use burstscope_core::baseline::detect;
@@ -11,17 +11,17 @@ use burstscope_core::matching::{Camera, CameraModel, Geometry, MatchParams, matc
 use burstscope_core::synth::trajectory::plane::nearest_point;
 use burstscope_core::synth::{Light, Motion, Trajectory, TrajectoryParams};
 
-/// A match is right when it is this near to where its point of the world is seen, pixels.
+/// Largest distance of a right match from the true position of its point of the world, pixels.
 const RIGHT_PX: f64 = 4.0;
 
-/// What all pairs of bursts have together.
+/// Counts over all pairs of bursts.
 #[derive(Debug, Clone, Copy, Default)]
 struct Matched {
     inliers: usize,
     right: usize,
 }
 
-/// A dark scene past which the camera goes in `motion`: one frame shows next to nothing.
+/// A dark scene that the camera passes in `motion`: one frame shows almost nothing.
 fn dark_way(motion: Motion) -> Trajectory {
     let params = TrajectoryParams {
         width: 400,
@@ -71,13 +71,13 @@ fn matched(way: &Trajectory, detector: &DetectorParams) -> Matched {
     sum
 }
 
-/// The merge with the settings that serve it best: no peak threshold, two orientations.
+/// The merge with its best settings: no peak threshold, two orientations.
 fn merge() -> DetectorParams {
     DetectorParams { method: Method::Merge, peak_threshold: 0.0, max_orientations: 2, ..DetectorParams::default() }
 }
 
-/// In the dark burst features must have half as many inliers again as the merged burst, and as many more that are
-/// right.
+/// Asserts that in the dark burst features have at least 1.5 times as many inliers as the merged burst, and 1.5 times
+/// as many right ones.
 fn assert_burst_features_win(way: &Trajectory, slopes: SlopeGrid) {
     let buff = matched(way, &DetectorParams { slopes, ..DetectorParams::default() });
     let merge = matched(way, &merge());

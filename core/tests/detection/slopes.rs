@@ -1,4 +1,4 @@
-//! Slopes found by themselves, on real bursts.
+//! Automatic slopes on real bursts.
 
 use crate::shared::shared;
 use burstscope_core::burst::{Burst, OpenOptions};
@@ -28,7 +28,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Whether a line's evidence, a step within its ends, is within `around` of `range`, pixels per frame.
+/// Whether a line's evidence, a step inside its ends, is within `around` of `range`, pixels per frame.
 fn fits(burst: &Burst, grid: &SlopeGrid, range: [f32; 2], around: f32) -> bool {
     let step = 2.0 * half_step(burst);
     let seen = [grid.u.min + step, grid.u.max - step];

@@ -1,6 +1,6 @@
-//! Progress and cancelling while the machine is busy with other work.
+//! Progress and cancellation while the machine is busy with other work.
 //!
-//! Nothing here measures time: a cancelled search must end long before it is done, which its own progress tells.
+//! Nothing here measures time: a cancelled search must end long before it is finished, judging by its own progress.
 
 use burstscope_core::detector::{DetectError, DetectorParams, SlopeGrid};
 use burstscope_core::monitor::{Progress, Stage};
@@ -52,7 +52,7 @@ fn progress_runs_from_noise_to_description_and_never_back_by_more_than_threads_o
         assert!(progress.fraction > max - 0.05, "{progress:?} after {max}");
         max = max.max(progress.fraction);
     }
-    // Fine enough that a bar moves: no step of more than a tenth of the whole.
+    // Fine enough for a progress bar: no step of more than a tenth of the whole.
     let steps = heard.windows(2).map(|pair| pair[1].fraction - pair[0].fraction);
     assert!(steps.fold(0.0, f32::max) < 0.1);
 }

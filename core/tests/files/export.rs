@@ -1,4 +1,4 @@
-//! What is exported can be read back: by our own reader, by others' libraries, and as the formats' descriptions say.
+//! Exported files can be read back: by our own reader, by other libraries, and according to the formats' descriptions.
 
 use burstscope_core::detector::{Descriptor, Detection, DetectorParams, Feature, Slope, SlopeGrid, StageTimes, Tally};
 use burstscope_core::export::{
@@ -216,7 +216,7 @@ fn number(node: roxmltree::Node<'_, '_>, name: &str) -> f32 {
     node.attribute(name).and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("{name} of {node:?}"))
 }
 
-/// A panel of 40 × 30 pixels with two features and a third that is nowhere.
+/// A panel of 40 × 30 pixels with two features and a third with invalid numbers.
 fn panel(pixels: &[u8]) -> FigurePanel {
     let mark = |u: f32, v: f32, color: [u8; 3]| FigureMark {
         centre: [u, v],
@@ -264,7 +264,7 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     assert!(root.has_tag_name(("http://www.w3.org/2000/svg", "svg")));
     assert!(number(root, "width") > 200.0, "a small picture's figure is wide enough for its title");
 
-    // The picture, twice as large, with its exact bytes, and room for the title above and the legend below.
+    // The picture, twice as large, with its exact bytes, and space for the title above and the legend below.
     let image = all("image")[0];
     assert_eq!((number(image, "width"), number(image, "height")), (80.0, 60.0));
     let (left, top) = (number(image, "x"), number(image, "y"));
@@ -283,7 +283,7 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     assert_eq!((circles[0].attribute("stroke"), circles[0].attribute("stroke-dasharray")), (Some("#ff0000"), None));
     assert_eq!((circles[1].attribute("stroke"), number(circles[1], "stroke-opacity")), (Some("#0000ff"), 0.35));
     assert!(circles[1].attribute("stroke-dasharray").is_some());
-    // What lies over the picture ends where it does.
+    // The overlay is clipped to the picture.
     let clip = all("clipPath")[0].first_element_child().expect("a rectangle");
     assert_eq!((number(clip, "width"), number(clip, "height")), (80.0, 60.0));
 
@@ -304,7 +304,7 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     let texts: Vec<_> = all("text").iter().filter_map(|t| t.text().map(str::to_owned)).collect();
     assert_eq!(texts, ["Slope < 3 & \"noise\" \u{fffd} é", "λ = (2, −1) px/frame", "a & b"]);
 
-    // Without them, they are not there.
+    // Without features there are no marks.
     let plain = lay_out(&[vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }]], &FigureOptions::default());
     write_drawing_svg(&path, &plain).expect("written");
     let text = fs::read_to_string(&path).expect("read");
@@ -390,12 +390,12 @@ proptest! {
 fn what_cannot_be_written_leaves_everything_as_it_was() {
     let folder = folder();
     let detection = detection(2);
-    // A folder stands where the file should be.
+    // A folder in place of the file.
     fs::create_dir(folder.path().join("a.csv")).expect("made");
     let error = write_detection(folder.path(), "a", &detection, &[ExportFormat::Csv]).expect_err("a folder is there");
     assert!(error.to_string().contains("a.csv"), "{error}");
     assert_eq!(names(folder.path()), ["a.csv"]);
-    // A file stands where the folder should be.
+    // A file in place of the folder.
     fs::write(folder.path().join("file"), "precious").expect("written");
     let error = write_detection(&folder.path().join("file"), "a", &detection, &[ExportFormat::Npz]);
     assert!(matches!(error, Err(ExportError::Write { .. })), "{error:?}");

@@ -1,5 +1,5 @@
-//! Everything that is read and written: bursts, parameters, features, COLMAP's files and its database; sound, and
-//! damaged at random.
+//! All files that are read and written: bursts, parameters, features, COLMAP's files and its database; sound ones, and
+//! randomly damaged ones.
 
 #[path = "../common/damage.rs"]
 mod damage;

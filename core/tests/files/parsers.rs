@@ -1,8 +1,8 @@
-//! Everything that reads a text or a table that somebody else may have written, given what is damaged at random: the
-//! answer is a value that makes sense or an error with words, never a panic, and never takes much time or memory.
+//! All readers of a text or a table that somebody else may have written, with randomly damaged input: the result is a
+//! valid value or an error with a message, never a panic, and never takes much time or memory.
 //!
-//! `PROPTEST_CASES` says how many inputs each test gets (256 without it); docs/FUZZING.md says what was run. Files of
-//! frames have tests like these in `opening/fuzz.rs`, lessons and sessions in `tests/commands/lessons_and_sessions.rs` of
+//! `PROPTEST_CASES` sets the number of inputs of each test (256 without it); docs/FUZZING.md lists the runs. Files of
+//! frames have similar tests in `opening/fuzz.rs`, lessons and sessions in `tests/commands/lessons_and_sessions.rs` of
 //! the program.
 
 use crate::damage::{damage, damaged, damaged_text, says_something};
@@ -18,14 +18,14 @@ use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// A file of this name with these bytes, in a folder of the test's own.
+/// Writes a file of this name with these bytes into the test's own folder.
 fn file(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, bytes).expect("written");
     path
 }
 
-/// A folder that is the same for all inputs of one test.
+/// A folder shared by all inputs of one test.
 macro_rules! folder {
     () => {{
         static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
@@ -102,7 +102,7 @@ fn binary_model() -> (Vec<u8>, Vec<u8>) {
     (images, points)
 }
 
-/// Without damage everything is read: the tests below begin with what is sound.
+/// Undamaged inputs are read: the tests below start from sound ones.
 #[test]
 fn sound_inputs_are_read() {
     let folder = folder!();
@@ -142,7 +142,7 @@ proptest! {
         match SearchParams::from_toml(&damaged_text(&FILES.get_or_init(param_files)[which], &damages)) {
             Ok(params) => {
                 prop_assert_eq!(params.validate(), Ok(()));
-                // What was read can be written and read again.
+                // Parameters that were read can be written and read again.
                 let again = SearchParams::from_toml(&params.to_toml());
                 prop_assert!(again.is_ok(), "{:?}: {:?}", params, again);
             }

@@ -1,4 +1,4 @@
-//! Memory is bounded: what a detection needs beyond the burst itself.
+//! Memory is bounded: the memory of a detection beyond the burst itself.
 
 use crate::allocated::peak_over;
 use burstscope_core::detector::{DetectorParams, SlopeGrid, memory};
@@ -18,7 +18,7 @@ fn a_search_over_a_line_and_over_a_plane_of_slopes_stay_within_their_bounds() {
     let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
     let line = DetectorParams { octaves: 16, levels: 3, peak_threshold: 0.0015, ..DetectorParams::default() };
     let plane = DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), ..line.clone() };
-    // Two threads, as the bounds were set for; each thread has a window of slopes of its own.
+    // Two threads, for which the bounds were set; each thread has a window of slopes of its own.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
     for (name, params, bound) in [("a line", line, 200 * MB), ("a plane", plane, 400 * MB)] {
         let mut count = 0;

@@ -1,4 +1,4 @@
-//! What a search of many slopes needs is what was estimated before it; one that does not fit its memory is done in
+//! A search of many slopes needs the memory that was estimated before it; one that does not fit its memory is done in
 //! groups of slopes, within its budget and with the same features.
 
 use crate::allocated::peak_over;
@@ -36,7 +36,7 @@ fn a_search_in_groups_of_slopes_stays_within_its_budget_and_finds_the_same() {
     );
     assert!(peak < budget, "{} MB of {} MB", peak / MB, budget / MB);
     assert!(peak + 80 * MB < whole_peak, "{} MB and {} MB", peak / MB, whole_peak / MB);
-    // An estimate that is far too large would cut what fits.
+    // A far too large estimate would needlessly split a search that fits.
     assert!(whole_peak < estimate && estimate < 2 * whole_peak, "{} MB of {} MB", whole_peak / MB, estimate / MB);
     assert!(whole.features.len() > 1000 && grouped.features == whole.features);
     assert!(grouped.descriptors == whole.descriptors && grouped.tally == whole.tally);

@@ -6,7 +6,7 @@ mod groups;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Holds all other tests of this program back while it lives.
+/// Lock that blocks all other tests of this program until it is dropped.
 fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)

@@ -1,6 +1,6 @@
-//! Where the content of each tile of the reference frame lies in another frame: a search from coarse to fine.
+//! Shift of each tile of the reference frame in another frame, by a search from coarse to fine.
 //!
-//! # What is minimised
+//! # Cost
 //! For a tile with the pixels r of the reference and f(d) of the other frame, shifted by d, the cost is
 //!
 //! ```text
@@ -9,12 +9,13 @@
 //!
 //! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P
 //! (variance of its pixels) under independent noise of variance σ²: differences count, but the less the more of the
-//! tile is noise. P is what the tile's variance has above σ². The second part says that shifts are near what the
-//! coarser level found there or beside it. So the noise, which is known, decides how far a tile follows its own pixels:
-//! a blank tile stays with the prediction, a well-lit corner goes where it fits.
+//! (variance of its pixels) under independent noise of variance σ²: differences count, but the less the more of the
+//! tile is noise. P is the tile's variance in excess of σ². The second part keeps shifts near those that the coarser
+//! level found there or beside it. So the noise, which is known, decides how far a tile follows its own pixels: a blank
+//! tile stays with the prediction, a well-lit corner moves to its best match.
 //!
-//! Whole-pixel shifts around the predictions are compared, and a parabola through the costs beside the least one puts
-//! the shift between the pixels.
+//! Whole-pixel shifts around the predictions are compared, and a parabola through the costs beside the minimum gives
+//! the fraction of a pixel.
 
 use super::tiles::{TILE, TileGrid, first_pixel};
 use crate::monitor::{Cancelled, Monitor};
@@ -23,31 +24,31 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A shift in pixels, (u, v): what is at x in the reference is at x + shift in the other frame.
+/// Shift in pixels, (u, v): content at x in the reference is at x + shift in the other frame.
 pub(super) type Shift = [f32; 2];
 
-/// τ of a finer level, its pixels: about as far as a coarser level's shift is off.
+/// τ of the finer levels, in their pixels: about the error of a coarser level's shift.
 const PRIOR_SIGMA: f32 = 1.0;
-/// τ of the coarsest level, its pixels, around no motion.
+/// τ of the coarsest level, in its pixels, around no motion.
 const COARSEST_PRIOR_SIGMA: f32 = 2.0;
-/// Whole pixels around a prediction that are searched.
+/// Search radius around a prediction, whole pixels.
 const RADIUS: i32 = 1;
-/// Those around no motion at the coarsest level.
+/// Search radius around no motion at the coarsest level, whole pixels.
 const COARSEST_RADIUS: i32 = 4;
-/// A tile is compared where at least this share of its pixels is in both frames.
+/// Minimum share of a tile's pixels that must lie in both frames for a comparison.
 const LEAST_SHARE: f32 = 0.25;
 
-/// The shift of every tile of an image, row by row.
+/// Shift of every tile of an image, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ShiftField {
-    /// The tiles.
+    /// Grid of the tiles.
     pub grid: TileGrid,
-    /// Their shifts.
+    /// Shift of each tile.
     pub shifts: Vec<Shift>,
 }
 
-/// The shifts of the tiles of the reference frame, at full resolution. Both frames come as pyramids of the same sizes;
-/// `variance` is that of one frame's noise.
+/// Finds the shifts of the tiles of the reference frame, at full resolution. Both frames come as pyramids of the same
+/// sizes; `variance` is the noise variance of one frame.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -89,7 +90,7 @@ fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Mon
     Ok(ShiftField { grid, shifts: rows.concat() })
 }
 
-/// What the coarser level says of tile (i, j): the shifts, doubled, of the tiles there that lie around it. No motion
+/// Predictions of the shift of tile (i, j): the shifts, doubled, of the tiles around it on the coarser level; no motion
 /// where there is no coarser level.
 fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut Vec<Shift>) {
     predictions.clear();
@@ -113,23 +114,23 @@ fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut V
     }
 }
 
-/// A level of both frames, and the variance of the noise of each.
+/// A level of both frames, and the noise variance of each.
 struct FramePair<'a> {
     reference: &'a Plane,
     frame: &'a Plane,
     variance: f32,
 }
 
-/// A tile to be found in the other frame.
+/// A tile and its predictions.
 struct Tile<'a> {
     pair: &'a FramePair<'a>,
-    /// Its pixels inside the reference.
+    /// Columns and rows of its pixels inside the reference.
     columns: Range<i64>,
     rows: Range<i64>,
     predictions: &'a [Shift],
-    /// What a squared difference costs.
+    /// Cost of a unit of squared difference.
     weight: f32,
-    /// What a squared pixel of deviation from the prediction costs.
+    /// Cost of a squared pixel of deviation from the prediction.
     prior: f32,
 }
 
@@ -143,7 +144,7 @@ impl<'a> Tile<'a> {
         Self { pair, columns, rows, predictions, weight, prior: 0.5 / (prior_sigma * prior_sigma) }
     }
 
-    /// The shift of least cost.
+    /// The shift of minimum cost.
     fn best(&self, radius: i32) -> Shift {
         let mut best = ([0i32; 2], f32::INFINITY);
         let mut seen: Vec<[i32; 2]> = Vec::with_capacity(81);
@@ -165,7 +166,7 @@ impl<'a> Tile<'a> {
         }
         let (shift, cost) = best;
         if cost.is_infinite() {
-            // Nothing of the tile is in the other frame anywhere near.
+            // No shift near the predictions has enough of the tile in the other frame.
             return self.predictions[0];
         }
         let between = |before: f32, after: f32| {

@@ -17,12 +17,12 @@ pub(super) fn basis() -> Block {
     })
 }
 
-/// The transpose.
+/// The transposed block.
 pub(super) fn transposed(block: &Block) -> Block {
     std::array::from_fn(|k| std::array::from_fn(|x| block[x][k]))
 }
 
-/// `left` · `block` · `leftᵀ`, where `right` is `leftᵀ`: with the basis the transform, with its transpose the way back.
+/// `left` · `block` · `leftᵀ`, where `right` is `leftᵀ`: with the basis the transform, with its transpose the inverse.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 pub(super) fn transform(left: &Block, block: &Block, right: &Block) -> Block {
     let mut half = [[0.0f32; TILE]; TILE];

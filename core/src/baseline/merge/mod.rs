@@ -3,12 +3,12 @@
 //! After Hasinoff et al., "Burst photography for high dynamic range and low-light imaging on mobile cameras" (2016),
 //! which Ravendran, Bryson and Dansereau, "Burst imaging for light-constrained structure-from-motion" (2022) use for
 //! reconstruction. Written from their description, with two differences that known noise allows: the search weighs a
-//! tile's pixels against the coarser level's answer by how much of the tile is signal, and the shrinkage works on real
+//! tile's pixels against the coarser level's shift by the share of signal in the tile, and the shrinkage works on real
 //! cosines.
 //!
-//! The way of the data: frames → [`pyramid`] → [`align`] (a shift for each tile of the middle frame, coarse to fine) →
-//! [`temporal`] (robust mean over time, tile by tile) → one image. [`tiles`] and [`dct`] are what these share. Each
-//! frame is aligned by itself: that the motion is the same from frame to frame is not used.
+//! The data flow: frames → [`pyramid`] → [`align`] (a shift for each tile of the middle frame, coarse to fine) →
+//! [`temporal`] (robust mean over time, tile by tile) → one image. [`tiles`] and [`dct`] are shared by these. Each
+//! frame is aligned by itself, without the assumption that the motion is uniform from frame to frame.
 
 mod align;
 mod dct;
@@ -24,12 +24,12 @@ use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
 
-/// Frames are taken to have at least this noise, fraction of full scale: that of 16 bit, so that noiseless ones divide
-/// nothing by zero.
+/// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bit, so that noiseless frames
+/// cause no division by zero.
 const LEAST_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
 
-/// A burst of one frame: the frames `used` of `burst`, merged where the middle one of them is (of N frames that with
-/// index N/2, the one SIFT on a single frame looks at).
+/// Merges the frames `used` of `burst` into a burst of one frame, aligned to the middle one of them (of N frames the
+/// one with index N/2, on which SIFT on a single frame runs).
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -44,14 +44,15 @@ pub fn merge_burst(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
     let image = merge_frames(&burst.frames[used.clone()].iter().map(|f| &**f).collect::<Vec<_>>(), noise, monitor)?;
     let mut merged = Burst::from_planes(format!("merge of {}", burst.name), vec![image]);
     merged.full_scale = burst.full_scale;
-    // As for a mean: N numbers on a lattice, added up.
+    // As for a mean: the sum of N numbers on a lattice.
     merged.quantisation_step = burst.quantisation_step / used.len() as f32;
     merged.frame_names = vec![burst.frame_names[middle].clone()];
     merged.sources.clone_from(&burst.sources);
     Ok(merged)
 }
 
-/// The frames merged where the middle one is; `noise` is the standard deviation of that of one frame, more than 0.
+/// The frames merged in the geometry of the middle one; `noise` is the standard deviation of the noise of one frame,
+/// above 0.
 fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let middle = frames.len() / 2;
     let reference = frames[middle];

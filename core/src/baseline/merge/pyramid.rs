@@ -4,10 +4,11 @@
 use super::tiles::TILE;
 use crate::plane::Plane;
 
-/// The most levels, with the image itself: motion of up to about 100 pixels can be followed.
+/// Maximum number of levels, with the image itself: enough to follow motion of up to about 100 pixels.
 const MAX_LEVELS: usize = 5;
 
-/// The image and its coarser copies, finest first. A level has at least one tile's side, and there is at least one.
+/// The image and its coarser copies, finest first; at least one level. Each coarser level's sides are at least a
+/// tile's.
 pub(super) fn pyramid(image: &Plane) -> Vec<Plane> {
     let mut levels = vec![image.clone()];
     while levels.len() < MAX_LEVELS {

@@ -7,14 +7,14 @@
 //! T₀ − 1/N · Σ (1 − A)·D,    D = T₀ − T,    A = E / (E + c·2σ²),    E = max(0, D² − b·2σ²)
 //! ```
 //!
-//! coefficient by coefficient. A difference as large as noise makes it (its variance is 2σ²) is averaged away; one that
-//! is far larger is a wrong alignment or something that moved by itself, and the reference stands. This is the pairwise
+//! coefficient by coefficient. A difference as large as noise makes it (its variance is 2σ²) is averaged away; a far
+//! larger one is a wrong alignment or independent motion, and the reference's value is kept. This is the pairwise
 //! Wiener-like shrinkage of Hasinoff et al., on cosines instead of complex waves, and with a dead zone: they have b = 0
 //! and c = 8, which keeps so much of the reference's own noise that ten frames lower the noise 2.5 times instead of
-//! 3.16. With the values here it is 3.02 times, and a difference counts half at the same size. Tiles then fade into
-//! each other under a raised-cosine window.
+//! 3.16. With the values here it is 3.02 times, and a difference counts half at the same size. Neighbouring tiles are
+//! blended under a raised-cosine window.
 //!
-//! Where a frame does not show a place, the mean of those that do stands in for it.
+//! Where a frame does not show a place, the mean of the frames that do replaces it.
 
 use super::align::ShiftField;
 use super::dct::{Block, basis, transform, transposed};
@@ -24,19 +24,19 @@ use crate::plane::Plane;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-/// b: a squared difference up to this many times the variance that noise gives it is taken for noise; 1.4 % of the
+/// b: a squared difference up to this many times the variance of differences of noise counts as noise; 1.4 % of the
 /// differences of noise alone are larger.
 const DEAD_ZONE: f32 = 6.0;
-/// c: what is beyond counts half where it is this many times that variance.
+/// c: the excess counts half where it is this many times that variance.
 const SOFTNESS: f32 = 2.0;
 
-/// A frame to be merged, with the shifts of the reference's tiles in it.
+/// A frame to be merged, with its shifts for the tiles of the reference.
 pub(super) struct Aligned<'a> {
     pub frame: &'a Plane,
     pub shifts: ShiftField,
 }
 
-/// The merged image, where the reference is. `variance` is that of one frame's noise.
+/// The merged image, in the geometry of the reference. `variance` is the noise variance of one frame.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -111,9 +111,9 @@ impl Merging<'_> {
         let reference = pixels(self.reference, at);
         let mut others: Vec<(Block, Option<Covered>)> = Vec::with_capacity(self.others.len());
         for Aligned { frame, shifts } in self.others {
-            // Whole pixels: interpolation would smooth the noise, more of it the finer the scale, and no estimate of it
-            // would be right for all scales. What is left of the shift smears by 1/12 px², half of what linear
-            // interpolation does.
+            // Whole pixels: interpolation would smooth the noise, more so at finer scales, and no single estimate of it
+            // would be right for all scales. The remaining fraction of the shift smears by 1/12 px², half as much as
+            // linear interpolation.
             let shift = shifts.shifts[j * self.grid.columns + i].map(|x| x.round() as i64);
             others.push(shifted_pixels(frame, at, shift, self.reference.size()));
         }
@@ -131,7 +131,7 @@ impl Merging<'_> {
     }
 }
 
-/// Adds (1 − A)·D for differences D whose variance is `variance` if they are noise.
+/// Adds (1 − A)·D for differences D; `variance` is their variance if they are noise.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn shrink(differences: &Block, variance: f32, sum: &mut Block) {
     let (dead_zone, softness) = (DEAD_ZONE * variance, SOFTNESS * variance);
@@ -143,10 +143,10 @@ fn shrink(differences: &Block, variance: f32, sum: &mut Block) {
     }
 }
 
-/// Which pixels of a tile a frame shows.
+/// For each pixel of a tile, whether a frame shows it.
 type Covered = [[bool; TILE]; TILE];
 
-/// The pixels of a tile; beyond the image the nearest ones.
+/// The pixels of a tile; beyond the image the nearest pixel is repeated.
 fn pixels(plane: &Plane, at: (i64, i64)) -> Block {
     let (width, height) = plane.size();
     let column = |u: usize| (at.0 + u as i64).clamp(0, width as i64 - 1) as usize;
@@ -156,7 +156,8 @@ fn pixels(plane: &Plane, at: (i64, i64)) -> Block {
     })
 }
 
-/// The pixels of another frame that belong to those of [`pixels`], and which of them it shows unless it shows all.
+/// The pixels of another frame that correspond to those of [`pixels`], and, unless all are inside that frame, which of
+/// them are.
 fn shifted_pixels(
     frame: &Plane,
     at: (i64, i64),
@@ -176,7 +177,7 @@ fn shifted_pixels(
     (block, (!all).then(covered))
 }
 
-/// Puts the mean of the frames that show a pixel where others do not.
+/// Replaces the pixels that a frame does not show by the mean of the frames that show them.
 fn stand_in(reference: &Block, others: &mut [(Block, Option<Covered>)]) {
     for v in 0..TILE {
         for u in 0..TILE {

@@ -7,7 +7,7 @@ use crate::plane::Plane;
 use crate::synth::random::Stream;
 use std::sync::{Arc, Mutex};
 
-/// A smooth scene with structure at several scales, at any place; values about 0.2 … 0.6.
+/// A smooth scene with structure at several scales, at any position; values about 0.2 … 0.6.
 fn scene(u: f64, v: f64) -> f64 {
     let wave = |length: f64, angle: f64, phase: f64| {
         ((u * angle.cos() + v * angle.sin()) * std::f64::consts::TAU / length + phase).sin()
@@ -19,7 +19,7 @@ fn scene(u: f64, v: f64) -> f64 {
 
 const SIZE: (usize, usize) = (320, 240);
 
-/// `frames` frames of the scene, which moves by `slope` pixels per frame as a whole, with Gaussian noise.
+/// `frames` frames of the scene with Gaussian noise; the whole scene moves by `slope` pixels per frame.
 fn moving_burst(slope: (f64, f64), sigma: f64, frames: usize, seed: u64) -> Burst {
     let middle = (frames / 2) as f64;
     let planes = (0..frames).map(|t| {

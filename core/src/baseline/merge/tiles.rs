@@ -1,4 +1,4 @@
-//! Half-overlapping square tiles over an image, and the window in which they fade into each other.
+//! Half-overlapping square tiles over an image, and the window under which they are blended.
 //!
 //! Tile (i, j) has its centre at ([`STEP`]·i, [`STEP`]·j) and reaches half a tile to each side, also beyond the image;
 //! so each pixel lies in two tiles along each axis. The raised-cosine window weighs the pixels of a tile so that the
@@ -8,10 +8,10 @@ use std::f64::consts::TAU;
 
 /// Side of a tile, pixels.
 pub(super) const TILE: usize = 16;
-/// From one tile's centre to the next, pixels.
+/// Distance between the centres of neighbouring tiles, pixels.
 pub(super) const STEP: usize = TILE / 2;
 
-/// The tiles of an image.
+/// Grid of the tiles of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TileGrid {
     /// Tiles in a row.

@@ -9,12 +9,12 @@ use std::str::FromStr;
 pub enum MatchMethod {
     /// SIFT on a sharp image of the same view.
     Gold,
-    /// A way from the burst to features.
+    /// A method that finds features in the burst.
     Burst(BurstMethod),
 }
 
 impl MatchMethod {
-    /// The word for it on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Gold => "gold",
@@ -22,7 +22,7 @@ impl MatchMethod {
         }
     }
 
-    /// The way from the burst to features, if the burst is what it searches.
+    /// The method, if it searches the burst.
     pub fn of_burst(self) -> Option<BurstMethod> {
         match self {
             Self::Gold => None,
@@ -30,7 +30,7 @@ impl MatchMethod {
         }
     }
 
-    /// What a table calls it.
+    /// Name in a table.
     pub fn label(self) -> &'static str {
         match self {
             Self::Gold => "gold standard",

@@ -1,62 +1,62 @@
-//! What a study of matches reports: methods, in them pairs.
+//! The report of a study of matches: methods, which hold pairs.
 
 use super::method::MatchMethod;
 use crate::detector::{DetectorParams, SlopeGrid};
 use crate::matching::{ImageCounts, MatchCounts, MatchParams};
 use serde::Serialize;
 
-/// What a study found.
+/// Report of a study of matches.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MatchReport {
     /// The bursts' names, in order.
     pub bursts: Vec<String>,
-    /// Frames of the first burst.
+    /// Number of frames of the first burst.
     pub frames: usize,
     /// (columns, rows) of its frames.
     pub size: (usize, usize),
-    /// The pairs that were matched, as indices of bursts.
+    /// Matched pairs, as indices of bursts.
     pub pairs: Vec<(usize, usize)>,
     /// The detector's parameters; method and slopes were set by each method.
     pub detector: DetectorParams,
-    /// The slopes of BuFF 1D.
+    /// Slopes of BuFF 1D.
     pub slopes_1d: SlopeGrid,
-    /// The slopes of BuFF 2D.
+    /// Slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
-    /// How features were matched and verified.
+    /// Parameters of matching and verification.
     pub matching: MatchParams,
-    /// The rows.
+    /// One row for each method.
     pub methods: Vec<MatchRow>,
 }
 
-/// One method. What is said of an image is the mean over the images; an image's matches are those with all others it
-/// was paired with.
+/// Results of one method. Numbers for an image are means over the images; an image's matches are those with all others
+/// it was paired with.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MatchRow {
     /// The method.
     pub method: MatchMethod,
-    /// Its numbers, as in the paper's table.
+    /// Statistics, as in the paper's table.
     #[serde(flatten)]
     pub counts: ImageCounts,
-    /// Putative matches of an image that lie on the geometry of the sharp images; `None` without these.
+    /// Putative matches of an image on the geometry of the sharp images; `None` without these.
     pub on_gold_geometry_per_image: Option<f64>,
-    /// For each burst the slopes that were found and searched, where the method finds them.
+    /// Slopes found and searched in each burst, where the method finds them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slopes_found: Option<Vec<SlopeGrid>>,
-    /// Each pair, in the report's order.
+    /// Counts of each pair, in the report's order.
     pub by_pair: Vec<PairCounts>,
 }
 
-/// One pair by one method.
+/// Counts of one pair by one method.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PairCounts {
-    /// The numbers of the match.
+    /// Counts of the match.
     #[serde(flatten)]
     pub counts: MatchCounts,
-    /// Putative matches that lie on the geometry of the sharp images; `None` where there is none.
+    /// Number of putative matches on the geometry of the sharp images; `None` where there is none.
     pub on_gold_geometry: Option<usize>,
 }
 
-/// The numbers of a method from those of its pairs.
+/// The row of a method from the counts of its pairs.
 pub(super) fn row(
     method: MatchMethod,
     keypoints: &[usize],
@@ -66,7 +66,7 @@ pub(super) fn row(
 ) -> MatchRow {
     let counts: Vec<_> = pairs.iter().zip(&by_pair).map(|(&pair, counted)| (pair, counted.counts)).collect();
     let judged = by_pair.iter().any(|pair| pair.on_gold_geometry.is_some());
-    // Each match is one of both images.
+    // Each match counts for both images.
     let on_gold = 2 * by_pair.iter().filter_map(|pair| pair.on_gold_geometry).sum::<usize>();
     MatchRow {
         method,

@@ -1,57 +1,56 @@
-//! The similarity that lays one trajectory on another.
+//! The similarity that aligns one trajectory with another.
 //!
 //! Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI 13(4),
-//! 376–380, 1991: of all scales, rotations and translations the one with the least sum of squared distances between the
-//! camera centres.
+//! 376–380, 1991: of all scales, rotations and translations the one with the minimum sum of squared distances between
+//! the camera centres.
 //!
-//! A camera on a straight rail leaves the rotation about the rail open: any is as good for the centres. Such
-//! trajectories are common (motion in 1D), so the directions in which the cameras look close the gap: of all rotations
-//! about the rail the one that turns them best (greatest sum of traces) is taken.
+//! A camera on a straight rail leaves the rotation about the rail undetermined: all fit the centres equally. Such
+//! trajectories are common (motion in 1D), so the viewing directions of the cameras determine it: of all rotations
+//! about the rail the one that aligns them best (maximum sum of traces) is taken.
 
 use super::PoseError;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-/// A trajectory counts as straight when the spread of its centres across its direction is less than this part of that
-/// along it. Below, noise decides more about the rotation than the shape does.
+/// Ratio of the spread of the centres across their direction to that along it, below which a trajectory counts as
+/// straight. Below it, the rotation depends more on noise than on the shape.
 const STRAIGHT: f64 = 0.01;
 
 /// A scale, a rotation and a translation: `x` becomes `scale · rotation · x + translation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Similarity {
-    /// Greater than 0.
+    /// Scale, greater than 0.
     pub scale: f64,
-    /// The rotation.
+    /// Rotation.
     pub rotation: UnitQuaternion<f64>,
-    /// Applied last.
+    /// Translation, applied last.
     pub translation: Vector3<f64>,
 }
 
 impl Similarity {
-    /// A pose in the other world: its centre is moved, its directions turned.
+    /// Transforms a pose: its centre is moved, its directions turned.
     pub fn apply(&self, pose: &Isometry3<f64>) -> Isometry3<f64> {
         let centre = self.rotation * pose.translation.vector * self.scale + self.translation;
         Isometry3::from_parts(Translation3::from(centre), self.rotation * pose.rotation)
     }
 }
 
-/// How an estimate was laid on the truth.
+/// Alignment of an estimate with the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alignment {
-    /// From the estimate's world to the truth's.
+    /// Map from the estimate's world to the truth's.
     pub truth_from_estimate: Similarity,
-    /// Whether the trajectories are straight, so that the cameras' directions had to say how they are turned about
-    /// their line.
+    /// Whether the trajectories are straight, so that the cameras' directions determined the rotation about their line.
     pub straight: bool,
 }
 
-/// The best similarity from the poses `estimate` to the poses `truth`, which belong together one by one.
+/// Finds the best similarity from the poses `estimate` to the poses `truth`, which correspond one to one.
 ///
 /// # Errors
-/// [`PoseError::Degenerate`] for fewer than two pairs, for cameras that all stand in one place, and for trajectories
-/// without anything in common.
+/// [`PoseError::Degenerate`] for fewer than two pairs, for cameras that are all in one place, and for trajectories
+/// without correlation.
 ///
 /// # Panics
-/// When there are not as many poses on both sides: a mistake of the caller.
+/// When the numbers of poses differ: a mistake of the caller.
 pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Alignment, PoseError> {
     assert_eq!(estimate.len(), truth.len(), "poses belong together one by one");
     let degenerate = |problem: String| Err(PoseError::Degenerate(problem));
@@ -70,7 +69,7 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
         .map(|(e, t)| (t.translation.vector - to.mean) * (e.translation.vector - from.mean).transpose())
         .sum::<Matrix3<f64>>()
         / n;
-    // Scaled to about 1, so that tolerances of the decomposition mean the same in every unit.
+    // Scaled to about 1, so that the tolerances of the decomposition do not depend on the unit.
     let unit = (from.variance * to.variance).sqrt();
     let svd = (covariance / unit).svd(true, true);
     let (Some(u), Some(vt)) = (svd.u, svd.v_t) else {
@@ -97,8 +96,8 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
     Ok(Alignment { truth_from_estimate: Similarity { scale, rotation, translation }, straight })
 }
 
-/// The rotation R about the unit vector `axis` for which the trace of R·`sum` is greatest. By Rodrigues' formula that
-/// trace is `a + b·cos θ + c·sin θ`.
+/// The rotation R about the unit vector `axis` with the maximum trace of R·`sum`. By Rodrigues' formula that trace is
+/// `a + b·cos θ + c·sin θ`.
 fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let along = (axis.transpose() * sum * axis)[0];
     let cos = sum.trace() - along;
@@ -106,12 +105,12 @@ fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64>
     UnitQuaternion::new(axis * sin.atan2(cos))
 }
 
-/// Where camera centres are.
+/// Distribution of camera centres.
 struct Spread {
     mean: Vector3<f64>,
     /// Mean squared distance from the mean.
     variance: f64,
-    /// The largest coordinate.
+    /// Largest magnitude of a coordinate.
     magnitude: f64,
 }
 
@@ -201,7 +200,7 @@ mod tests {
         assert!(words(&[here], &[here]).contains("two or more"));
         assert!(words(&[here, here], &[here, there]).contains("estimated cameras all stand in one place"));
         assert!(words(&[here, there], &[here, here]).contains("true cameras all stand in one place"));
-        // One goes back and forth twice while the other goes once.
+        // One trajectory goes back and forth twice while the other goes once.
         let line = |xs: [f64; 4]| xs.map(|x| pose([x, 0.0, 0.0], [0.0; 3]));
         assert!(words(&line([-1.0, 1.0, -1.0, 1.0]), &line([-1.0, -1.0, 1.0, 1.0])).contains("independently"));
     }

@@ -1,14 +1,14 @@
-//! Which pose of the estimate belongs to which pose of the truth.
+//! Pairing of the poses of the estimate with those of the truth.
 //!
 //! - **By name**: both are of the same image. Names are compared as they are; if no two agree, without their folders
 //!   and endings.
 //! - **By time**: the time stamps are nearest and not too far apart. A sparse model has no times; there the last number
-//!   in the image's name is taken, such as 23 of `image.0023.png` or 1305031102.175304 of `1305031102.175304.png`.
-//! - **By order**: both have the same place in their sequence. For a model that is the image's id, so that images which
-//!   were not registered leave gaps.
+//!   in the image's name is used, such as 23 of `image.0023.png` or 1305031102.175304 of `1305031102.175304.png`.
+//! - **By order**: both have the same position in their sequence. For a model that is the image's id, so that images
+//!   which were not registered leave gaps.
 //!
-//! Left to choose, names come first where both sides have them; otherwise times, if every pose of the estimate finds
-//! one; otherwise the order.
+//! Without a given rule, names are used where both sides have them; otherwise times, if every pose of the estimate has
+//! a partner by time; otherwise the order.
 
 use super::{Pose, PoseError};
 use serde::{Deserialize, Serialize};
@@ -19,16 +19,16 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Association {
-    /// Of the same image.
+    /// Poses of the same image.
     Name,
-    /// At nearly the same time.
+    /// Poses at nearly the same time.
     Time,
-    /// At the same place in the sequence.
+    /// Poses at the same position in the sequence.
     Order,
 }
 
 impl Association {
-    /// As it stands in a sentence.
+    /// The rule as a phrase of a sentence.
     pub fn phrase(self) -> &'static str {
         match self {
             Self::Name => "by name",
@@ -38,20 +38,20 @@ impl Association {
     }
 }
 
-/// Poses that belong together.
+/// Pairs of poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairing {
-    /// The rule that was followed.
+    /// Rule that was used.
     pub by: Association,
-    /// Indices of poses, (estimate, truth), by the truth's order. No pose is in two pairs.
+    /// Indices of poses, (estimate, truth), in the truth's order. No pose is in two pairs.
     pub pairs: Vec<(usize, usize)>,
 }
 
-/// Pairs poses by the rule `by`, or by the one that fits. Times that differ by more than `max_time_difference` never
-/// belong together.
+/// Pairs poses by the rule `by`, or by the one that fits. Times that differ by more than `max_time_difference` are
+/// never paired.
 ///
 /// # Errors
-/// [`PoseError::Unpaired`] when not one pair is found.
+/// [`PoseError::Unpaired`] when no pair is found.
 pub fn associate(
     estimate: &[Pose],
     truth: &[Pose],
@@ -86,8 +86,8 @@ pub fn associate(
     Ok(Pairing { by, pairs })
 }
 
-/// The order, where it can be meant: each pose of the estimate has a place in the truth. Otherwise the times, for two
-/// recordings with times of their own need not overlap all the way.
+/// Pairs by order where that is plausible: each pose of the estimate has a partner in the truth. Otherwise by time,
+/// because two recordings with times of their own need not overlap entirely.
 fn order_or_times(
     estimate: &[Pose],
     truth: &[Pose],
@@ -122,7 +122,7 @@ fn stem(label: &str) -> String {
     Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Pairs of one key; keys that one side has twice pair nothing.
+/// Pairs of poses with the same key; keys that occur twice on one side are left out.
 fn pairs_by_key(estimate: &[Pose], truth: &[Pose], key: impl Fn(&str) -> String) -> Vec<(usize, usize)> {
     let unique = |poses: &[Pose]| {
         let mut places: HashMap<String, Option<usize>> = HashMap::new();
@@ -141,7 +141,7 @@ fn pairs_by_order(estimate: &[Pose], truth: &[Pose]) -> Vec<(usize, usize)> {
     estimate.iter().enumerate().filter_map(|(e, pose)| Some((e, *places.get(&pose.order)?))).collect()
 }
 
-/// Nearest times. Where several poses are nearest to the same one, the nearest of them has it.
+/// Pairs of nearest times. Where several poses are nearest to the same one, the nearest of them is paired.
 fn pairs_by_time(estimate: &[Pose], truth: &[Pose], max_time_difference: f64) -> Vec<(usize, usize)> {
     let times = |poses: &[Pose]| {
         let timed = poses.iter().enumerate().filter_map(|(index, pose)| Some((time_of(pose)?, index)));
@@ -166,7 +166,7 @@ fn pairs_by_time(estimate: &[Pose], truth: &[Pose], max_time_difference: f64) ->
     nearest.into_iter().map(|(t, (_, e))| (e, t)).collect()
 }
 
-/// The time stamp, or the last number in the image's name.
+/// The pose's time stamp, or the last number in the image's name.
 fn time_of(pose: &Pose) -> Option<f64> {
     pose.time.or_else(|| last_number(&stem(&pose.label)))
 }
@@ -209,7 +209,7 @@ mod tests {
     fn images_of_one_name_belong_together() {
         let pairing = paired(&named(&["c.png", "a.png", "x.png"]), &named(&["a.png", "b.png", "c.png"]));
         assert_eq!(pairing, Pairing { by: Association::Name, pairs: vec![(1, 0), (0, 2)] });
-        // Folders and endings count only as long as whole names agree somewhere.
+        // Folders and endings count only as long as some whole names agree.
         let pairing = paired(&named(&["gold/a.png", "gold/b.png"]), &named(&["b.tiff", "a.tiff"]));
         assert_eq!(pairing.pairs, [(1, 0), (0, 1)]);
         let pairing = paired(&named(&["a.png", "b.png"]), &named(&["a.png", "b.tiff"]));
@@ -236,7 +236,7 @@ mod tests {
         let model = [pose("a.png", 0, None), pose("c.png", 2, None)];
         let truth = timed(&[100.5, 101.5, 102.5]);
         assert_eq!(paired(&model, &truth), Pairing { by: Association::Order, pairs: vec![(0, 0), (1, 2)] });
-        // An image beyond the truth means that the order is not what was meant.
+        // An image beyond the truth shows that the order was not meant.
         let model = [pose("a.png", 0, None), pose("z.png", 7, None)];
         let error = associate(&model, &truth, None, 0.02).expect_err("unclear").to_string();
         assert!(error.contains("0 and places in the sequence for 1 of the estimate's 2"), "{error}");

@@ -1,20 +1,20 @@
-//! Why there are no poses, or no comparison of them.
+//! Errors of reading and comparing poses.
 
 use std::path::{Path, PathBuf};
 
-/// Why poses could not be read or compared.
+/// Reason why poses could not be read or compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
-    /// The system would not let it be read.
+    /// The file or folder could not be read.
     #[error("cannot read this: {reason}: {}", path.display())]
     Read {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
-    /// A folder without a sparse model.
+    /// The folder holds no sparse model.
     #[error(
         "this folder holds no sparse model (images.bin and points3D.bin, or images.txt and points3D.txt), nor do its subfolders; \
          name the folder that COLMAP's mapper wrote: {}",
@@ -24,17 +24,17 @@ pub enum PoseError {
         /// The folder.
         path: PathBuf,
     },
-    /// A file that does not hold what its kind should.
+    /// The file's content does not fit its kind.
     #[error("{place}: {problem}: {}", path.display())]
     Corrupt {
         /// The file.
         path: PathBuf,
-        /// Where in the file, such as "line 3" or "image 2 of 5".
+        /// Place in the file, such as "line 3" or "image 2 of 5".
         place: String,
-        /// What is wrong, and what would be right.
+        /// Problem, and what would be right.
         problem: String,
     },
-    /// A file or model without a single pose.
+    /// The file or model has no pose.
     #[error("there is no pose in this; a reconstruction that failed has none: {}", path.display())]
     Empty {
         /// The file or folder.
@@ -45,7 +45,7 @@ pub enum PoseError {
     Unpaired {
         /// The rule that was tried, such as "by name".
         by: &'static str,
-        /// Why not, and what would help.
+        /// Reason, and what would help.
         problem: String,
     },
     /// Too few pairs, or cameras that do not move.
@@ -56,9 +56,9 @@ pub enum PoseError {
     Param {
         /// Name of the parameter to change, as on the command line without the dashes.
         parameter: &'static str,
-        /// What is wrong.
+        /// Problem with its value.
         problem: String,
-        /// What would be right.
+        /// Suggested change.
         remedy: &'static str,
     },
 }

@@ -1,30 +1,30 @@
-//! What is left over once an estimate is laid on the truth.
+//! Errors of an estimate that is aligned with the truth.
 //!
 //! Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012. The **absolute trajectory error**
-//! of a pose is how far its centre is from the true one, and by which angle its directions differ. The **relative pose
-//! error** compares motions: from each pose to the one `step` poses later, true and estimated; what the one motion
-//! lacks of the other is a small motion, whose length and angle are the error. It does not add up along the way, as the
+//! of a pose is the distance of its centre from the true one, and the angle between their directions. The **relative
+//! pose error** compares motions: from each pose to the one `step` poses later, true and estimated; the motion from one
+//! to the other is small, and its length and angle are the error. It does not accumulate along the trajectory, as the
 //! absolute one may.
 
 use crate::evaluate::statistics::quantile;
 use nalgebra::Isometry3;
 use serde::Serialize;
 
-/// A set of errors in numbers, all in the unit of the errors. Each is NaN (null in JSON) of none.
+/// Statistics of a set of errors, all in the unit of the errors. Each is NaN (null in JSON) for an empty set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ErrorSummary {
-    /// Root of the mean square.
+    /// Root mean square.
     pub rmse: f64,
     /// Mean.
     pub mean: f64,
     /// Median.
     pub median: f64,
-    /// The largest.
+    /// Maximum.
     pub max: f64,
 }
 
 impl ErrorSummary {
-    /// Of magnitudes, in any order.
+    /// Statistics of magnitudes, given in any order.
     pub fn of(magnitudes: &[f64]) -> Self {
         let n = magnitudes.len() as f64;
         let mut sorted = magnitudes.to_vec();
@@ -41,7 +41,7 @@ impl ErrorSummary {
 /// Errors of poses or motions, in translation and rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PoseErrors {
-    /// How many poses or motions there are.
+    /// Number of poses or motions.
     pub count: usize,
     /// Distances, in the truth's unit of length.
     pub translation: ErrorSummary,
@@ -50,7 +50,7 @@ pub struct PoseErrors {
 }
 
 impl PoseErrors {
-    /// Of the small motions that are left over.
+    /// Errors from the residual motions.
     pub fn of(left_over: &[Isometry3<f64>]) -> Self {
         let (translations, angles): (Vec<f64>, Vec<f64>) = left_over.iter().map(magnitudes).unzip();
         Self {
@@ -66,12 +66,12 @@ pub fn magnitudes(motion: &Isometry3<f64>) -> (f64, f64) {
     (motion.translation.vector.norm(), motion.rotation.angle().to_degrees())
 }
 
-/// What each aligned pose lacks of the true one: the true camera seen from the estimated one.
+/// The residual motion of each aligned pose: the true camera seen from the estimated one.
 pub fn absolute(aligned: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Vec<Isometry3<f64>> {
     aligned.iter().zip(truth).map(|(a, t)| a.inv_mul(t)).collect()
 }
 
-/// What each aligned motion over `step` poses lacks of the true one; none where there are not more than `step` poses.
+/// The residual of each aligned motion over `step` poses; empty where there are not more than `step` poses.
 pub fn relative(aligned: &[Isometry3<f64>], truth: &[Isometry3<f64>], step: usize) -> Vec<Isometry3<f64>> {
     let motions = |poses: &[Isometry3<f64>]| -> Vec<Isometry3<f64>> {
         poses.iter().zip(poses.iter().skip(step)).map(|(from, to)| from.inv_mul(to)).collect()

@@ -1,8 +1,8 @@
-//! Camera poses: how far an estimated trajectory is from a known one.
+//! Camera poses: errors of an estimated trajectory against a known one.
 //!
-//! Structure from motion answers with cameras in a world of its own: its origin, directions and scale mean nothing. So
-//! the poses that belong together are [paired](mod@associate), the similarity that lays the estimate on the truth best
-//! is [found](mod@align), and what is left over is the [error](errors): of each pose by itself (absolute trajectory
+//! Structure from motion returns cameras in a world of its own: its origin, directions and scale are arbitrary. So
+//! corresponding poses are [paired](mod@associate), the similarity that best aligns the estimate with the truth is
+//! [found](mod@align), and the remaining difference is the [error](errors): of each pose by itself (absolute trajectory
 //! error) and from one pose to the next (relative pose error). [`evaluate_poses`] does all of it.
 //!
 //! Poses come from COLMAP's [sparse models](sparse) and from [trajectory files](tum). A [`Pose`] always holds the
@@ -32,22 +32,22 @@ use std::path::Path;
 /// The pose of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
-    /// The image's name, or the time as the file writes it.
+    /// Name of the image, or the time as written in the file.
     pub label: String,
-    /// Its place in its sequence, from 0; images that were not registered leave gaps.
+    /// Position in its sequence, from 0; images that were not registered leave gaps.
     pub order: u32,
-    /// The time stamp, in whatever unit the file has; models have none.
+    /// Time stamp, in the file's unit; models have none.
     pub time: Option<f64>,
-    /// From camera coordinates to those of the world: its translation is the camera's centre.
+    /// Map from camera coordinates to world coordinates: its translation is the camera's centre.
     pub world_from_camera: Isometry3<f64>,
 }
 
-/// What was read of an estimate or a truth.
+/// Trajectory of an estimate or a truth, as read from files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
-    /// The poses, by rising [`Pose::order`].
+    /// Poses, in ascending [`Pose::order`].
     pub poses: Vec<Pose>,
-    /// What else a sparse model tells; absent for a trajectory file.
+    /// The sparse model that the poses come from; absent for a trajectory file.
     pub model: Option<SparseModel>,
 }
 

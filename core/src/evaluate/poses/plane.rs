@@ -1,13 +1,13 @@
-//! Trajectories seen from one side: places in space become places in a plane, for drawing.
+//! Trajectories projected to a plane, for drawing.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// From which side a trajectory is seen.
+/// Direction from which a trajectory is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Projection {
-    /// Along the direction in which the cameras spread least: the plane that shows most of the way.
+    /// Along the direction in which the cameras spread least: the plane that shows most of the trajectory.
     #[default]
     Principal,
     /// Along z.
@@ -28,10 +28,10 @@ pub struct PlaneAxes {
 }
 
 impl Projection {
-    /// All of them, in the order of a picker.
+    /// All projections, in the order of a picker.
     pub const ALL: [Self; 4] = [Self::Principal, Self::Xy, Self::Xz, Self::Yz];
 
-    /// The name that a person reads.
+    /// Name for the user.
     pub fn name(self) -> &'static str {
         match self {
             Self::Principal => "Principal plane",
@@ -41,7 +41,7 @@ impl Projection {
         }
     }
 
-    /// What lies along the two axes.
+    /// Labels of the two axes.
     pub fn axis_names(self) -> [&'static str; 2] {
         match self {
             Self::Principal => ["along the way", "across it"],
@@ -51,7 +51,7 @@ impl Projection {
         }
     }
 
-    /// The plane's axes for `centres`, which decide the principal plane and nothing else.
+    /// The plane's axes. `centres` matter only for the principal plane.
     pub fn axes(self, centres: &[[f64; 3]]) -> PlaneAxes {
         let plane = |right: Vector3<f64>, up: Vector3<f64>| PlaneAxes { right, up };
         match self {
@@ -64,7 +64,7 @@ impl Projection {
 }
 
 impl PlaneAxes {
-    /// (right, up) of a place in space, in the same unit.
+    /// (right, up) of a point in space, in the same unit.
     pub fn project(&self, centre: [f64; 3]) -> [f64; 2] {
         let place = Vector3::from(centre);
         [self.right.dot(&place), self.up.dot(&place)]

@@ -1,21 +1,21 @@
-//! The study: an estimate beside a truth, in numbers.
+//! The study that compares an estimate with a truth, and its report.
 
 use super::errors::{absolute, magnitudes, relative};
 use super::{Association, ModelSummary, PoseError, PoseErrors, Similarity, Trajectory, align, associate};
 use nalgebra::Isometry3;
 use serde::Serialize;
 
-/// How an estimate is compared with the truth.
+/// Parameters of a comparison of an estimate with the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseStudy {
-    /// The rule by which poses are paired; `None` takes the one that fits, see [`associate()`].
+    /// Rule by which poses are paired; `None` chooses the one that fits, see [`associate()`].
     pub associate: Option<Association>,
-    /// Times that differ by more do not belong together; in the files' unit. 0 or more.
+    /// Largest time difference of a pair, in the files' unit; 0 or more.
     pub max_time_difference: f64,
-    /// Poses from the start to the end of a motion whose error is relative; 1 or more. Poses are those that were
-    /// paired, in the truth's order.
+    /// Number of poses from the start to the end of a motion of the relative error; 1 or more. Poses are the paired
+    /// ones, in the truth's order.
     pub step: usize,
-    /// Images that were to be registered; `None` takes the number of true poses.
+    /// Number of images to be registered; `None` for the number of true poses.
     pub images: Option<usize>,
 }
 
@@ -28,17 +28,17 @@ impl Default for PoseStudy {
 /// A pair of poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairReport {
-    /// Its place in the estimate.
+    /// Index of the pose in the estimate.
     #[serde(skip)]
     pub estimate: usize,
-    /// Its place in the truth.
+    /// Index of the pose in the truth.
     #[serde(skip)]
     pub truth: usize,
-    /// What the estimate calls it: the image's name or the time.
+    /// Label of the pose in the estimate: the image's name or the time.
     pub label: String,
     /// Centre of the true camera, in the truth's unit.
     pub true_centre: [f64; 3],
-    /// Centre of the estimated camera once it is aligned.
+    /// Centre of the estimated camera after the alignment.
     pub aligned_centre: [f64; 3],
     /// Distance of the two, in the truth's unit.
     pub translation_error: f64,
@@ -46,31 +46,31 @@ pub struct PairReport {
     pub rotation_error_deg: f64,
 }
 
-/// What came out.
+/// Result of a comparison of trajectories.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PoseReport {
-    /// Images that were to be registered.
+    /// Number of images to be registered.
     pub images: usize,
-    /// Poses of the estimate.
+    /// Number of poses of the estimate.
     pub registered: usize,
-    /// The rule by which poses were paired.
+    /// Rule by which poses were paired.
     pub associated: Association,
-    /// The scale from the estimate's world to the truth's.
+    /// Scale from the estimate's world to the truth's.
     pub scale: f64,
-    /// The whole similarity from the estimate's world to the truth's.
+    /// Similarity from the estimate's world to the truth's.
     #[serde(skip)]
     pub truth_from_estimate: Similarity,
-    /// Whether the cameras stand on a straight line, see [`super::align()`].
+    /// Whether the cameras lie on a straight line, see [`super::align()`].
     pub straight: bool,
     /// Absolute trajectory error, over all pairs.
     pub absolute: PoseErrors,
-    /// Poses from start to end of a motion.
+    /// Number of poses from start to end of a motion.
     pub step: usize,
     /// Relative pose error, over all motions.
     pub relative: PoseErrors,
-    /// The sparse model; absent if the estimate is none.
+    /// Summary of the sparse model; absent if the estimate is none.
     pub model: Option<ModelSummary>,
-    /// Each pair, in the truth's order.
+    /// Pairs, in the truth's order.
     pub pairs: Vec<PairReport>,
 }
 
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn a_square_with_one_corner_off_by_hand() {
         // The estimate is twice as large. One of five cameras, the one in the middle, is too high: by symmetry nothing
-        // is turned, and the least squares lie a fifth of the height too high.
+        // is turned, and the least-squares fit is a fifth of the height too high.
         let truth =
             trajectory(&[[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 0.0]]);
         let estimate =

@@ -1,27 +1,27 @@
-//! Trajectory files as the TUM RGB-D benchmark has them: a pose a line, `timestamp tx ty tz qx qy qz qw`.
+//! Trajectory files in the format of the TUM RGB-D benchmark: one pose for each line, `timestamp tx ty tz qx qy qz qw`.
 //!
 //! Translation and rotation are those of the camera in the world. Lines that begin with `#` are comments; commas count
-//! as blanks. In place of the time stamp there may be an image's name, so that truth can be given for images by name;
-//! then all lines have one. Format: <https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats>.
+//! as blanks. An image's name may replace the time stamp, so that truth can be given for images by name; then all lines
+//! have one. Format: <https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats>.
 
 use super::{Pose, PoseError};
 use crate::files::{MAX_TABLE_BYTES, read_bytes};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::path::Path;
 
-/// By how much the length of a quaternion may differ from 1; files with three digits differ by less.
+/// Tolerance of the length of a quaternion about 1; values of three digits are within it.
 const QUATERNION_TOLERANCE: f64 = 0.05;
 
 /// Reads a trajectory file. The order of the poses is that of the lines.
 ///
 /// # Errors
-/// [`PoseError`] when the file cannot be read, has no pose, or a line is not one.
+/// [`PoseError`] when the file cannot be read, has no pose, or a line is no pose.
 pub fn read_tum(path: &Path) -> Result<Vec<Pose>, PoseError> {
     let bytes = read_bytes(path, MAX_TABLE_BYTES).map_err(|e| PoseError::read(path, &e))?;
     parse_tum(&String::from_utf8_lossy(&bytes), path)
 }
 
-/// The poses of the text of a trajectory file; `path` is for messages.
+/// Parses the text of a trajectory file; `path` is for messages.
 ///
 /// # Errors
 /// As [`read_tum`].

@@ -3,27 +3,27 @@
 use super::Judged;
 use serde::Serialize;
 
-/// What is kept at one threshold.
+/// Counts at one threshold.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// The threshold: features of at least this worth are kept. Infinite (null in JSON) for the first point, which
-    /// keeps none.
+    /// Threshold: features of at least this value are kept. Infinite (null in JSON) for the first point, which keeps
+    /// none.
     pub threshold: f32,
-    /// False features.
+    /// Number of false features.
     pub false_features: usize,
-    /// Discs found.
+    /// Number of discs found.
     pub true_positives: usize,
 }
 
 /// True against false features over all thresholds: the ROC curve of a chart, with counts on both axes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Curve {
-    /// From the highest threshold to the lowest; both counts never fall. The first point is (0, 0).
+    /// Points from the highest threshold to the lowest; both counts never fall. The first point is (0, 0).
     pub points: Vec<CurvePoint>,
 }
 
 impl Curve {
-    /// Of judged features, strongest first. Features of equal worth come and go together.
+    /// The curve of judged features, strongest first. Features of equal value are kept or dropped together.
     pub fn of(judged: &[Judged]) -> Self {
         let mut point = CurvePoint { threshold: f32::INFINITY, false_features: 0, true_positives: 0 };
         let mut points = vec![point];
@@ -56,20 +56,20 @@ impl Curve {
         *best.unwrap_or(&self.points[0])
     }
 
-    /// The most discs found with at most `count` false features.
+    /// The maximum number of discs found with at most `count` false features.
     pub fn true_positives_at(&self, count: usize) -> usize {
         let beyond = self.points.partition_point(|p| p.false_features <= count);
         self.points[beyond - 1].true_positives
     }
 
-    /// Everything that was detected.
+    /// The point that keeps all features.
     pub fn end(&self) -> CurvePoint {
         self.points[self.points.len() - 1]
     }
 }
 
 /// The mean over `curves` of the discs found with at most 0, 1, … `most_false` false features. A curve that ends
-/// earlier (its detector finds no more) stays at its end. NaN where there is no curve.
+/// earlier (its detector finds no more) keeps its last value. NaN where there is no curve.
 pub fn mean_curve(curves: &[&Curve], most_false: usize) -> Vec<f64> {
     (0..=most_false)
         .map(|count| curves.iter().map(|c| c.true_positives_at(count) as f64).sum::<f64>() / curves.len() as f64)
@@ -111,7 +111,7 @@ mod tests {
         assert_eq!(curve.true_positives_at(0), 5);
         assert_eq!(curve.true_positives_at(1), 9);
         assert_eq!(curve.true_positives_at(99), 11);
-        // A bad start is made good later.
+        // A bad start is compensated later.
         let late = ranked("ftttttttttttttttttttt");
         assert_eq!(late.at_false_fraction(0.10).true_positives, 20);
         assert_eq!(Curve::of(&[]).at_false_fraction(0.1).true_positives, 0);

@@ -1,8 +1,8 @@
 //! COLMAP's database: cameras, images with their features, matches and two-view geometries, in one SQLite file.
 //!
-//! Numbers lie in the file as little-endian rows: keypoints as four `f32` (x, y, scale, orientation), descriptors as
-//! 128 bytes in UBC order, matches as pairs of `u32`, matrices as nine `f64` by rows. Each camera gets a rig and each
-//! image a frame of its own, as COLMAP does for cameras that are not mounted together. Tables: see [`super::schema`].
+//! Numbers are stored as little-endian rows: keypoints as four `f32` (x, y, scale, orientation), descriptors as 128
+//! bytes in UBC order, matches as pairs of `u32`, matrices as nine `f64` by rows. Each camera gets a rig and each image
+//! a frame of its own, as COLMAP does for cameras that are not mounted together. Tables: see [`super::schema`].
 
 use super::geometry::DatabaseGeometry;
 use super::keypoint::ColmapKeypoint;
@@ -15,10 +15,10 @@ use rusqlite::{Connection, Params, params};
 use std::io;
 use std::path::Path;
 
-/// The largest id of an image, and the factor by which pairs of ids become one number.
+/// Largest id of an image, and the factor by which two ids are combined into one number.
 pub const MAX_IMAGE_ID: u64 = 2_147_483_647;
 
-/// A camera's intrinsics.
+/// Intrinsics of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DatabaseCamera {
     /// COLMAP's number of the model: 0 SIMPLE_PINHOLE, 1 PINHOLE, 2 SIMPLE_RADIAL, 4 OPENCV, ….
@@ -27,14 +27,14 @@ pub struct DatabaseCamera {
     pub width: usize,
     /// Rows of its images.
     pub height: usize,
-    /// The model's parameters in COLMAP's order and convention: the principal point counts from the first pixel's
+    /// The model's parameters in COLMAP's order and convention: the principal point is measured from the first pixel's
     /// corner.
     pub params: Vec<f64>,
-    /// Whether the focal length is known, not guessed; COLMAP then trusts it when it looks for the first two images.
+    /// Whether the focal length is known, not guessed; COLMAP then relies on it when it chooses the first two images.
     pub prior_focal_length: bool,
 }
 
-/// What is being written. Ids count up from 1 in the order in which things are added.
+/// Writer of a database. Ids count up from 1 in the order of the additions.
 #[derive(Debug)]
 pub struct DatabaseWriter<'a> {
     connection: &'a Connection,
@@ -44,11 +44,11 @@ pub struct DatabaseWriter<'a> {
     keypoints: Vec<usize>,
 }
 
-/// Writes the database `path` by `fill`. It is made beside its place and takes it when it is complete: should anything
-/// fail, an older file is untouched and no other one is left behind.
+/// Writes the database `path` by `fill`. It is made beside its target and replaces it when it is complete: after a
+/// failure an older file is unchanged and no other one is left behind.
 ///
 /// # Errors
-/// What `fill` answers, or [`ExportError`] when the file cannot be written.
+/// The error of `fill`, or [`ExportError`] when the file cannot be written.
 pub fn write_colmap_database<E: From<ExportError>>(
     path: &Path,
     fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), E>,
@@ -74,7 +74,7 @@ fn make<E: From<ExportError>>(
 ) -> Result<(), E> {
     let fail = |e: rusqlite::Error| failure(path, &e);
     let connection = Connection::open(temporary).map_err(fail)?;
-    // No journal and no waiting for the disk: the file is worth nothing until it is whole, and is brought to the disk
+    // No journal and no waiting for the disk: the file is useless until it is complete, and is flushed to the disk
     // then.
     connection.execute_batch("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN;").map_err(fail)?;
     connection.execute_batch(TABLES).map_err(fail)?;
@@ -90,7 +90,7 @@ fn failure(path: &Path, error: &rusqlite::Error) -> ExportError {
 }
 
 impl DatabaseWriter<'_> {
-    /// Adds a camera and answers its id.
+    /// Adds a camera and returns its id.
     ///
     /// # Errors
     /// [`ExportError`] when the file cannot be written.
@@ -107,14 +107,14 @@ impl DatabaseWriter<'_> {
         Ok(id)
     }
 
-    /// Adds an image of the camera `camera_id` with its features, and answers its id. `name` is its path below the
+    /// Adds an image of the camera `camera_id` with its features, and returns its id. `name` is its path below the
     /// folder of images.
     ///
     /// # Errors
-    /// [`ExportError`] when the file cannot be written, or has an image of this name already.
+    /// [`ExportError`] when the file cannot be written, or already has an image of this name.
     ///
     /// # Panics
-    /// When there is not one descriptor for each keypoint, or no such camera: a mistake of the caller.
+    /// When the numbers of keypoints and descriptors differ, or there is no such camera: a mistake of the caller.
     pub fn add_image(
         &mut self,
         name: &str,
@@ -139,13 +139,13 @@ impl DatabaseWriter<'_> {
         Ok(id)
     }
 
-    /// Adds the matches of images `a` and `b` (index pairs of their features) and what they have in common.
+    /// Adds the matches of images `a` and `b` (index pairs of their features) and their two-view geometry.
     ///
     /// # Errors
-    /// [`ExportError`] when the file cannot be written, or has this pair already.
+    /// [`ExportError`] when the file cannot be written, or already has this pair.
     ///
     /// # Panics
-    /// When `a` is not before `b`, an image was not added, or a match names a feature that is not there: a mistake of
+    /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature: a mistake of
     /// the caller.
     pub fn add_pair(
         &mut self,
@@ -192,7 +192,7 @@ impl DatabaseWriter<'_> {
     }
 }
 
-/// The number of the pair of images `a` and `b`, whichever comes first.
+/// The number of the pair of images `a` and `b`, in either order.
 pub fn pair_id(a: u32, b: u32) -> u64 {
     MAX_IMAGE_ID * u64::from(a.min(b)) + u64::from(a.max(b))
 }
@@ -205,7 +205,7 @@ fn float_bytes(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
     values.into_iter().flat_map(f64::to_le_bytes).collect()
 }
 
-/// By rows; nalgebra's own order is by columns.
+/// The matrix by rows; nalgebra's own order is by columns.
 fn matrix_bytes(matrix: Matrix3<f64>) -> Vec<u8> {
     float_bytes(matrix.transpose().iter().copied())
 }

@@ -1,25 +1,25 @@
-//! What two views have in common, as COLMAP's database holds it.
+//! Two-view geometries in the form of COLMAP's database.
 
 use super::keypoint::FIRST_PIXEL;
 use nalgebra::{Isometry3, Matrix3};
 
-/// The kind of a two-view geometry, with COLMAP's number for it.
+/// Kind of a two-view geometry, with COLMAP's number for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GeometryKind {
-    /// Too few matches agree on anything.
+    /// Too few matches agree on a geometry.
     Degenerate = 1,
-    /// An essential matrix, of calibrated cameras.
+    /// Essential matrix, of calibrated cameras.
     Calibrated = 2,
-    /// A fundamental matrix.
+    /// Fundamental matrix.
     Uncalibrated = 3,
-    /// A homography, of a plane or of a camera that only turns.
+    /// Homography, of a plane or of a camera that only turns.
     PlanarOrPanoramic = 6,
 }
 
-/// The geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)).
+/// Geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)).
 #[derive(Debug, Clone, PartialEq)]
 pub struct DatabaseGeometry {
-    /// Its kind.
+    /// Kind of the geometry.
     pub kind: GeometryKind,
     /// Index pairs of the inliers' features, of A and of B.
     pub inliers: Vec<[u32; 2]>,
@@ -29,12 +29,12 @@ pub struct DatabaseGeometry {
     pub essential: Option<Matrix3<f64>>,
     /// H: x_b ~ H·x_a for pixels.
     pub homography: Option<Matrix3<f64>>,
-    /// The camera of B from that of A.
+    /// Map from the frame of A's camera to that of B's.
     pub b_from_a: Option<Isometry3<f64>>,
 }
 
 impl DatabaseGeometry {
-    /// A pair on which matches do not agree.
+    /// The geometry of a pair whose matches do not agree.
     pub fn degenerate() -> Self {
         Self {
             kind: GeometryKind::Degenerate,
@@ -46,7 +46,7 @@ impl DatabaseGeometry {
         }
     }
 
-    /// The same in COLMAP's pixels.
+    /// This geometry in COLMAP's pixels.
     pub(super) fn in_colmap_pixels(&self) -> Self {
         let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
         let back = Matrix3::new(1.0, 0.0, -FIRST_PIXEL, 0.0, 1.0, -FIRST_PIXEL, 0.0, 0.0, 1.0);

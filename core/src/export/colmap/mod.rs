@@ -1,8 +1,8 @@
-//! What COLMAP takes: features as [text](text) for its importer, and a [database](database) with features, matches and
-//! two-view geometries, from which its mapper can begin at once.
+//! Export to COLMAP: features as [text](text) for its importer, and a [database](database) with features, matches and
+//! two-view geometries, from which its mapper can start directly.
 //!
-//! In COLMAP the centre of the first pixel is (0.5, 0.5), in Burstscope it is (0, 0); here, and only here, 0.5 is
-//! added. Everything that this room takes is in Burstscope's convention.
+//! In COLMAP the centre of the first pixel is (0.5, 0.5), in Burstscope it is (0, 0); 0.5 is added here and nowhere
+//! else. All input of this module is in Burstscope's convention.
 
 #[cfg(feature = "colmap")]
 mod database;

@@ -1,11 +1,11 @@
-//! The tables of COLMAP's database, as far as a reconstruction from given matches needs them.
+//! The tables of COLMAP's database that a reconstruction from given matches needs.
 //!
-//! They are those of COLMAP 3.12 and later, of which earlier versions overlook the last four. What newer versions add
-//! (columns for the kind of descriptor and for cameras of pairs, priors of poses) they add by themselves when they open
-//! the file, and set the version number, which is left 0 here. The images' prior_* columns, empty, are those that
-//! versions up to 3.8 ask for; later ones overlook them. Documentation: <https://colmap.github.io/database.html>.
+//! They are those of COLMAP 3.12 and later; earlier versions ignore the last four. Newer versions make their additions
+//! (columns for the kind of descriptor and for cameras of pairs, priors of poses) by themselves when they open the
+//! file, and set the version number, which is left 0 here. The images' prior_* columns, empty, are required by versions
+//! up to 3.8; later ones ignore them. Documentation: <https://colmap.github.io/database.html>.
 
-/// Statements that make the tables.
+/// Statements that create the tables.
 pub(super) const TABLES: &str = "
 CREATE TABLE cameras (
     camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
@@ -81,5 +81,5 @@ CREATE TABLE frame_data (
 CREATE UNIQUE INDEX frame_sensor_assignment ON frame_data(data_id, sensor_type);
 ";
 
-/// The kind of sensor that a camera is.
+/// Code of the sensor type "camera".
 pub(super) const SENSOR_CAMERA: u32 = 0;

@@ -25,7 +25,7 @@ fn camera() -> DatabaseCamera {
     }
 }
 
-/// Two images with four and three features, matched, with a geometry of everything.
+/// Writes two images with four and three features, with matches and a geometry of every kind.
 fn written(path: &Path) {
     write_colmap_database::<ExportError>(path, |database| {
         let camera = database.add_camera(&camera())?;
@@ -115,7 +115,7 @@ fn a_database_is_whole_or_not_there() {
         database.add_image("a.png", camera, &[], &[]).map(|_| ())
     });
     assert!(matches!(&twice, Err(ExportError::Write { reason, .. }) if reason.contains("images.name")), "{twice:?}");
-    // Whatever `fill` answers comes back as it is.
+    // An error of `fill` is returned unchanged.
     #[derive(Debug, PartialEq)]
     enum Mine {
         Stopped,

@@ -1,7 +1,7 @@
-//! The text that COLMAP's feature importer reads: `N 128`, then for each feature `x y scale orientation d1 … d128`.
+//! Text for COLMAP's feature importer: `N 128`, then for each feature `x y scale orientation d1 … d128`.
 //!
-//! The descriptors are in UBC order, which is the order of [`Descriptor`] and the one that COLMAP's own SIFT writes.
-//! Numbers are written with as many digits as it takes to read the same ones back. Format:
+//! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers have as
+//! many digits as are needed to read the same values back. Format:
 //! <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
 
 use super::keypoint::ColmapKeypoint;
@@ -16,15 +16,15 @@ use std::str::FromStr;
 /// Writes features and descriptors for COLMAP's importer.
 ///
 /// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 ///
 /// # Panics
-/// When there is not one descriptor for each feature: a mistake of the caller.
+/// When the numbers of features and descriptors differ: a mistake of the caller.
 pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
     write_colmap_keypoints(path, &features.iter().map(ColmapKeypoint::from).collect::<Vec<_>>(), descriptors)
 }
 
-/// The same for features that are in COLMAP's convention already.
+/// Writes features that are already in COLMAP's convention, with their descriptors, for COLMAP's importer.
 ///
 /// # Errors
 /// As [`write_colmap`].
@@ -50,20 +50,19 @@ pub fn write_colmap_keypoints(
     })
 }
 
-/// Reads features and descriptors that [`write_colmap`] wrote, number for number.
+/// Reads features and descriptors that [`write_colmap`] wrote; all numbers are the same.
 ///
 /// # Errors
-/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] naming the line that is not as it should
-/// be.
+/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] with the line that is not in this format.
 pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
     let read = |e: std::io::Error| ExportError::Read { path: path.into(), reason: e.to_string() };
     parse_colmap(path, &read_text(path, MAX_TABLE_BYTES).map_err(read)?)
 }
 
-/// The same for a file whose `text` was read already; `path` is for messages.
+/// Parses the `text` of a file that `write_colmap` wrote; `path` is for messages.
 ///
 /// # Errors
-/// [`ExportError::Text`] naming the line that is not as it should be.
+/// [`ExportError::Text`] with the line that is not in this format.
 pub fn parse_colmap(path: &Path, text: &str) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
     let mut lines = text.lines();
     let bad = |line: usize, problem: String| ExportError::Text { path: path.into(), line, problem };

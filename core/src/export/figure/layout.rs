@@ -1,15 +1,15 @@
-//! Where everything of a figure goes.
+//! Layout of a figure: positions of all its parts.
 
 use super::{
     ColourBar, Drawing, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry,
 };
 
-/// Points around the whole figure and between panels, in heights of letters.
+/// Margin around the whole figure and between panels, in heights of letters.
 const GAP: f32 = 0.8;
 
-/// Puts panels on a sheet, row by row; rows of equally many panels share their columns.
+/// Lays out panels on a sheet, row by row; rows with the same number of panels share their columns.
 ///
-/// Marks with numbers that are nowhere (not finite, or beyond 10⁹) are left out.
+/// Marks with invalid numbers (not finite, or beyond 10⁹) are left out.
 pub fn lay_out(rows: &[Vec<FigurePanel>], options: &FigureOptions) -> Drawing {
     let within = |value: f32, min: f32, max: f32| if value.is_nan() { min } else { value.clamp(min, max) };
     let style = Style {
@@ -44,7 +44,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], options: &FigureOptions) -> Drawing {
     Drawing { size, shapes, title: titles.join("; ") }
 }
 
-/// (a), (b), … (z), (aa), …
+/// The letters of panel `place`: (a), (b), … (z), (aa), …
 fn letter(place: usize) -> String {
     let mut rest = place;
     let mut letters = Vec::new();
@@ -69,12 +69,12 @@ struct Style {
 }
 
 impl Style {
-    /// How wide each panel of a row is, with its title and legend.
+    /// The width of each panel of a row, with its title and legend.
     fn widths(&self, row: &[Lettered<'_>]) -> Vec<f32> {
         row.iter().map(|(letter, panel)| self.panel(panel, letter.as_deref(), [0.0; 2], &mut Vec::new())[0]).collect()
     }
 
-    /// A letter is at most about 0.65 of its height wide on average.
+    /// The width of a text, estimated: a letter is at most about 0.65 of its height wide on average.
     fn text_width(&self, text: &str) -> f32 {
         0.65 * self.font * text.chars().count() as f32
     }
@@ -83,7 +83,7 @@ impl Style {
         FigureShape::Text { at, size: self.font, text: text.to_owned(), color: [0; 3] }
     }
 
-    /// Draws a panel with its left top corner at `corner`; answers its size.
+    /// Draws a panel with its left top corner at `corner`; returns its size.
     fn panel(
         &self,
         panel: &FigurePanel,
@@ -163,7 +163,7 @@ impl Style {
         }
     }
 
-    /// A bar of a round number of image pixels, in the right bottom corner.
+    /// Draws a bar of a round number of image pixels in the right bottom corner.
     fn scale_bar(&self, rect: FigureRect, out: &mut Vec<FigureShape>) {
         let length_px = round_length(0.2 * rect.size[0] / self.scale);
         let length = length_px * self.scale;
@@ -171,7 +171,7 @@ impl Style {
         let y = rect.min[1] + rect.size[1] - 0.7 * self.font;
         let label = format!("{length_px} px");
         let text = [right - 0.5 * (length + 0.55 * self.font * label.chars().count() as f32), y - 0.45 * self.font];
-        // White with a dark edge: to be read on any picture.
+        // White with a dark edge: readable on any picture.
         for (extra, color) in [(3.0, [0u8; 3]), (0.0, [255; 3])] {
             let stroke = FigureStroke { width: 0.2 * self.font + extra, color, opacity: 1.0 };
             out.push(FigureShape::Line { points: vec![[right - length, y], [right, y]], stroke, class: "scale" });
@@ -183,7 +183,7 @@ impl Style {
         out.push(FigureShape::Text { at: text, size: self.font, text: label, color: [255; 3] });
     }
 
-    /// The colours of the values in one line, with the values at their ends; answers its width.
+    /// Draws the colours of the values in one line, with the values at their ends; returns its width.
     fn colour_bar(&self, bar: &ColourBar, corner: [f32; 2], room: f32, out: &mut Vec<FigureShape>) -> f32 {
         let font = self.font;
         let (low, high) = (self.text_width(&bar.low), self.text_width(&bar.high));
@@ -193,14 +193,14 @@ impl Style {
         let step = length / bar.colors.len().max(1) as f32;
         for (i, &color) in bar.colors.iter().enumerate() {
             let min = [left + step * i as f32, baseline - 0.8 * font];
-            // A little wider than a step, so that no gap shows between two.
+            // A little wider than a step, so that there is no gap between two steps.
             out.push(FigureShape::Fill { rect: FigureRect { min, size: [step + 0.3, 0.9 * font] }, color });
         }
         out.push(self.text([left + length + 0.4 * font, baseline], &bar.high));
         low + high + length + font
     }
 
-    /// The entries in as many lines as they need; answers the size.
+    /// Draws the legend's entries in as many lines as they need; returns the size.
     fn legend(&self, entries: &[LegendEntry], corner: [f32; 2], room: f32, out: &mut Vec<FigureShape>) -> (f32, f32) {
         let font = self.font;
         let (mut left, mut row, mut width) = (0f32, 0usize, 0f32);
@@ -220,7 +220,7 @@ impl Style {
     }
 }
 
-/// The largest of 1, 2, 5, 10, 20, 50, … that is not above `most`.
+/// The largest of 1, 2, 5, 10, 20, 50, … that is at most `max`.
 fn round_length(max: f32) -> f32 {
     let power = 10f32.powf(max.max(1.0).log10().floor());
     [5.0, 2.0, 1.0].into_iter().map(|step| step * power).find(|length| *length <= max).unwrap_or(power)

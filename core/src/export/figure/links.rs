@@ -2,7 +2,7 @@
 
 use super::{Colour, Drawing, FigurePanel, FigureRect, FigureShape, FigureStroke};
 
-/// Length of a dash and of the gap behind it, as multiples of the stroke's width.
+/// Length of a dash and of the gap after it, as multiples of the stroke's width.
 const DASH: f32 = 4.0;
 /// Radius of the ring at an end, as a multiple of the stroke's width.
 const RING: f32 = 2.0;
@@ -10,24 +10,24 @@ const RING: f32 = 2.0;
 /// A line between two panels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureLink {
-    /// From which panel to which, by their places in reading order.
+    /// Indices of the panels at its start and end, in reading order.
     pub panels: [usize; 2],
-    /// Where in each, (u, v) in image pixels.
+    /// Ends, one in each panel, (u, v) in image pixels.
     pub ends_image: [[f32; 2]; 2],
-    /// Its colour.
+    /// Colour of the line.
     pub color: Colour,
-    /// 0 … 1.
+    /// Opacity, 0 … 1.
     pub opacity: f32,
-    /// Its width as a multiple of the figure's.
+    /// Width as a multiple of the figure's stroke width.
     pub weight: f32,
-    /// Whether every other piece is left out.
+    /// Whether the line is dashed.
     pub dashed: bool,
 }
 
-/// Draws lines between the panels of a drawing that was laid out of `rows`. As in the window, a line is drawn where
-/// both its ends are in sight; an end alone is a small ring.
+/// Draws lines between the panels of a drawing that was laid out from `rows`. As in the window, a line is drawn where
+/// both its ends are visible; a single visible end is a small ring.
 ///
-/// Links to panels that are not there, and those with numbers that are nowhere, are left out.
+/// Links to missing panels, and those with invalid numbers, are left out.
 pub fn draw_links(drawing: &mut Drawing, rows: &[Vec<FigurePanel>], links: &[FigureLink], stroke_width_px: f32) {
     let pictures = drawing.shapes.iter().filter_map(|shape| match shape {
         FigureShape::Picture { rect, .. } => Some(*rect),
@@ -55,7 +55,7 @@ pub fn draw_links(drawing: &mut Drawing, rows: &[Vec<FigurePanel>], links: &[Fig
     drawing.shapes.extend(shapes);
 }
 
-/// Where a place of a panel is on the sheet; `None` if its picture does not reach so far.
+/// The position on the sheet of a place of a panel; `None` if it is outside the panel's picture.
 fn seen(rect: &FigureRect, panel: &FigurePanel, at_image: [f32; 2]) -> Option<[f32; 2]> {
     let scale = rect.size[0] / (panel.size.0 as f32 * panel.image_px_per_px);
     let at = [0, 1].map(|i| rect.min[i] + (at_image[i] - panel.origin_image[i]) * scale);

@@ -1,13 +1,13 @@
-//! Figures for papers: pictures as they are shown, with what lies over them, as vectors or as pixels.
+//! Figures for papers: pictures as shown in the window, with their overlays, as vectors or as pixels.
 //!
-//! [`FigurePanel`]s say what is shown: pixels, marks of features, a title, what colours mean. [`lay_out`] puts one or
-//! several of them on a sheet of paper, which gives a [`Drawing`]: shapes with places in figure pixels.
-//! [`write_drawing_svg`] writes it as vectors; whoever has letters to draw with can make pixels of the same drawing. So
-//! both show the same. Matches between panels are [`FigureLink`]s, which [`draw_links`] adds.
+//! [`FigurePanel`]s hold the contents: pixels, marks of features, a title, the meaning of colours. [`lay_out`] puts one
+//! or several of them on a sheet of paper, which gives a [`Drawing`]: shapes with positions in figure pixels.
+//! [`write_drawing_svg`] writes it as vectors; a caller with a font renderer can make pixels of the same drawing. So
+//! both look the same. Matches between panels are [`FigureLink`]s, which [`draw_links`] adds.
 //!
 //! A feature is a circle (of the radius at which it is drawn in the window); a tick from its centre to the circle in
-//! the direction of its orientation; and an arrow along the way that it moves. The image's first pixel has its centre
-//! at (0, 0) and covers −0.5 … 0.5.
+//! the direction of its orientation; and an arrow along its motion. The image's first pixel has its centre at (0, 0)
+//! and covers −0.5 … 0.5.
 
 mod layout;
 mod links;
@@ -22,80 +22,80 @@ use std::sync::Arc;
 /// Red, green, blue.
 pub type Colour = [u8; 3];
 
-/// What a colour of the figure means.
+/// Meaning of a colour of the figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LegendEntry {
-    /// Red, green, blue.
+    /// Colour as red, green, blue.
     pub color: Colour,
-    /// What has this colour.
+    /// Meaning of the colour.
     pub label: String,
 }
 
-/// A feature over a picture; places and lengths in image pixels.
+/// Mark of a feature over a picture; positions and lengths in image pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureMark {
-    /// Its centre, (u, v).
+    /// Centre, (u, v).
     pub centre: [f32; 2],
-    /// The circle's radius.
+    /// Radius of the circle.
     pub radius: f32,
-    /// The tick's direction, radians from +u towards +v; `None` draws none.
+    /// Direction of the tick, radians from +u towards +v; `None` for no tick.
     pub orientation: Option<f32>,
-    /// Where the arrow of its motion begins and ends; `None` draws none.
+    /// Start and end of the arrow of its motion; `None` for no arrow.
     pub motion: Option<[[f32; 2]; 2]>,
-    /// Its colour.
+    /// Colour of the mark.
     pub color: Colour,
-    /// 0 … 1.
+    /// Opacity, 0 … 1.
     pub opacity: f32,
-    /// Its strokes' width as a multiple of the figure's.
+    /// Width of the strokes as a multiple of the figure's.
     pub weight: f32,
     /// Whether the circle is dashed.
     pub dashed: bool,
 }
 
-/// The colours of the values, from the smallest to the largest.
+/// Colours of values, from the smallest to the largest.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColourBar {
     /// The colours, from left to right; at least one.
     pub colors: Vec<Colour>,
-    /// What stands at the left end.
+    /// Label of the left end.
     pub low: String,
-    /// What stands at the right end, with the unit.
+    /// Label of the right end, with the unit.
     pub high: String,
 }
 
-/// One picture with what lies over it.
+/// One picture with its overlays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigurePanel {
     /// Columns and rows of the picture.
     pub size: (usize, usize),
-    /// Its pixels, row by row: red, green, blue, alpha. Shared, not copied.
+    /// Pixels, row by row: red, green, blue, alpha. Shared, not copied.
     pub rgba: Arc<Vec<u8>>,
-    /// The left top corner of the picture's first pixel, (u, v) in image pixels.
+    /// Left top corner of the picture's first pixel, (u, v) in image pixels.
     pub origin_image: [f32; 2],
-    /// Image pixels from one pixel of the picture to the next.
+    /// Width of a pixel of the picture, in image pixels.
     pub image_px_per_px: f32,
-    /// The features, in the order of drawing.
+    /// Marks of features, in the order of drawing.
     pub marks: Vec<FigureMark>,
-    /// A line above the picture.
+    /// Title above the picture.
     pub title: Option<String>,
-    /// What the colours of the features mean, below the picture.
+    /// Meanings of the marks' colours, below the picture.
     pub legend: Vec<LegendEntry>,
-    /// What the colours of the picture mean, below the picture.
+    /// Meaning of the picture's colours, below the picture.
     pub bar: Option<ColourBar>,
 }
 
-/// How a figure is drawn. Lengths are in figure pixels, whatever the scale.
+/// Options of the drawing of a figure. Lengths are in figure pixels, whatever the scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureOptions {
-    /// Figure pixels for each image pixel, 1/64 … 64. Default 1.
+    /// Figure pixels for each image pixel, 1/64 … 64; default 1.
     pub scale: f32,
-    /// Width of all strokes. Default 1.5.
+    /// Width of all strokes; default 1.5.
     pub stroke_width_px: f32,
-    /// Height of letters. Default 14.
+    /// Height of letters; default 14.
     pub font_size_px: f32,
-    /// Whether panels are called (a), (b), … Default false.
+    /// Whether panels have letters (a), (b), …; default false.
     pub letters: bool,
-    /// Whether each picture has a bar of known length in its corner. Default false.
+    /// Whether each picture has a bar of known length in its corner; default false.
     pub scale_bar: bool,
 }
 
@@ -105,7 +105,7 @@ impl Default for FigureOptions {
     }
 }
 
-/// A rectangle of the figure, in figure pixels from its left top corner.
+/// Rectangle of the figure, in figure pixels from its left top corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureRect {
     /// Left top corner, (x, y).
@@ -114,23 +114,23 @@ pub struct FigureRect {
     pub size: [f32; 2],
 }
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureStroke {
-    /// Its width, figure pixels.
+    /// Width, figure pixels.
     pub width: f32,
-    /// Its colour.
+    /// Colour of the line.
     pub color: Colour,
-    /// 0 … 1.
+    /// Opacity, 0 … 1.
     pub opacity: f32,
 }
 
-/// One thing that is drawn; all places in figure pixels.
+/// Shape of a drawing; all positions in figure pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FigureShape {
     /// Pixels, each a rectangle of one colour.
     Picture {
-        /// Where.
+        /// Place of the picture.
         rect: FigureRect,
         /// Columns and rows.
         size: (usize, usize),
@@ -139,43 +139,44 @@ pub enum FigureShape {
     },
     /// A filled rectangle.
     Fill {
-        /// Where.
+        /// Place of the rectangle.
         rect: FigureRect,
-        /// Its colour.
+        /// Colour of the rectangle.
         color: Colour,
     },
-    /// A circle's line.
+    /// Outline of a circle.
     Circle {
-        /// Its centre.
+        /// Centre of the circle.
         centre: [f32; 2],
-        /// Its radius.
+        /// Radius of the circle.
         radius: f32,
-        /// Its line.
+        /// Style of the line.
         stroke: FigureStroke,
-        /// Whether every other piece is left out.
+        /// Whether the line is dashed.
         dashed: bool,
     },
     /// A line through points.
     Line {
-        /// At least two.
+        /// Points, at least two.
         points: Vec<[f32; 2]>,
-        /// How it is drawn.
+        /// Style of the line.
         stroke: FigureStroke,
-        /// What it is part of, for those who edit the figure: `orientation`, `motion`, `scale`, `match`.
+        /// Part of the figure that the line belongs to, for editing the figure: `orientation`, `motion`, `scale`,
+        /// `match`.
         class: &'static str,
     },
     /// A line of text.
     Text {
-        /// The left end of the line that the letters stand on.
+        /// Left end of the baseline.
         at: [f32; 2],
         /// Height of the letters.
         size: f32,
         /// The text.
         text: String,
-        /// Its colour.
+        /// Colour of the text.
         color: Colour,
     },
-    /// Shapes of which only what lies in a rectangle is seen.
+    /// Shapes clipped to a rectangle.
     Clipped {
         /// The rectangle.
         rect: FigureRect,
@@ -189,8 +190,8 @@ pub enum FigureShape {
 pub struct Drawing {
     /// Width and height, figure pixels.
     pub size: [f32; 2],
-    /// What is drawn, the first at the bottom.
+    /// Shapes, the first at the bottom.
     pub shapes: Vec<FigureShape>,
-    /// What the figure is called by programs that read it aloud.
+    /// Title for screen readers.
     pub title: String,
 }

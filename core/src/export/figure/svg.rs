@@ -1,4 +1,4 @@
-//! A drawing as SVG 1.1.
+//! Drawings as SVG 1.1.
 
 use super::{Colour, Drawing, FigureRect, FigureShape, FigureStroke};
 use crate::export::atomic::write_whole;
@@ -12,7 +12,7 @@ use std::path::Path;
 /// Writes the drawing.
 ///
 /// # Errors
-/// [`ExportError`] when a picture has no pixels or the file cannot be written; an older one is then untouched.
+/// [`ExportError`] when a picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), ExportError> {
     for shape in &drawing.shapes {
         if let FigureShape::Picture { size, rgba, .. } = shape {
@@ -41,7 +41,7 @@ fn write_shape(out: &mut impl Write, shape: &FigureShape, clips: &mut usize) -> 
         FigureShape::Picture { rect, size, rgba } => {
             let mut png = Vec::new();
             Picture::rgba(size.0, size.1, rgba).encode_png(&mut png)?;
-            // Pixels stay sharp when magnified. `xlink:href` is what all of today's readers know.
+            // Pixels stay sharp when magnified. `xlink:href` is understood by all current readers.
             write!(out, "<image {} ", Place(rect))?;
             write!(
                 out,
@@ -90,7 +90,7 @@ fn write_shape(out: &mut impl Write, shape: &FigureShape, clips: &mut usize) -> 
     }
 }
 
-/// A rectangle as attributes.
+/// A rectangle as SVG attributes.
 struct Place<'a>(&'a FigureRect);
 
 impl std::fmt::Display for Place<'_> {
@@ -101,7 +101,7 @@ impl std::fmt::Display for Place<'_> {
     }
 }
 
-/// A stroke as attributes.
+/// A stroke as SVG attributes.
 struct Stroke<'a>(&'a FigureStroke);
 
 impl std::fmt::Display for Stroke<'_> {
@@ -111,7 +111,7 @@ impl std::fmt::Display for Stroke<'_> {
     }
 }
 
-/// A number in an SVG: a thousandth of a pixel is enough for the eye, and keeps files small.
+/// A number in an SVG: a thousandth of a pixel is precise enough, and keeps files small.
 struct Number(f32);
 
 impl std::fmt::Display for Number {
@@ -132,7 +132,7 @@ impl std::fmt::Display for Hex {
     }
 }
 
-/// Text for XML: markup is escaped, and characters that XML 1.0 does not allow at all are replaced.
+/// Text for XML: markup is escaped, and characters that XML 1.0 does not allow are replaced.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

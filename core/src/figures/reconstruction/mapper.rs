@@ -1,4 +1,5 @@
-//! From a method's features to COLMAP's cameras: the dataset on disk, its database, the mapper, the errors.
+//! From a method's features to COLMAP's cameras: writing the dataset and its database, running the mapper, computing
+//! the errors.
 
 use super::run::Reconstructed;
 use crate::detector::SearchParams;
@@ -8,20 +9,20 @@ use crate::monitor::Monitor;
 use crate::synth::Trajectory;
 use std::path::Path;
 
-/// How a method finds and matches its features.
+/// Parameters of a method's search and matching.
 #[derive(Debug, Clone)]
 #[cfg_attr(not(feature = "colmap"), expect(dead_code, reason = "without the database nobody runs the mapper"))]
 pub(super) struct How {
-    /// Whether it looks at the noise-free views instead of the bursts.
+    /// Whether it searches the noise-free views instead of the bursts.
     pub is_gold: bool,
-    /// How features are found.
+    /// Parameters of the search.
     pub search: SearchParams,
-    /// How they are matched.
+    /// Parameters of matching.
     pub matching: MatchParams,
 }
 
-/// Writes the bursts of `way` into `folder`, finds and matches their features, runs COLMAP's mapper and
-/// compares its cameras with the true ones. A mapper that finds no model is a result: nothing registered.
+/// Writes the bursts of `way` into `folder`, finds and matches their features, runs COLMAP's mapper and compares its
+/// cameras with the true ones. A mapper that finds no model is a result: nothing registered.
 #[cfg(feature = "colmap")]
 pub(super) fn reconstruct(
     program: &Path,
@@ -33,7 +34,7 @@ pub(super) fn reconstruct(
     with_database::reconstruct(program, how, way, folder, monitor)
 }
 
-/// Without the database there is nothing that COLMAP could read; the figure never asks then.
+/// Without the database COLMAP has no input; the figure never calls this then.
 #[cfg(not(feature = "colmap"))]
 pub(super) fn reconstruct(
     program: &Path,
@@ -59,9 +60,9 @@ mod with_database {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
-    /// As much is read of the end of what the mapper said, bytes.
+    /// Number of bytes read from the end of the mapper's output.
     const TAIL_BYTES: u64 = 4096;
-    /// As much is repeated of its last line, characters.
+    /// Maximum number of characters that are repeated of its last line.
     const LONGEST_LINE: usize = 120;
 
     pub(super) fn reconstruct(
@@ -117,11 +118,11 @@ mod with_database {
         Ok(found.map_err(crate::dataset::DatasetError::from)?)
     }
 
-    /// Runs the mapper to its end, or ends it once `monitor` was cancelled. Gives back what it said last if it gave up:
-    /// from matches that hold no pair to begin with it makes no model, which is an answer.
+    /// Runs the mapper to its end, or ends it once `monitor` was cancelled. Returns its last line if it gave up:
+    /// without a pair to begin with it makes no model, which is a valid result.
     ///
     /// # Errors
-    /// It could not be started, or did not come to an end of its own.
+    /// The mapper could not be started, or was ended by a signal; or the work was cancelled.
     fn run_mapper(
         program: &Path,
         database: &Path,
@@ -132,7 +133,7 @@ mod with_database {
         let because = |reason: String| FiguresError::Colmap { program: program.into(), reason };
         let failed = |error: std::io::Error| because(error.to_string());
         std::fs::create_dir_all(sparse).map_err(failed)?;
-        // A file, as a pipe that nobody empties would stop the mapper.
+        // A file, since a full pipe would block the mapper.
         let mut said = tempfile::tempfile().map_err(failed)?;
         let mut child = Command::new(program)
             .arg("mapper")
@@ -149,14 +150,14 @@ mod with_database {
                 break status;
             }
             if let Err(cancelled) = monitor.check() {
-                // One that has ended by itself cannot be ended.
+                // A mapper that has already ended cannot be killed.
                 let _ = child.kill();
                 let _ = child.wait();
                 return Err(cancelled.into());
             }
             std::thread::sleep(Duration::from_millis(50));
         };
-        // An interruption at the terminal ends both at once.
+        // An interrupt at the terminal ends both at once.
         monitor.check()?;
         let mut last = || last_line(&mut said).unwrap_or_default();
         match status.code() {
@@ -166,7 +167,7 @@ mod with_database {
         }
     }
 
-    /// The last line with something in it, without control characters, of at most [`LONGEST_LINE`] characters.
+    /// The last line that is not blank, without control characters, of at most [`LONGEST_LINE`] characters.
     fn last_line(said: &mut File) -> std::io::Result<String> {
         let end = said.seek(SeekFrom::End(0))?;
         said.seek(SeekFrom::Start(end.saturating_sub(TAIL_BYTES)))?;
@@ -177,7 +178,7 @@ mod with_database {
         Ok(line.chars().filter(|c| !c.is_control()).take(LONGEST_LINE).collect())
     }
 
-    /// What the model says, if there is one.
+    /// The errors of the model, if there is one.
     fn compared(sparse: &Path, truth: &Path, images: usize) -> Reconstructed {
         let Ok(estimate) = read_trajectory(sparse) else { return Reconstructed::default() };
         let mut result = Reconstructed {
@@ -186,7 +187,7 @@ mod with_database {
             ..Reconstructed::default()
         };
         let Ok(truth) = read_trajectory(truth) else { return result };
-        // Fewer than three poses cannot be aligned.
+        // Too few poses cannot be aligned.
         if let Ok(report) =
             evaluate_poses(&estimate, &truth, &PoseStudy { images: Some(images), ..PoseStudy::default() })
         {
@@ -209,7 +210,7 @@ mod with_database {
             run_with(script, &Monitor::default())
         }
 
-        /// What comes of a mapper that is this shell script.
+        /// The result of a mapper that is this shell script.
         fn run_with(script: &str, monitor: &Monitor) -> Result<Option<String>, FiguresError> {
             let folder = tempfile::tempdir().expect("a temporary folder");
             let program = folder.path().join("colmap");

@@ -1,7 +1,7 @@
 //! Tables 1 to 3 and Fig. 8: trajectories of dark bursts, matched and reconstructed.
 //!
 //! A study is a list of runs: one method on one trajectory. A run's numbers are kept as a piece, so that the tables
-//! share them and an interrupted study goes on where it was; what COLMAP makes of a run is a piece of its own.
+//! share them and an interrupted study continues; COLMAP's result of a run is a separate piece.
 
 mod mapper;
 mod run;
@@ -15,7 +15,7 @@ use crate::monitor::Monitor;
 use std::path::{Path, PathBuf};
 use study::Study;
 
-/// What is shown of the study.
+/// Part of the study that a figure shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shown {
     /// Table 1.
@@ -36,7 +36,7 @@ pub(super) struct ReconstructionFigure {
 }
 
 impl std::fmt::Debug for ReconstructionFigure {
-    /// COLMAP counts by whether it is there, not by where.
+    /// Only the presence of COLMAP counts, not its path.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("ReconstructionFigure")
             .field("shown", &self.shown)
@@ -48,7 +48,7 @@ impl std::fmt::Debug for ReconstructionFigure {
 
 impl ReconstructionFigure {
     pub fn new(shown: Shown, size: FigureSize, colmap: Option<&Path>) -> Self {
-        // Without the database there is nothing that COLMAP could read.
+        // Without the database COLMAP has no input.
         let colmap = colmap.filter(|_| cfg!(feature = "colmap")).map(Path::to_path_buf);
         Self { shown, study: Study::new(size), colmap }
     }

@@ -1,13 +1,13 @@
-//! One method on one trajectory: how well its bursts match, and what COLMAP makes of it.
+//! One method on one trajectory: matches of its bursts, and COLMAP's reconstruction.
 
 use crate::evaluate::MatchMethod;
 use crate::synth::Motion;
 use serde::{Deserialize, Serialize};
 
-/// What a method's features of one trajectory are worth.
+/// Matching results of a method on one trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Matched {
-    /// Features of an image, mean.
+    /// Features of an image, mean over the images.
     pub keypoints: f64,
     /// Putative matches of an image with all others, mean.
     pub putative: f64,
@@ -19,43 +19,43 @@ pub(super) struct Matched {
     pub match_score: f64,
     /// Inliers over putative matches, if there are any.
     pub precision: Option<f64>,
-    /// How long the features of all bursts and their matches took, seconds.
+    /// Time for the features of all bursts and their matches, seconds.
     pub seconds: f64,
 }
 
-/// What COLMAP's mapper made of a method's matches.
+/// Result of COLMAP's mapper from a method's matches.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Reconstructed {
-    /// Images that have a pose in the largest model.
+    /// Number of images that have a pose in the largest model.
     pub registered: usize,
-    /// Points of the model for each of its images.
+    /// Points of the model per image.
     pub points_per_image: Option<f64>,
     /// Mean absolute error of the poses: metres, and degrees.
     pub absolute: Option<[f64; 2]>,
     /// Mean error from one pose to the next: metres, and degrees.
     pub relative: Option<[f64; 2]>,
-    /// The registered cameras by their number on the way, and their estimated centres after the alignment, metres.
+    /// Registered cameras by their index on the trajectory, with their estimated centres after the alignment, metres.
     pub centres: Vec<(usize, [f64; 3])>,
-    /// How long the mapper took, seconds.
+    /// Time of the mapper, seconds.
     pub mapper_secs: f64,
-    /// What the mapper said last where it gave up and left no model.
+    /// Last line of the mapper's output where it gave up and left no model.
     pub gave_up: Option<String>,
 }
 
-/// A run with its numbers.
+/// Results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Run {
-    /// How the camera went.
+    /// Motion of the camera.
     pub motion: Motion,
-    /// The trajectory's seed.
+    /// Seed of the trajectory.
     pub seed: u64,
     /// The method.
     pub method: MatchMethod,
-    /// Bursts of the trajectory.
+    /// Number of bursts of the trajectory.
     pub bursts: usize,
-    /// Its matches.
+    /// Results of matching.
     pub matched: Matched,
-    /// What COLMAP made of them; `None` without COLMAP.
+    /// Results of COLMAP; `None` without COLMAP.
     pub reconstructed: Option<Reconstructed>,
     /// Centres of the true cameras, metres.
     pub true_centres: Vec<[f64; 3]>,

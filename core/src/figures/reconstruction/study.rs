@@ -14,20 +14,20 @@ use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// What is reconstructed, by what.
+/// Trajectories to reconstruct, and the methods' parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Study {
-    /// The trajectories; motion and seed are set by the study.
+    /// Parameters of the trajectories; motion and seed are set by the study.
     pub way: TrajectoryParams,
-    /// How many trajectories of each motion, with seeds from 1.
+    /// Number of trajectories of each motion, with seeds from 1.
     pub seeds: u64,
     /// The detector's parameters, for all methods.
     pub detector: DetectorParams,
-    /// The slopes of BuFF 1D.
+    /// Slopes of BuFF 1D.
     pub slopes_1d: SlopeGrid,
-    /// The slopes of BuFF 2D.
+    /// Slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
-    /// How features are matched.
+    /// Parameters of matching.
     pub matching: MatchParams,
 }
 
@@ -53,7 +53,8 @@ impl Study {
         }
     }
 
-    /// The methods for a motion, in the order of the tables. BuFF 1D searches one direction, and is for motion in one.
+    /// The methods for a motion, in the order of the tables. BuFF 1D searches one direction, and is only used for
+    /// motion in one.
     pub fn methods(motion: Motion) -> Vec<MatchMethod> {
         let burst = [BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d, BurstMethod::Buff2d];
         let is_meant = |method: &BurstMethod| motion == Motion::OneD || *method != BurstMethod::Buff1d;
@@ -66,7 +67,7 @@ impl Study {
         TrajectoryParams { motion, seed, ..self.way.clone() }
     }
 
-    /// The runs: kept ones as they are, the others made now and kept.
+    /// The runs: stored ones unchanged, the others made now and stored.
     pub fn runs(&self, pieces: &Pieces, colmap: Option<&Path>, monitor: &Monitor) -> Result<Vec<Run>, FiguresError> {
         let ways: Vec<(Motion, u64)> = [Motion::OneD, Motion::TwoD]
             .into_iter()
@@ -133,7 +134,7 @@ impl Study {
         Ok(runs)
     }
 
-    /// How the features are found that a row of the tables speaks of.
+    /// The search and matching parameters of a method.
     fn how(&self, method: MatchMethod) -> How {
         let searches = Searches {
             detector: &self.detector,
@@ -195,7 +196,7 @@ impl Drawn {
         Ok(Self { way, bursts, gold })
     }
 
-    /// What is there, or is drawn now.
+    /// The drawn trajectory, which is drawn now if it is not yet.
     fn of<'a>(
         drawn: &'a mut Option<Self>,
         params: &TrajectoryParams,

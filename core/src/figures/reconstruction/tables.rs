@@ -7,7 +7,7 @@ use crate::figures::Made;
 use crate::figures::table::{Cell, Table};
 use crate::synth::Light;
 
-/// A reconstruction that has a pose for fewer images did not converge.
+/// Minimum number of images with a pose of a reconstruction that converged.
 const MIN_REGISTERED: usize = 3;
 
 /// The runs of one method and motion.
@@ -24,7 +24,7 @@ fn groups(runs: &[Run]) -> Vec<Group<'_>> {
     groups
 }
 
-/// The mean of what is known; `None` where nothing is.
+/// The mean of the known values; `None` without any.
 fn mean(group: &Group<'_>, value: impl Fn(&Run) -> Option<f64>) -> Option<f64> {
     let known: Vec<f64> = group.iter().filter_map(|run| value(run)).collect();
     (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
@@ -38,7 +38,7 @@ fn names(group: &Group<'_>) -> [Cell; 2] {
     [motion_name(group[0].motion).to_uppercase(), group[0].method.label().to_owned()].map(Cell::Text)
 }
 
-/// What the trajectories are, as a sentence.
+/// Description of the trajectories, as a sentence.
 fn material(study: &Study) -> String {
     let way = &study.way;
     let light = match way.light {
@@ -60,12 +60,12 @@ fn made(table: Table) -> Made {
     Made { svg: table.svg(), csv: table.csv(), notes: table.notes }
 }
 
-/// What is said under every table: the material, and what is missing of it and why.
+/// Notes under every table: the material, and what is missing in the table and why.
 fn notes(study: &Study, runs: &[Run], missing: Option<&str>) -> Vec<String> {
     std::iter::once(material(study)).chain(missing.map(str::to_owned)).chain(without_model(runs)).collect()
 }
 
-/// For how many runs COLMAP gave up, and what it said when it did so first.
+/// The number of runs in which COLMAP gave up, with its message in the first of them.
 pub(super) fn without_model<'a>(runs: &'a [Run]) -> Option<String> {
     let said = |run: &'a Run| Some((run, run.reconstructed.as_ref()?.gave_up.as_deref()?));
     let mut gave_up = runs.iter().filter_map(said);

@@ -1,4 +1,4 @@
-//! Fig. 8: the cameras' places, true and estimated, for the first trajectory of each motion.
+//! Fig. 8: the cameras' positions, true and estimated, for the first trajectory of each motion.
 
 use super::run::Run;
 use super::tables::without_model;
@@ -13,15 +13,15 @@ use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;
 
-/// How many times as large errors can be drawn.
+/// Factors by which errors can be enlarged.
 const ENLARGEMENTS: [u32; 7] = [2, 5, 10, 20, 50, 100, 200];
-/// As far from its true place an enlarged error goes at most, as a part of the way's length.
+/// Maximum distance of an enlarged error from its true position, as a share of the trajectory's length.
 const FARTHEST: f64 = 0.1;
-/// What is said where errors are enlarged.
+/// Note where errors are enlarged.
 const ENLARGED: &str = "Estimated places are drawn farther from the true ones than they are, as the titles say, so that \
                         they can be told apart; the table of numbers has them as they are.";
 
-/// A camera's number on the way, and where it is, metres.
+/// Index of a camera on the trajectory, and its centre, metres.
 type Centre = (usize, [f64; 3]);
 
 /// The estimated cameras of a run, if there are any.
@@ -31,7 +31,7 @@ fn centres_of(run: &Run) -> Option<Vec<Centre>> {
     (!known.is_empty()).then_some(known)
 }
 
-/// Draws the trajectories; `missing` says why there are no estimates.
+/// Draws the trajectories; `missing` is the reason why there are no estimates.
 pub(super) fn figure(runs: &[Run], missing: Option<&str>) -> Made {
     let mut sheet = Sheet::new(WIDTH, "Trajectories");
     let mut csv = String::from("motion,method,index,x,y,z\n");
@@ -110,8 +110,8 @@ pub(super) fn figure(runs: &[Run], missing: Option<&str>) -> Made {
     Made { svg: sheet.finish(end), csv, notes }
 }
 
-/// How many times as large errors are drawn, so that good estimates can be told apart: the largest step of
-/// [`ENLARGEMENTS`] with which none goes farther than [`FARTHEST`] of the way's length. `places` are the true ones.
+/// Factor by which errors are enlarged, so that good estimates can be told apart: the largest of [`ENLARGEMENTS`] with
+/// which none exceeds [`FARTHEST`] of the trajectory's length; 1 if there is none. `places` are the true positions.
 fn enlargement(places: &[[f64; 2]], estimates: impl Iterator<Item = (usize, [f64; 2])>) -> u32 {
     let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let farthest = estimates.map(|(k, at)| distance(at, places[k])).fold(0.0, f64::max);
@@ -128,7 +128,7 @@ fn write_centres(csv: &mut String, motion: Motion, method: &str, centres: &[Cent
     }
 }
 
-/// Ranges of the axes that hold all points with a margin and have one scale, for an area of this shape.
+/// Ranges of the axes that contain all points with a margin and have one scale, for an area of this shape.
 fn ranges(all: &[Series], width_over_height: f64) -> ((f64, f64), (f64, f64)) {
     let range = |value: fn(&(f64, f64, Option<f64>)) -> f64| {
         let values = all.iter().flat_map(|series| &series.points).map(value);

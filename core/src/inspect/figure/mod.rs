@@ -1,4 +1,4 @@
-//! Figures of explanations as SVG: readable alone, on light and dark pages, and without colour.
+//! Figures of explanations as self-contained SVG, for light and dark pages, readable without colour.
 
 mod probe;
 mod spectrum;

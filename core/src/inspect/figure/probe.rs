@@ -45,7 +45,7 @@ fn heading(sheet: &mut Sheet, area: Area, text: &str) {
     sheet.styled_text((area.x, area.y - 8.0), 13.0, Anchor::Start, r#"font-weight="bold""#, text);
 }
 
-/// The map of the response: slopes to the right, scales downwards from fine to coarse.
+/// Draws the map of the response: slopes to the right, scales downwards from fine to coarse.
 fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     let map = &probe.response;
     heading(sheet, area, "Response over slope and scale, σ of its noise");
@@ -62,7 +62,7 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     if let (Some(&first), Some(&last)) = (map.slopes.values.first(), map.slopes.values.last())
         && map.slopes.grid.len() > 1
     {
-        // Beyond the slopes that are searched.
+        // Limits of the slopes that are searched.
         for rim in [map.slopes.grid[0], map.slopes.grid[map.slopes.grid.len() - 1]] {
             let x = x_of(column_of(rim));
             sheet.line((x, area.y), (x, area.bottom()), FAINT, r#"stroke-dasharray="3 3""#);
@@ -73,7 +73,7 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     } else {
         sheet.text((area.x + 0.5 * area.width, area.bottom() + 16.0), 11.0, Anchor::Middle, "a single slope");
     }
-    // Where the response reaches the gate, cell by cell.
+    // Outline of the cells whose response reaches the gate.
     contour(sheet, map, &x_of, &y_of);
     let each = rows.div_ceil(12).max(1);
     for (row, scale) in map.scales.iter().enumerate().step_by(each) {
@@ -108,7 +108,7 @@ fn along_of(map: &ResponseMap, fate: &Fate) -> f32 {
     nearest.map_or(0.0, |column| map.slopes.values[column])
 }
 
-/// The column, between columns too, of a slope along the map's axis.
+/// The column, as a fraction, of a slope along the map's axis.
 fn column_of(map: &ResponseMap, slope: f32) -> f64 {
     let values = &map.slopes.values;
     match values[..] {
@@ -117,7 +117,7 @@ fn column_of(map: &ResponseMap, slope: f32) -> f64 {
     }
 }
 
-/// Lines between cells that reach the gate and cells that do not.
+/// Draws lines between cells that reach the gate and cells that do not.
 fn contour(sheet: &mut Sheet, map: &ResponseMap, x_of: &dyn Fn(f64) -> f64, y_of: &dyn Fn(f64) -> f64) {
     let reaches = |column: usize, row: usize| map.snr.at(column, row).abs() >= map.gate;
     let (columns, rows) = map.snr.size();
@@ -135,7 +135,7 @@ fn contour(sheet: &mut Sheet, map: &ResponseMap, x_of: &dyn Fn(f64) -> f64, y_of
     }
 }
 
-/// Each frame's answer with its noise.
+/// Draws each frame's response with its noise.
 fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
     heading(
         sheet,
@@ -170,7 +170,7 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
     );
 }
 
-/// The pixels along the way, one patch a frame.
+/// Draws the pixels along the motion, one patch for each frame.
 fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let count = shares.frames.len().max(1);
     let side = (area.width / count as f64).min(area.height);
@@ -190,7 +190,7 @@ fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     sheet.text((area.x, area.y + side + 25.0), 11.0, Anchor::Start, &note);
 }
 
-/// The range of values that a picture shows: all but the outermost percent.
+/// The display range of values: all but the outermost percent on each side.
 fn percentiles_of(values: &[f32]) -> (f32, f32) {
     let row = Plane::from_vec(values.len(), 1, values.to_vec());
     percentiles(&row, &Region::whole(&row), &[1.0, 99.0]).map_or((0.0, 1.0), |found| (found[0], found[1]))
@@ -217,7 +217,7 @@ fn slice(sheet: &mut Sheet, area: Area, probe: &Probe, slice: &Slice) {
     sheet.label_left(area, "frame");
 }
 
-/// The tests of one candidate as a table; answers where it ends.
+/// Draws the tests of one candidate as a table; returns the position of its end.
 fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
     let area = Area { x, y, width: WIDTH - x - 24.0, height: 0.0 };
     heading(sheet, area, "The tests, in order");

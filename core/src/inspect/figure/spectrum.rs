@@ -45,11 +45,11 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
     sheet.finish(end + 6.0)
 }
 
-/// The bars of a line of slopes: features above, evidence below. Answers where it ends.
+/// Draws the bars of a line of slopes: features above, evidence below. Returns the position of its end.
 fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     let second = spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1;
     let place = |bar: &SlopeBar| if second { bar.at[1] } else { bar.at[0] };
-    // What lies beside the line is evidence too, but has no place on this axis.
+    // Evidence beside the line has no position on this axis.
     let on_line = |bar: &&SlopeBar| if second { bar.at[0] == 0 } else { bar.at[1] == 0 };
     let bars: Vec<&SlopeBar> = spectrum.bars.iter().filter(on_line).collect();
     let (first, last) = bars.iter().map(|bar| place(bar)).fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)));
@@ -84,7 +84,7 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
             sheet.rectangle(area, &style);
         }
     }
-    // The range that was searched.
+    // The limits of the searched range.
     let searched = |at: i64| x_of(at);
     let count_axis = axis.count as i64;
     for x in [searched(0), searched(count_axis)] {
@@ -104,7 +104,7 @@ fn heading(sheet: &mut Sheet, area: Area, text: &str) {
     sheet.styled_text((area.x, area.y - 8.0), 12.0, Anchor::Start, r#"font-weight="bold""#, text);
 }
 
-/// The plane of slopes: features and evidence, side by side. Answers where it ends.
+/// Draws the plane of slopes: features and evidence, side by side. Returns the position of its end.
 fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     let range = |axis: usize| {
         spectrum.bars.iter().map(|bar| bar.at[axis]).fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)))
@@ -130,11 +130,11 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
             values.row_mut(y)[x] = value(bar);
         }
         let max = values.data().iter().copied().fold(1e-9, f32::max);
-        // Dark is much, as ink is.
+        // Large values are dark.
         let inverted = Plane::from_fn(size.0, size.1, |x, y| max - values.at(x, y));
         sheet.picture(area, &inverted, &Display::default().with_range(0.0, max));
         sheet.rectangle(area, &format!(r#"fill="none" stroke="{GRID}""#));
-        // The slopes that were searched.
+        // Outline of the slopes that were searched.
         let searched = Area {
             x: area.x - i0 as f64 * side,
             y: area.y - j0 as f64 * side,
@@ -166,7 +166,8 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     end + 14.0
 }
 
-/// How a texture of a period answers at slopes around its own: aliases and side lobes. Answers where it ends.
+/// Draws the response of a texture of a period at slopes around its own: aliases and side lobes. Returns the position
+/// of its end.
 fn kernel(sheet: &mut Sheet, top: f64, frames: usize, period: f64) -> f64 {
     let area = Area { x: LEFT, y: top, width: WIDTH - LEFT - 30.0, height: 70.0 };
     let text =

@@ -1,4 +1,4 @@
-//! The candidates near a place, and what became of each.
+//! The candidates near a place, with their fates.
 
 use crate::detector::scale_space::levels::octave_pixel;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
@@ -9,8 +9,8 @@ use crate::inspect::telling::fate;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::tile::Region;
 
-/// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` σ of theirs: what was kept
-/// first, then by how far they came and how strong they are.
+/// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` of their σ: kept ones first,
+/// then in order of how far they came and of their strength.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -36,7 +36,7 @@ pub(super) fn sort(fates: &mut [Fate]) {
     });
 }
 
-/// Appends the fates of an octave's candidates near a place, and answers how many samples were looked at.
+/// Appends the fates of an octave's candidates near a place; returns the number of samples examined.
 pub(super) fn candidates_near(
     trail: &Trail,
     place: [f32; 2],
@@ -68,7 +68,8 @@ pub(super) fn candidates_near(
     Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
 }
 
-/// Appends the fate of a feature whose sample lies too far from its refined place to be among the candidates near that.
+/// Appends the fate of a feature whose sample is too far from its refined position to be among the candidates near
+/// that.
 pub(super) fn add_feature(
     trail: &Trail,
     index: usize,

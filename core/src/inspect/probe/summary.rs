@@ -1,11 +1,11 @@
-//! What happened at a place, in words.
+//! The summary of a place in words.
 
 use crate::detector::Test;
 use crate::inspect::fate::Fate;
 use crate::inspect::response::ResponseMap;
 use crate::inspect::words::{number, slope_text};
 
-/// What happened, in a sentence or two.
+/// The summary, a sentence or two.
 pub(super) fn summary(fates: &[Fate], response: &ResponseMap) -> String {
     let kept = fates.iter().filter(|f| f.is_kept()).count();
     if kept > 0 {

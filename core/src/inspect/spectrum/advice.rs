@@ -1,5 +1,5 @@
-//! What to change about the slopes: each piece of advice is a number, a sentence, and the change that applies it. None
-//! is given when none is needed.
+//! Advice on the slopes: each piece is a number, a sentence, and the change that applies it. There is none when none is
+//! needed.
 
 use super::loss::off_by;
 use super::{Spectrum, step_loss};
@@ -11,7 +11,7 @@ use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number};
 use serde::Serialize;
 
-/// What a piece of advice is about.
+/// Subject of a piece of advice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Subject {
@@ -19,40 +19,40 @@ pub enum Subject {
     Range,
     /// The step is too coarse.
     Step,
-    /// Motion is not along the line that is searched.
+    /// The motion is not along the line that is searched.
     Direction,
-    /// Frames that add nothing, because the motion is not straight.
+    /// Frames add nothing, because the motion is not straight.
     Frames,
-    /// A texture answers at several of the slopes searched.
+    /// A texture responds at several of the slopes searched.
     Aliases,
-    /// Much of the picture leaves the frames at the slopes that matter.
+    /// Much of the picture leaves the frames at the relevant slopes.
     Coverage,
-    /// Slopes that are searched for nothing.
+    /// More slopes are searched than needed.
     Cost,
 }
 
 /// A piece of advice.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlopeAdvice {
-    /// What it is about.
+    /// Subject of the advice.
     pub subject: Subject,
-    /// The number it rests on: the part of the evidence beyond the range; the loss at half a step; the part of the
-    /// evidence off the line; frames that add nothing; the period in px; the share covered; the part of the slopes that
-    /// is needed.
+    /// Number that the advice is based on: the part of the evidence beyond the range; the loss at half a step; the part
+    /// of the evidence off the line; the number of frames that add nothing; the period in px; the share covered; the
+    /// part of the slopes that is needed.
     pub number: f64,
-    /// What is the matter and why, as a sentence.
+    /// Problem and its reason, as a sentence.
     pub sentence: String,
-    /// What applies it: one setting, or more where one alone makes no sense.
+    /// Changes that apply it: one setting, or more where one alone makes no sense.
     pub changes: Vec<ParamChange>,
 }
 
 /// Loss at half a step from which the step is too coarse.
 const TOO_COARSE: f32 = 0.15;
-/// Loss of the finest blob off the line from which a window speaks for another direction.
+/// Loss of the finest blob off the line from which a window is evidence for another direction.
 const OFF_LINE: f32 = 0.25;
-/// Part of the evidence that must.
+/// Part of the evidence off the line from which another direction is advised.
 const OFF_LINE_PART: f32 = 0.2;
-/// A search is said to cost too much if this part of its slopes would do.
+/// Part of the slopes that suffices, below which the search is said to cost too much.
 const NEEDED: f64 = 0.4;
 
 /// All advice, the most important first.
@@ -68,7 +68,7 @@ pub(super) fn advice(cache: &ProbeCache, spectrum: &Spectrum) -> Vec<SlopeAdvice
     advice.extend(telling.step());
     advice.extend(telling.coverage());
     advice.extend(telling.aliases());
-    // What is missing comes before what is too much.
+    // Advice on missing slopes comes before advice on superfluous ones.
     if advice.is_empty() {
         advice.extend(telling.cost());
     }
@@ -81,7 +81,7 @@ fn finest_sigma(cache: &ProbeCache) -> f32 {
     space.sigma_image(space.first_octave, 0.0) as f32
 }
 
-/// What the advice is made from.
+/// Data from which the advice is made.
 pub(super) struct Telling<'a> {
     pub cache: &'a ProbeCache,
     pub spectrum: &'a Spectrum,
@@ -103,14 +103,14 @@ impl Telling<'_> {
         &self.spectrum.evidence
     }
 
-    /// The part of the evidence for which something holds.
+    /// The part of the evidence that satisfies `holds`.
     pub(super) fn part(&self, holds: impl Fn(&SlopeEvidence) -> bool) -> f32 {
         let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();
         let all = sum(&mut self.evidence().iter());
         if all > 0.0 { sum(&mut self.evidence().iter().filter(|e| holds(e))) / all } else { 0.0 }
     }
 
-    /// Coordinates of the evidence along an axis of the grid, px/frame.
+    /// The coordinate of the evidence along an axis of the grid, px/frame.
     pub(super) fn along(&self, e: &SlopeEvidence, second: bool) -> f32 {
         let line = SlopeGrid {
             u: SlopeAxis { min: 0.0, max: 1.0, count: 2 },

@@ -1,4 +1,4 @@
-//! Periodic textures: where in the picture they are, and at which slopes they answer again.
+//! Periodic textures: their places in the picture, and the slopes at which they respond again.
 
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Slope, SlopeGrid};
@@ -9,38 +9,38 @@ use crate::inspect::texture::{dirichlet, period_along};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 
-/// A texture that repeats itself along an axis of the slopes.
+/// A texture that is periodic along an axis of the slopes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alias {
-    /// After how many pixels it repeats itself: slopes so many px/frame apart look alike.
+    /// Period, pixels: slopes that differ by as many px/frame look alike.
     pub period_px: f32,
-    /// How alike it is then, 0 … 1.
+    /// Correlation of the texture with itself after a period, 0 … 1.
     pub correlation: f32,
-    /// The direction of the slopes along which it does, u and v, of length 1.
+    /// Direction of the slopes along which it is periodic, u and v, of length 1.
     pub direction: [f32; 2],
-    /// Its slope, px/frame, as far as one can be told from the others.
+    /// Slope of the texture, px/frame, as far as it can be distinguished from its aliases.
     pub slope: Slope,
-    /// How many aliases of that slope lie within the slopes searched.
+    /// Number of aliases of that slope within the slopes searched.
     pub inside_range: usize,
-    /// The height (0 … 1) of the side lobes between them, for the frames used.
+    /// Height (0 … 1) of the side lobes between them, for the frames used.
     pub side_lobe: f32,
-    /// Where it is: (u, v) of the middle of each window, input pixels, the clearest first.
+    /// Places of the texture: (u, v) of the middle of each window, input pixels, the clearest first.
     pub places: Vec<[f32; 2]>,
 }
 
-/// Windows of this ambiguity or more are looked at.
+/// Minimum ambiguity of a window to be examined.
 const AMBIGUOUS: f32 = 0.5;
-/// Significance from which a window counts at all.
+/// Minimum significance of a window to be examined.
 const SIGNIFICANT: f32 = 6.5;
-/// Windows that are looked at, at most: the most significant ones.
+/// Maximum number of windows examined: the most significant ones.
 const MAX_WINDOWS: usize = 120;
-/// Periods that differ by less than this part are the same.
+/// Relative difference below which two periods are the same.
 const SAME_PERIOD: f32 = 0.12;
-/// Pixels to each side in which a period is looked for.
+/// Pixels to each side in which a period is searched.
 const HALF_PX: usize = 32;
 
-/// The periodic textures of a burst, those with the most places first. `all` is the evidence of every window,
-/// `confirmed` what counts.
+/// Finds the periodic textures of a burst; those with aliases in range and with the most places come first. `all` is
+/// the evidence of every window, `confirmed` the confirmed evidence.
 pub(super) fn aliases(
     cache: &ProbeCache,
     confirmed: &[SlopeEvidence],
@@ -89,13 +89,14 @@ pub(super) fn aliases(
             }
         }
     }
-    // Those that matter first: they answer again within the slopes searched.
+    // Textures with aliases within the slopes searched come first.
     let matters = |alias: &Alias| (alias.inside_range > 0, alias.places.len());
     found.sort_by(|a, b| matters(b).cmp(&matters(a)).then(b.correlation.total_cmp(&a.correlation)));
     Ok(found)
 }
 
-/// The slope of a window: what confirmed evidence says that holds its middle, or its own where there is none.
+/// The slope of a window: that of the smallest confirmed evidence that contains its middle, or its own where there is
+/// none.
 fn believed(window: &SlopeEvidence, confirmed: &[SlopeEvidence]) -> Slope {
     let holds = |e: &&SlopeEvidence| {
         (e.centre[0] - window.centre[0]).abs() <= 0.5 * e.size[0]
@@ -114,7 +115,7 @@ fn directions(grid: &SlopeGrid) -> Vec<[f32; 2]> {
     axes.into_iter().filter(|(count, _)| *count > 1).map(|(_, to)| towards(to)).collect()
 }
 
-/// How many slopes whole periods away from `slope` the axis along `direction` holds.
+/// The number of slopes whole periods away from `slope` within the range of the axis along `direction`.
 fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32) -> usize {
     let along = |s: Slope| s.u * direction[0] + s.v * direction[1];
     let own = along(slope);
@@ -127,7 +128,7 @@ fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32
 
 /// The highest side lobe of the mean over `frames` frames, between two aliases.
 fn highest_lobe(frames: usize) -> f32 {
-    // Beyond the first zero, which lies 1/N of a period beside the peak.
+    // Beyond the first zero, which lies 1/N of a period from the peak.
     let first = 1.0 / frames as f64;
     let lobes = (0..=200).map(|k| first + (0.5 - first) * f64::from(k) / 200.0).map(|x| dirichlet(frames, 1.0, x));
     if frames > 2 { lobes.fold(0.0, f64::max) as f32 } else { 0.0 }

@@ -1,4 +1,4 @@
-//! Advice on the frames: those that add nothing, and those in which much of the picture has left.
+//! Advice on the frames: frames that add nothing, and frames that much of the picture has left.
 
 use super::advice::{SlopeAdvice, Subject, Telling};
 use super::coverage_share;
@@ -6,9 +6,9 @@ use crate::detector::params::doc;
 use crate::detector::{FrameRange, ParamChange, Slope, SlopeVerdict};
 use crate::inspect::words::{number, slope_text};
 
-/// Share of the picture that all frames should show at the typical slope of the evidence.
+/// Minimum share of the picture that all frames should show at the typical slope of the evidence.
 const COVERED: f32 = 0.7;
-/// Distance from a uniform motion that may remain, pixels: about what smears the finest features.
+/// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
 const STRAIGHT_PX: f32 = 1.4;
 
 impl Telling<'_> {
@@ -17,7 +17,7 @@ impl Telling<'_> {
         let frames = self.spectrum.frames;
         let left = match finding.verdict {
             SlopeVerdict::NotStraight => {
-                // A bend grows with the square of the time.
+                // The deviation of a bent motion grows with the square of the time.
                 let off = finding.deviation_px.filter(|off| *off > STRAIGHT_PX)?;
                 (frames as f32 * (STRAIGHT_PX / off).sqrt()) as usize
             }

@@ -1,8 +1,8 @@
-//! Which slopes a burst needs: what was found at each slope, what the frames show before any threshold, and what to
-//! change.
+//! The slopes that a burst needs: features found at each slope, evidence of the frames before any threshold, and
+//! advice.
 //!
-//! The features say where the detector found something; the *evidence* ([`crate::detector::SlopeFinding`]) says where
-//! the motion stack has power that single frames do not have alone, also beyond the slopes that were searched. Advice
+//! The features show where the detector found something; the *evidence* ([`crate::detector::SlopeFinding`]) shows where
+//! the motion stack has power that single frames do not have, also beyond the slopes that were searched. Advice
 //! compares the two with the grid.
 
 mod advice;
@@ -21,67 +21,67 @@ use crate::detector::{Detection, Slope, SlopeChoice, SlopeFinding, SlopeGrid, fi
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 
-/// What there is at one slope.
+/// Features and evidence at one slope.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlopeBar {
     /// Coordinates in the grid, first axis and second; outside the grid beyond its rim.
     pub at: [i64; 2],
-    /// px/frame.
+    /// Slope, px/frame.
     pub slope: Slope,
-    /// Whether it was searched.
+    /// Whether the slope was searched.
     pub is_searched: bool,
-    /// Whether it is on the rim of what was searched.
+    /// Whether it is on the rim of the searched slopes.
     pub is_on_rim: bool,
-    /// Features whose slope is nearest to this one.
+    /// Number of features whose slope is nearest to this one.
     pub features: usize,
-    /// The part (0 … 1) of all evidence, by its significance, whose slope is nearest to this one.
+    /// Part (0 … 1) of all evidence, weighted by significance, whose slope is nearest to this one.
     pub evidence: f32,
-    /// The share (0 … 1) of the picture that all frames show at this slope.
+    /// Share (0 … 1) of the picture that all frames show at this slope.
     pub coverage: f32,
 }
 
-/// What a search costs.
+/// Cost of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
-    /// Slopes searched.
+    /// Number of slopes searched.
     pub slopes: usize,
-    /// Samples of D examined.
+    /// Number of samples of D examined.
     pub samples: u64,
-    /// Seconds that the search took, by the clock.
+    /// Wall-clock time of the search, seconds.
     pub search_secs: f32,
 }
 
-/// The slopes of a burst.
+/// Spectrum of the slopes of a burst.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spectrum {
-    /// The slopes searched.
+    /// Slopes that were searched.
     pub grid: SlopeGrid,
-    /// Those of the grid in its order, first axis fastest, and those beyond its rim on which there is evidence.
+    /// Slopes of the grid in its order, first axis fastest, and those beyond its rim with evidence.
     pub bars: Vec<SlopeBar>,
-    /// Features in all.
+    /// Number of features.
     pub features: usize,
-    /// Features at the limit of the slopes.
+    /// Number of features at the limit of the slopes.
     pub at_limit: usize,
-    /// What the frames themselves show.
+    /// Result of finding the slopes from the frames.
     pub finding: SlopeFinding,
-    /// The evidence that counts, strongest first.
+    /// Confirmed evidence, strongest first.
     #[serde(skip)]
     pub evidence: Vec<SlopeEvidence>,
-    /// Textures that repeat themselves.
+    /// Periodic textures.
     pub aliases: Vec<Alias>,
-    /// What was paid.
+    /// Cost of the search.
     pub cost: Cost,
-    /// Frames used.
+    /// Number of frames used.
     pub frames: usize,
-    /// What to change, the most important first; empty when all is well.
+    /// Advice, the most important first; empty when none is needed.
     pub advice: Vec<SlopeAdvice>,
 }
 
-/// Grid steps beyond the rim that are shown at most.
+/// Maximum number of grid steps beyond the rim that are shown.
 const MAX_BEYOND: i64 = 40;
 
 impl Spectrum {
-    /// The slope searched with the most features that do not lie at the limit; `None` without features. See
+    /// The searched slope with the most features that do not lie at the limit; `None` without features. See
     /// [`slope_with_most_features`].
     pub fn most_features(&self) -> Option<Slope> {
         // The slopes searched come first, in the grid's order.
@@ -90,7 +90,7 @@ impl Spectrum {
     }
 }
 
-/// The slopes of the burst behind `cache`.
+/// Computes the spectrum of the burst of `cache`.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -98,7 +98,7 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
     let (trail, params) = (&cache.trail, cache.params());
     let grid = params.used_slopes();
     let finding = match &cache.finding {
-        // One that was asked for on a line has not seen the rest of the plane.
+        // A finding for a line has no evidence for the rest of the plane.
         Some(finding) if cache.asked.slopes == SlopeChoice::AUTO => finding.clone(),
         _ => find_slopes(&cache.burst, params, None, monitor)?,
     };
@@ -130,13 +130,13 @@ pub fn coverage_share(slope: Slope, frames: usize, size: (usize, usize)) -> f32 
     part(slope.u, size.0) * part(slope.v, size.1)
 }
 
-/// Coordinates of the grid's slope, or of the one beyond its rim at the same step, that is nearest to a slope.
+/// The coordinates of the slope of the grid, or of its continuation beyond the rim, nearest to a slope.
 fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
     let (i, j) = grid.position(slope);
     [i.round() as i64, j.round() as i64]
 }
 
-/// For each slope of the search, in its order, the features whose own slope it is nearest to.
+/// For each slope of the search, in its order, the number of features whose own slope is nearest to it.
 pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
     let grid = &detection.slopes;
     let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
@@ -149,8 +149,8 @@ pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
 }
 
 /// The index of the slope of `grid` with the most of `counts` features, and their number; `None` where there are none.
-/// Those on the rim are mostly of motions beyond it, so they count only where there are no others. Of equal ones the
-/// slowest is taken, then the first.
+/// Features on the rim are mostly of motions beyond it, so they count only where there are no others. Of equal slopes
+/// the slowest is taken, then the first.
 pub fn slope_with_most_features(grid: &SlopeGrid, counts: &[usize]) -> Option<(usize, usize)> {
     let is_inner = |index: usize| {
         let (i, j) = grid.coordinates(index);
@@ -187,7 +187,7 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
                 is_searched,
                 is_on_rim: is_searched && grid.on_rim(at[0] as usize, at[1] as usize),
                 features: if is_searched { counts[(at[1] * nu + at[0]) as usize] } else { 0 },
-                // A sum over nothing would be −0.
+                // An empty sum would be −0.
                 evidence: seen.iter().filter(|(place, _)| *place == at).fold(0.0, |sum, (_, s)| sum + s) / total,
                 coverage: coverage_share(slope, detection.frames_used.len(), cache.burst.size()),
             }

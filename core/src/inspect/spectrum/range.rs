@@ -1,4 +1,4 @@
-//! Advice on the range of slopes: what moves beyond it, and aliases that it need not hold.
+//! Advice on the range of slopes: motion beyond it, and aliases that it need not include.
 
 use super::advice::{SlopeAdvice, Subject, Telling};
 use super::{Alias, Spectrum};
@@ -6,15 +6,15 @@ use crate::detector::params::doc;
 use crate::detector::{ParamChange, SlopeAxis};
 use crate::inspect::words::{counted, number, slope_text};
 
-/// Part of the evidence, or of the stronger half of the features, that lies beyond the range (at its limit) before that
-/// is said.
+/// Part of the evidence beyond the range, and part of the stronger half of the features at its limit, from which advice
+/// is given.
 const BEYOND: f32 = 0.08;
 const AT_LIMIT: f64 = 0.4;
-/// That share must be this many times what the rim has by chance.
+/// Minimum ratio of that part of the features to the part expected on the rim by chance.
 const AT_LIMIT_OVER_CHANCE: f64 = 1.4;
-/// Features that there must be to speak of shares of them.
+/// Minimum number of features for which shares are computed.
 const ENOUGH_FEATURES: usize = 10;
-/// Places that a repeating texture must have, to matter.
+/// Minimum number of places of a relevant periodic texture.
 const ALIAS_PLACES: usize = 2;
 
 impl Telling<'_> {
@@ -60,7 +60,7 @@ impl Telling<'_> {
         format!("; {at_limit} of {} lie at the limit", counted(*features, "feature"))
     }
 
-    /// Where the frames show nothing clearly, the features at the limit speak.
+    /// Advice from the features at the limit, where the frames give no clear evidence.
     fn range_by_features(&self) -> Option<SlopeAdvice> {
         let (grid, detection) = (self.grid(), self.cache.detection());
         // The stronger half: a strong blob beyond the range also leaves weaker smears of itself at all other slopes.
@@ -116,7 +116,7 @@ impl Telling<'_> {
         })
     }
 
-    /// The part of the range around the unambiguous evidence that holds no alias; `None` where that evidence itself
+    /// The part of the range around the unambiguous evidence that contains no alias; `None` where that evidence itself
     /// needs more.
     fn within_a_period(&self, alias: &Alias) -> Option<ParamChange> {
         let grid = self.grid();

@@ -1,7 +1,7 @@
-//! What lies between the two passes: rows of one level, one block of columns after the other.
+//! Rows of one level between the two passes, stored in blocks of columns.
 //!
 //! The second pass works on a block of columns at a time and reads rows above and below one another. So a block's rows
-//! lie one behind the other: they come from memory in order, and loops over them need no test of bounds.
+//! are contiguous: they are read from memory in order, and loops over them need no bounds checks.
 
 use crate::kernel::gaussian_bank::lanes::BLOCK;
 use crate::plane::aligned::Aligned;
@@ -14,7 +14,7 @@ pub(crate) type Row = [f32; BLOCK];
 pub(crate) struct Band {
     data: Aligned,
     blocks: usize,
-    /// Rows that there is room for.
+    /// Capacity in rows.
     room: usize,
 }
 
@@ -36,14 +36,14 @@ impl Band {
         self.data[block * self.step()..(block + 1) * self.step()].as_chunks().0
     }
 
-    /// Row `row` of the first block; those of the others lie [`Band::step`] values apart.
+    /// Row `row` of the first block; the same row of each other block lies [`Band::step`] values further.
     #[inline(always)]
     pub fn row_mut(&mut self, row: usize) -> &mut [f32] {
         let end = self.blocks * self.step();
         &mut self.data[row * BLOCK..end]
     }
 
-    /// Moves rows `rows` up to row `to`.
+    /// Moves rows `rows` to row `to` in every block.
     pub fn move_rows(&mut self, rows: std::ops::Range<usize>, to: usize) {
         for block in 0..self.blocks {
             let start = block * self.room;

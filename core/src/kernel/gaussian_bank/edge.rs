@@ -1,4 +1,4 @@
-//! What a chain of blurs does near the borders of an image.
+//! Weights of a chain of blurs near the borders of an image.
 //!
 //! Each blur of the chain repeats the nearest pixel of its own input beyond the border. As a matrix that is a clamped
 //! convolution, and the chain is the product of its matrices; the rows of that product for places near the border are
@@ -34,7 +34,7 @@ impl Dense {
         outs.start.saturating_sub(self.radius).max(self.ins.start)..(outs.end + self.radius).min(self.ins.end)
     }
 
-    /// The same weights at the other end of a line of `n` pixels.
+    /// These weights at the other end of a line of `n` pixels.
     fn mirrored(&self, n: usize) -> Self {
         let flip = |range: &Range<usize>| n - range.end..n - range.start;
         let mut out =
@@ -50,23 +50,23 @@ impl Dense {
     }
 }
 
-/// The weights of all levels near the first border of a line: as far from it as the level's radius.
+/// The weights of all levels near the first border of a line: up to the level's radius from it.
 #[derive(Debug, Clone)]
 pub(crate) struct Edges {
     levels: Vec<Dense>,
-    /// A line must have this many pixels for the other border not to matter.
+    /// Minimum number of pixels of a line for which the other border has no effect.
     far: usize,
 }
 
 impl Edges {
-    /// For a line whose other border is far away.
+    /// Weights for a line whose other border is far away.
     pub fn far_apart(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel]) -> Self {
         let radius = kernels.iter().map(Kernel::radius).max().unwrap_or(0);
         let chain_radius: usize = chain[..wanted.end].iter().map(GaussianKernel::radius).sum();
         Self::of_line(chain, wanted, kernels, 2 * radius + chain_radius + 1)
     }
 
-    /// For a line of `n` pixels; of a level that reaches from border to border, all of its outputs.
+    /// Weights for a line of `n` pixels; for a level that reaches from border to border, those of all its outputs.
     fn of_line(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel], n: usize) -> Self {
         let mut levels: Vec<Dense> = kernels
             .iter()
@@ -109,14 +109,14 @@ impl Edges {
     }
 }
 
-/// A line whose non-zero values lie in `support`, convolved by `taps` with its nearest pixel repeated beyond its ends;
+/// A line whose non-zero values lie in `support`, convolved with `taps`, its nearest pixel repeated beyond its ends;
 /// and the new support.
 fn blurred(signal: &[f64], support: Range<usize>, taps: &[f64]) -> (Vec<f64>, Range<usize>) {
     let (n, radius) = (signal.len(), taps.len() / 2);
     let mut out = vec![0.0; n];
     let reached = support.start.saturating_sub(radius)..(support.end + radius).min(n);
     for at in reached.clone() {
-        // Tap k reads place at + k − radius; those before the first place or behind the last read the first or last.
+        // Tap k reads place at + k − radius; taps before the first place or behind the last read the first or last.
         let first = (support.start + radius).saturating_sub(at);
         let last = (support.end + radius - at).min(taps.len());
         let inside = first.max(radius.saturating_sub(at))..last.min(n + radius - at);
@@ -141,9 +141,9 @@ fn blurred(signal: &[f64], support: Range<usize>, taps: &[f64]) -> (Vec<f64>, Ra
 pub(crate) struct Weights {
     /// The centre tap and those to one side, where no border is near.
     pub half: Vec<f32>,
-    /// At the first places, or at all of them.
+    /// Weights of the first outputs, or of all of them.
     pub head: Dense,
-    /// At the last places.
+    /// Weights of the last outputs.
     pub tail: Dense,
 }
 
@@ -168,7 +168,7 @@ impl Weights {
     }
 }
 
-/// What a bank does along a line of pixels of a given length: plain kernels inside, the chain's own weights near the
+/// Weights of a bank along a line of pixels of a given length: plain kernels inside, the chain's own weights near the
 /// ends.
 #[derive(Debug)]
 pub struct Axis {
@@ -176,11 +176,11 @@ pub struct Axis {
     pub(crate) n: usize,
     /// Pixels to each side that a value depends on.
     pub(crate) radius: usize,
-    /// One a level.
+    /// Weights of each level.
     pub(crate) levels: Vec<Weights>,
 }
 
-/// Which weights apply to a stretch of a line.
+/// Kind of weights that apply to a part of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Section {
     Head,
@@ -189,7 +189,7 @@ pub(crate) enum Section {
 }
 
 impl FilterBank {
-    /// What the bank does along a line of `n` pixels.
+    /// The bank's weights along a line of `n` pixels.
     pub fn axis(&self, n: usize) -> Axis {
         let own;
         let edges = if n < self.edges.far {
@@ -213,7 +213,7 @@ impl Axis {
         self.n
     }
 
-    /// How many levels are made.
+    /// Number of levels.
     pub fn level_count(&self) -> usize {
         self.levels.len()
     }

@@ -1,4 +1,4 @@
-//! Filtering a tile: the two passes put together, a batch of rows at a time.
+//! Filtering a tile: both passes, a batch of rows at a time.
 
 use crate::kernel::gaussian_bank::band::Band;
 use crate::kernel::gaussian_bank::edge::{Axis, Section};
@@ -11,9 +11,9 @@ use crate::plane::tile::{Region, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Where a tile's pixels come from.
+/// Source of a tile's pixels.
 pub trait Lines {
-    /// Row `v` from column `first` on, as far as its memory goes: at least to the end of what is held.
+    /// Row `v` from column `first` on, up to the end of its memory: at least all held columns.
     fn line(&self, v: usize, first: usize) -> &[f32];
 }
 
@@ -29,17 +29,17 @@ impl Lines for Tile {
     }
 }
 
-/// Space for what lies between the passes; reused, so that filtering does not allocate.
+/// Buffers between the passes; reused, so that filtering does not allocate.
 #[derive(Debug, Default)]
 pub struct FilterScratch {
     line: Aligned,
     /// For each level, the rows that the second pass reads.
     bands: Vec<Band>,
-    /// A block of columns of the level before.
+    /// A block of columns of the previous level.
     level: Aligned,
 }
 
-/// What one call of [`filter_tile`] works on.
+/// Arguments and buffers of one call of [`filter_tile`].
 struct FilterJob<'a, L: Lines + ?Sized> {
     along_u: &'a Axis,
     along_v: &'a Axis,
@@ -47,7 +47,7 @@ struct FilterJob<'a, L: Lines + ?Sized> {
     lines: &'a L,
     region: &'a Region,
     stride: usize,
-    /// Rows of the image that the bands hold; of a level, at least those that it still needs.
+    /// Rows of the image that the bands hold; for each level, at least those that it still needs.
     held: Range<usize>,
     scratch: &'a mut FilterScratch,
     differences: &'a mut [Tile],
@@ -58,8 +58,8 @@ struct FilterJob<'a, L: Lines + ?Sized> {
 /// Filters `region` of the image that `lines` holds, whose width and height are those of the axes.
 ///
 /// `differences` (one fewer than levels) are reset to the region and become level `i + 1` minus level `i`. `keep` names
-/// a level that is wanted itself, and where. `batch_done` is called as rows are finished, with the differences and the
-/// range of rows that is new.
+/// a level to store as well, and its tile. `batch_done` is called as rows are finished, with the differences and the
+/// range of new rows.
 pub fn filter_tile<L: Lines + ?Sized>(
     (along_u, along_v): (&Axis, &Axis),
     lines: &L,
@@ -122,7 +122,7 @@ impl<L: Lines + ?Sized> WithSimd for FilterJob<'_, L> {
 }
 
 impl<L: Lines + ?Sized> FilterJob<'_, L> {
-    /// Makes row `top` the first one that is held; of each level, the rows that it needs from row `next` on stay.
+    /// Makes row `top` the first held one; keeps, for each level, the rows that it needs from row `next` on.
     fn forget_above(&mut self, top: usize, next: usize) {
         let Range { start, end } = self.held;
         for (band, level) in self.scratch.bands.iter_mut().zip(&self.along_v.levels) {
@@ -134,7 +134,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         self.held.start = top;
     }
 
-    /// The first pass for row `v`.
+    /// Runs the first pass for row `v`.
     #[inline(always)]
     fn make_band_row<S: Simd>(&mut self, simd: S, v: usize) {
         let index = v - self.held.start;
@@ -143,8 +143,8 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         let wide = self.along_u.inputs(columns);
         let offset = reach - (columns.start - wide.start);
         let FilterScratch { line, bands, .. } = &mut *self.scratch;
-        // Where the row's memory holds a value for all that the vectors touch, it is read where it lies; what lies
-        // beyond the image counts for nothing.
+        // Where the row's memory covers everything that the vectors touch, it is read in place; values beyond the image
+        // have no effect.
         let there = self.lines.line(v, wide.start);
         let line: &[f32] = if offset == 0 && there.len() >= self.stride + 2 * reach {
             there
@@ -167,10 +167,10 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// The second pass for the rows `batch`.
+    /// Runs the second pass for the rows `batch`.
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>) {
-        // As many rows as there are registers for.
+        // As many rows as registers allow.
         let max = if S::F32_LANES >= 16 { MAX_LEVEL_ROWS } else { MAX_LEVEL_ROWS / 2 };
         for block in (0..self.stride).step_by(BLOCK) {
             for index in 0..self.along_v.levels.len() {
@@ -194,7 +194,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// A few rows of a block of columns.
+    /// Computes a few rows of a block of columns.
     #[inline(always)]
     fn level_rows<S: Simd, const ROWS: usize>(&mut self, simd: S, place: Place) {
         let Place { section, index, batch_start, first, block } = place;
@@ -213,7 +213,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// Copies a block of columns of a finished level to where it is wanted itself.
+    /// Copies a block of columns of a finished level to the tile of the kept level.
     fn keep_block(&mut self, index: usize, batch: &Range<usize>, block: usize) {
         if let Some((_, tile)) = self.keep.as_mut().filter(|(kept, _)| *kept == index) {
             let out = tile.rows_from_mut(batch.start, batch.len()).chunks_exact_mut(self.stride);
@@ -224,15 +224,15 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
     }
 }
 
-/// Which rows of a level are made.
+/// Position of the rows of a level that are computed together.
 #[derive(Clone, Copy)]
 struct Place {
     section: Section,
-    /// The level.
+    /// Index of the level.
     index: usize,
     /// First row of the batch.
     batch_start: usize,
-    /// First row.
+    /// First row to compute.
     first: usize,
     /// First column of the block, within the tile.
     block: usize,

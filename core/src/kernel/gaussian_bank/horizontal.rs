@@ -1,6 +1,6 @@
-//! The pass along the rows: every level of a row from each pixel loaded once.
+//! The pass along the rows: all levels of a row, with each pixel loaded once.
 //!
-//! Two pixels at the same distance from the centre are added, then multiplied into all levels that reach so far. The
+//! Two pixels at the same distance from the centre are added, then multiplied into all levels that reach that far. The
 //! sums of up to [`MOST`] levels over [`BLOCK`](crate::kernel::gaussian_bank::lanes::BLOCK) columns stay in vector
 //! registers.
 
@@ -9,21 +9,21 @@ use crate::kernel::gaussian_bank::lanes::{BLOCK, VECTOR, load, store};
 use pulp::Simd;
 use std::ops::Range;
 
-/// Levels that are made at once; with more, vector registers run out.
+/// Levels computed at once; with more, vector registers run out.
 pub(crate) const MOST: usize = 8;
 
-/// The taps of some levels, side by side.
+/// Taps of some levels, interleaved.
 #[derive(Debug)]
 pub(crate) struct Packed {
-    /// Which levels.
+    /// Range of the levels.
     pub levels: Range<usize>,
     /// `taps[distance·levels + level]`, zero beyond a level's radius.
     taps: Vec<f32>,
-    /// Each level's radius; they never fall.
+    /// Radius of each level; they never decrease.
     radii: Vec<usize>,
 }
 
-/// All levels of `axis`, in as few equal groups as [`MOST`] allows.
+/// All levels of `axis`, in as few groups of (nearly) equal size as [`MOST`] allows.
 pub(crate) fn packed(axis: &Axis) -> Vec<Packed> {
     let count = axis.levels.len();
     let size = count.div_ceil(count.div_ceil(MOST).max(1)).max(1);
@@ -40,7 +40,7 @@ pub(crate) fn packed(axis: &Axis) -> Vec<Packed> {
         .collect()
 }
 
-/// Where a row's values go: `columns` of them, a whole number of blocks, which begin `step` apart.
+/// Layout of a row's values: `columns` of them, a whole number of blocks, which begin `step` apart.
 #[derive(Clone, Copy)]
 pub(crate) struct Blocks {
     pub columns: usize,
@@ -48,15 +48,15 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Where column `column` goes.
+    /// Index of column `column`.
     #[inline(always)]
     fn place(self, column: usize) -> usize {
         column / BLOCK * self.step + column % BLOCK
     }
 }
 
-/// One row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side; `out[level]`
-/// takes its blocks.
+/// Convolves one row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side;
+/// `out[level]` receives its blocks.
 #[inline(always)]
 pub(crate) fn convolve_row<S: Simd>(
     simd: S,
@@ -98,7 +98,7 @@ fn convolve<S: Simd, const L: usize>(
             let tap = simd.splat_f32s(tap);
             *acc = [simd.mul_f32s(tap, centre[0]), simd.mul_f32s(tap, centre[1])];
         }
-        // At each distance, the pixels before and behind and the taps of all levels. Iterators need no test of bounds
+        // For each distance, the pixels before and behind and the taps of all levels. Iterators need no bounds checks
         // in the loop.
         let before = line[at - radius..at + 2 * lanes - 1].windows(2 * lanes).rev();
         let behind = line[at + 1..at + 2 * lanes + radius].windows(2 * lanes);
@@ -135,7 +135,7 @@ fn convolve<S: Simd, const L: usize>(
 }
 
 /// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` is column `columns.start + i`, and
-/// `out` takes the blocks that begin there.
+/// `out` receives the blocks that begin there.
 #[inline(always)]
 pub(crate) fn edge_columns<S: Simd>(
     simd: S,
@@ -174,7 +174,7 @@ fn edge<S: Simd>(
         if part.is_empty() {
             continue;
         }
-        // Two sums, so that one need not wait for the other.
+        // Two sums, so that neither waits for the other.
         let mut acc = [simd.splat_f32s(0.0); 2];
         let (mut row, mut input) = (start, 0);
         while input + 1 < pixels.len() {

@@ -2,7 +2,7 @@
 
 use crate::plane::blur::GaussianKernel;
 
-/// One level's kernel: the centre tap and those to one side.
+/// Kernel of one level: the centre tap and those to one side.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernel {
     pub half: Vec<f32>,
@@ -20,7 +20,7 @@ pub(crate) fn all_taps(half: &[f32]) -> Vec<f64> {
     half.iter().skip(1).rev().chain(half).map(|&tap| f64::from(tap)).collect()
 }
 
-/// The kernels of all levels of `chain`, each cut at `cut` of its own standard deviations. Radii never fall.
+/// The kernels of all levels of `chain`, each cut at `cut` of its own standard deviations. Radii never decrease.
 pub(crate) fn composed(chain: &[GaussianKernel], cut: f64) -> Vec<Kernel> {
     let mut taps = vec![1.0f64];
     let mut radius = 0;

@@ -1,24 +1,24 @@
-//! The pass along the columns: a few rows of one level at once, and their difference from the level before.
+//! The pass along the columns: a few rows of one level at once, and their difference from the previous level.
 //!
-//! The rows above and below that belong to the next distance from the centre are mostly those that already lie in
-//! registers, one place further; each step loads only two. Columns are taken a block at a time, so that all rows which
-//! a batch reads there stay in the first cache.
+//! From one distance from the centre to the next, most of the rows above and below are already in registers, one place
+//! further; each step loads only two. Columns are taken a block at a time, so that all rows which a batch reads there
+//! stay in the first cache.
 
 use crate::kernel::gaussian_bank::band::Row;
 use crate::kernel::gaussian_bank::edge::Dense;
 use crate::kernel::gaussian_bank::lanes::{BLOCK, load, store};
 use pulp::Simd;
 
-/// Where a few finished rows of a block of columns go.
+/// Destination of a few finished rows of a block of columns.
 pub(crate) struct Sink<'a> {
-    /// The level's rows, [`BLOCK`] apart; before, those of the level before it.
+    /// Rows of the level, [`BLOCK`] apart; before they are written, those of the previous level.
     pub level: &'a mut [f32],
-    /// The rows of their difference, for all levels but the first, `stride` apart.
+    /// Rows of the difference of the two, `stride` apart; `None` for the first level.
     pub difference: Option<&'a mut [f32]>,
 }
 
 impl Sink<'_> {
-    /// Column `within` of the block and `column` of the tile, in row `row`.
+    /// Writes column `within` of the block and `column` of the tile, in row `row`.
     #[inline(always)]
     fn put<S: Simd>(&mut self, simd: S, row: usize, (column, within): (usize, usize), stride: usize, value: S::f32s) {
         let at = row * BLOCK + within;
@@ -29,8 +29,8 @@ impl Sink<'_> {
     }
 }
 
-/// `ROWS` rows away from the borders; the first one is row `radius` of `rows`, which holds the kernel's radius more on
-/// both sides. `column` is the block's first one in the tile.
+/// Computes `ROWS` rows away from the borders; the first one is row `radius` of `rows`, which holds the kernel's radius
+/// more on both sides. `column` is the block's first one in the tile.
 #[inline(always)]
 pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
     simd: S,
@@ -42,7 +42,7 @@ pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
 ) {
     let radius = half.len() - 1;
     let middle: &[Row; ROWS] = rows[radius..radius + ROWS].try_into().expect("as many rows as are made");
-    // By their distance from the first and from the last of them.
+    // Sorted by distance from the first and from the last of the rows.
     let (upper, lower) = (&rows[..radius], &rows[radius + ROWS..][..radius]);
     let (upper_rest, upper) = upper.as_rchunks::<4>();
     let (lower, lower_rest) = lower.as_chunks::<4>();
@@ -55,10 +55,10 @@ pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
             acc[i] = simd.mul_f32s(tap, above[i]);
         }
         let mut below = above;
-        // A macro, since a closure would not be compiled for the processor at hand.
+        // A macro, since a closure would not be compiled for the processor's features.
         macro_rules! step {
             ($tap:expr, $upper:expr, $lower:expr) => {
-                // The rows a tap farther away are those at hand, one place on, and a new one.
+                // One tap farther, the rows needed are those already loaded, shifted by one, and a new one.
                 let tap = simd.splat_f32s($tap);
                 for i in (1..ROWS).rev() {
                     above[i] = above[i - 1];
@@ -89,8 +89,8 @@ pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
     }
 }
 
-/// `ROWS` rows near a border, from row `first` on, of a block of columns whose first one in the tile is `column`.
-/// `rows` are those of the band, which begins at row `top`.
+/// Computes `ROWS` rows near a border, from row `first` on, of a block of columns whose first one in the tile is
+/// `column`. `rows` are those of the band, which begins at row `top`.
 #[inline(always)]
 pub(crate) fn edge_rows<S: Simd, const ROWS: usize>(
     simd: S,

@@ -1,12 +1,11 @@
-//! Robust estimation: the model that most of the matches agree on, whatever the others say.
+//! Robust estimation: the model that most of the matches agree on, despite outliers.
 //!
-//! RANSAC (Fischler and Bolles, 1981) with what has been learnt since. Samples come by quality at first
-//! ([`super::sampling`]); a model's quality is a smooth cost that does not hang on one threshold ([`super::loss`]);
-//! each model that is the best so far is improved at once by iteratively reweighted least squares over all its inliers
-//! (local optimisation: Chum, Matas and Kittler, "Locally Optimized RANSAC", 2003; reweighting as in MAGSAC++); scoring
-//! stops as soon as a model cannot win any more; sampling stops once a better model would have been met with the
-//! confidence asked for; and a model that explains only a degenerate part of the scene gets a chance to be repaired
-//! ([`Problem::repair`]).
+//! RANSAC (Fischler and Bolles, 1981) with later improvements. Samples come by quality at first ([`super::sampling`]);
+//! a model's quality is a smooth cost that does not depend on one threshold ([`super::loss`]); each model that is the
+//! best so far is improved at once by iteratively reweighted least squares over all its inliers (local optimisation:
+//! Chum, Matas and Kittler, "Locally Optimized RANSAC", 2003; reweighting as in MAGSAC++); scoring stops as soon as a
+//! model cannot become the best; sampling stops once a better model would have been found with the requested
+//! confidence; and a model that explains only a degenerate part of the scene may be repaired ([`Problem::repair`]).
 //!
 //! Everything happens in a fixed order on one thread: the same matches, parameters and seed give the same bits.
 
@@ -14,29 +13,29 @@ use super::loss::Loss;
 use super::sampling::Sampler;
 use crate::monitor::{Cancelled, Monitor};
 
-/// What is to be estimated, and from what.
+/// A model to be estimated from matches.
 pub(super) trait Problem {
-    /// The model.
+    /// Type of the model.
     type Model: Clone;
 
-    /// Matches that determine a model, up to a few solutions.
+    /// Number of matches that determine a model, up to a few solutions.
     const SAMPLE_SIZE: usize;
 
     /// Number of matches.
     fn count(&self) -> usize;
 
-    /// Appends all models that fit the sample exactly; none for a sample that determines none.
+    /// Appends all models that fit the sample exactly; none for a degenerate sample.
     fn solve(&self, sample: &[usize], models: &mut Vec<Self::Model>);
 
-    /// Squared error of a match under a model; infinite where it has none.
+    /// Squared error of a match under a model; infinite where it is undefined.
     fn squared_error(&self, model: &Self::Model, index: usize) -> f64;
 
-    /// Whether [`Self::refit`] takes a step that may be too long, and that damping shortens.
+    /// Whether a step of [`Self::refit`] may be too long and is shortened by damping.
     const IS_DAMPED: bool = false;
 
-    /// The model near `model` with the least weighted sum of squared errors, or one nearer to it; `None` where the
-    /// weights leave it undetermined. `damping`, above 0, holds damped problems back: towards 0 is the whole way, above
-    /// 1 a small step downhill.
+    /// The model near `model` with the minimum weighted sum of squared errors, or one closer to it; `None` where the
+    /// weights leave it undetermined. `damping`, above 0, shortens the steps of damped problems: near 0 the step is
+    /// full, above 1 it is a small step downhill.
     fn refit(&self, model: &Self::Model, weights: &[f64], damping: f64) -> Option<Self::Model>;
 
     /// A model that may be better than `model`, which may explain only a degenerate part of the scene, such as a plane.
@@ -45,36 +44,36 @@ pub(super) trait Problem {
     }
 }
 
-/// What decides the estimate.
+/// Parameters of the estimate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Settings {
     /// The largest error of an inlier, in the problem's unit.
     pub max_error: f64,
     /// Probability that no better model was missed, at which sampling stops.
     pub confidence: f64,
-    /// Most samples.
+    /// Maximum number of samples.
     pub max_iterations: usize,
     /// Seed of the samples.
     pub seed: u64,
 }
 
-/// The best model found, if any, and how many samples were drawn.
+/// The best model found, if any, and the number of samples drawn.
 pub(super) struct Consensus<M> {
     pub model: Option<M>,
     pub iterations: usize,
 }
 
-/// Samples that are drawn in any case: a model found by luck should not end the search at once.
+/// Minimum number of samples: a model found by luck should not end the search at once.
 const MIN_ITERATIONS: usize = 50;
-/// Steps of a local optimisation, at most; most end after three to five.
+/// Maximum number of steps of a local optimisation; most end after three to five.
 const POLISH_STEPS: usize = 50;
-/// A step that lowers the cost by less than this, in matches, is the last.
+/// Decrease of the cost, in matches, below which a step is the last.
 const POLISH_TOLERANCE: f64 = 1e-3;
-/// Damping of the first step, its change after a success, and after a failure; beyond the last number a local
-/// optimisation ends.
+/// Damping of the first step, its factor after a success, its factor after a failure, and the value beyond which a
+/// local optimisation ends.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model with the least cost. `order` are the indices of all matches, the most promising first.
+/// The model with the minimum cost. `order` are the indices of all matches, the most promising first.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,
@@ -103,8 +102,8 @@ pub(super) fn estimate<P: Problem>(
         models.clear();
         problem.solve(&sample, &mut models);
         for model in &models {
-            // What a sample says exactly is measured against other such models, not against polished ones: it may lead
-            // to a better place.
+            // A sample's exact model is compared with other such models, not with optimised ones: it may lead to a
+            // better optimum.
             let Some(raw) = cost_below(problem, model, &loss, min_raw) else { continue };
             min_raw = raw;
             let candidate = polish(problem, model.clone(), raw, &loss);
@@ -123,8 +122,8 @@ pub(super) fn estimate<P: Problem>(
     Ok(Consensus { model: best.map(|(model, _)| model), iterations })
 }
 
-/// The best model after two more attempts at a better one: along a smoother way, and from outside a degenerate part of
-/// the scene.
+/// The best model after two more attempts to improve it: by descent on a smoother cost, and by repair of a degenerate
+/// model.
 fn finished<P: Problem>(
     problem: &P,
     mut best: (P::Model, f64),
@@ -140,7 +139,7 @@ fn finished<P: Problem>(
             }
         }
     };
-    // A cost twice as wide has fewer hollows in which a descent ends.
+    // A cost twice as wide has fewer local minima in which a descent ends.
     let wide = Loss::new(2.0 * settings.max_error);
     if let Some(cost) = cost_below(problem, &best.0, &wide, f64::INFINITY) {
         let (start, _) = polish(problem, best.0.clone(), cost, &wide);
@@ -164,7 +163,8 @@ fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64
     Some(sum)
 }
 
-/// Descends from a model to the nearest least cost, by reweighted least squares. Never answers with a worse one.
+/// Descends from a model to the nearest local minimum of the cost, by reweighted least squares. Never returns a worse
+/// one.
 fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (P::Model, f64) {
     let mut best = (model, cost);
     let mut weights = vec![0.0; problem.count()];
@@ -198,7 +198,7 @@ fn inlier_count<P: Problem>(problem: &P, model: &P::Model, loss: &Loss) -> usize
     (0..problem.count()).filter(|&index| loss.is_inlier(problem.squared_error(model, index))).count()
 }
 
-/// After how many samples at least one was of inliers alone, with the probability `confidence`.
+/// Number of samples after which at least one consists of inliers alone, with the probability `confidence`.
 fn iterations_needed(inliers: usize, count: usize, sample_size: usize, confidence: f64) -> usize {
     // Without replacement, as samples are drawn.
     let good = (0..sample_size).fold(1.0, |p, i| p * inliers.saturating_sub(i) as f64 / (count - i) as f64);
@@ -208,7 +208,7 @@ fn iterations_needed(inliers: usize, count: usize, sample_size: usize, confidenc
     if good >= 1.0 {
         return 1;
     }
-    // Beyond usize the conversion stays at its largest number.
+    // Beyond usize the conversion saturates.
     (libm::log(1.0 - confidence) / libm::log1p(-good)).ceil() as usize
 }
 
@@ -225,7 +225,7 @@ mod tests {
         assert!(iterations_needed(30, 100, 7, 0.999) > 30_000);
     }
 
-    /// The mean of numbers: the simplest problem there is.
+    /// The mean of numbers: a problem as simple as possible.
     struct Mean(Vec<f64>);
 
     impl Problem for Mean {

@@ -1,14 +1,14 @@
-//! The essential matrix E: the geometry of two views whose intrinsics are known, which is their relative pose but for
-//! the length of the translation.
+//! The essential matrix E: the geometry of two views with known intrinsics, which is their relative pose up to the
+//! length of the translation.
 //!
 //! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = [t]×·R. Five matches leave four dimensions of matrices, E =
 //! x·X + y·Y + z·Z + W, on which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations in the 20 monomials of x,
 //! y, z. Elimination leaves a polynomial of the tenth degree in z (Nistér, "An Efficient Solution to the Five-Point
-//! Relative Pose Problem", PAMI 2004), whose real roots are up to ten solutions. More matches are fitted by Levenberg
-//! and Marquardt's method over rotation and direction of translation, so that planes, which leave linear fits
-//! undetermined, are no trouble.
+//! Relative Pose Problem", PAMI 2004), whose real roots are up to ten solutions. More matches are fitted by the
+//! Levenberg–Marquardt method over rotation and direction of translation, which also works for planes, for which linear
+//! fits are undetermined.
 //!
-//! Errors are Sampson distances in pixels: the gradient is taken after the pixels' coordinates, by way of the focal
+//! Errors are Sampson distances in pixels: the gradient is with respect to the pixels' coordinates, by way of the focal
 //! lengths.
 
 use super::consensus::Problem;
@@ -19,9 +19,9 @@ use super::polynomial::real_roots;
 use super::pose::{RelativePose, poses_of};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-/// Estimates E from matched directions.
+/// Estimation of E from matched directions.
 pub(super) struct EssentialProblem<'a> {
-    /// Directions (x, y, 1).
+    /// Matched directions (x, y, 1).
     pub pairs: &'a [RayPair],
     /// Focal lengths of A's camera, pixels.
     pub focal_a: [f64; 2],
@@ -50,11 +50,11 @@ impl Problem for EssentialProblem<'_> {
     const IS_DAMPED: bool = true;
 
     fn refit(&self, model: &Matrix3<f64>, weights: &[f64], damping: f64) -> Option<Matrix3<f64>> {
-        // Any of the four poses of E has the same E, and they all move alike.
+        // All four poses of E give the same E and the same derivatives.
         let pose = poses_of(model)?[0];
         let [along_1, along_2] = tangents(&pose.translation);
         let e = pose.essential();
-        // How E changes when it is turned about each axis, and when the translation moves.
+        // Derivatives of E for rotations about each axis, and for moves of the translation.
         let turns = [Vector3::x(), Vector3::y(), Vector3::z()]
             .map(|axis| cross_matrix(&pose.translation) * cross_matrix(&axis) * pose.rotation);
         let moves = [along_1, along_2].map(|along| cross_matrix(&along) * pose.rotation);
@@ -76,7 +76,7 @@ impl Problem for EssentialProblem<'_> {
         if used < 5 {
             return None;
         }
-        // Levenberg's and Marquardt's damping: what the matches hardly determine moves least.
+        // Levenberg–Marquardt damping: parameters that the matches hardly determine move least.
         let damped = normal + SMatrix::<f64, 5, 5>::identity() * (damping * normal.trace() / 5.0);
         let step = damped.cholesky()?.solve(&-right);
         let turn = nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(
@@ -93,7 +93,7 @@ impl Problem for EssentialProblem<'_> {
 }
 
 impl EssentialProblem<'_> {
-    /// d_bᵀ·E·d_a, and the squared length of its gradient after the pixels' four coordinates.
+    /// The value d_bᵀ·E·d_a, and the squared length of its gradient with respect to the pixels' four coordinates.
     fn equation(&self, e: &Matrix3<f64>, pair: &RayPair) -> (f64, f64) {
         let ([x, y], [u, v]) = (pair.a, pair.b);
         let in_b = [e.m11 * x + e.m12 * y + e.m13, e.m21 * x + e.m22 * y + e.m23];
@@ -116,8 +116,8 @@ fn tangents(v: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, v.cross(&first)]
 }
 
-/// The exponents of x, y and z in the 20 monomials, in the order in which they are eliminated: the first ten leave, the
-/// others stay.
+/// Exponents of x, y and z in the 20 monomials, in the order of elimination: the first ten are eliminated, the others
+/// stay.
 const MONOMIALS: [[usize; 3]; 20] = [
     [3, 0, 0],
     [0, 3, 0],
@@ -141,10 +141,10 @@ const MONOMIALS: [[usize; 3]; 20] = [
     [0, 0, 0],
 ];
 
-/// A polynomial in x, y, z up to the third degree, by [`MONOMIALS`].
+/// Coefficients of a polynomial in x, y, z up to the third degree, in the order of [`MONOMIALS`].
 type Cubic = [f64; 20];
 
-/// The place in [`MONOMIALS`] of the product of two monomials given by their places in it; 20 for one beyond the third
+/// Index in [`MONOMIALS`] of the product of two monomials given by their indices; 20 for a product beyond the third
 /// degree.
 static PRODUCT: [[usize; 20]; 20] = products();
 
@@ -169,9 +169,9 @@ const fn products() -> [[usize; 20]; 20] {
     table
 }
 
-/// The places of x, y, z and 1.
+/// Indices of x, y, z and 1 in `MONOMIALS`.
 const LINEAR: [usize; 4] = [12, 15, 18, 19];
-/// The places of the monomials up to the second degree.
+/// Indices of the monomials up to the second degree.
 const QUADRATIC: [usize; 10] = [5, 7, 9, 11, 12, 14, 15, 17, 18, 19];
 
 /// Adds `factor` times the product of `p` (whose monomials are at `p_places`) and the linear `q` to `sum`.
@@ -183,7 +183,7 @@ fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &
     }
 }
 
-/// Up to ten essential matrices that five matches satisfy exactly.
+/// Up to ten essential matrices for which five matches hold exactly.
 fn from_five(pairs: &[&RayPair; 5]) -> Vec<Matrix3<f64>> {
     let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else {
         return Vec::new();
@@ -195,7 +195,7 @@ fn from_five(pairs: &[&RayPair; 5]) -> Vec<Matrix3<f64>> {
     real_roots(&determinant(&rows)).into_iter().filter_map(|z| solution(&rows, &basis, z)).collect()
 }
 
-/// The ten equations in reduced row echelon form: what remains of each, in the last ten monomials.
+/// The ten equations in reduced row echelon form: the coefficients of each in the last ten monomials.
 fn eliminated(basis: &[Vector9; 4]) -> Option<[[f64; 10]; 10]> {
     // E's elements as linear polynomials.
     let mut e = [[[0.0; 20]; 3]; 3];
@@ -251,7 +251,7 @@ fn eliminated(basis: &[Vector9; 4]) -> Option<[[f64; 10]; 10]> {
     Some(equations.map(|row| std::array::from_fn(|m| row[10 + m])))
 }
 
-/// A polynomial in z, the constant first; of at most the tenth degree.
+/// Coefficients of a polynomial in z of at most the tenth degree, the constant first.
 type InZ = [f64; 11];
 
 /// Three equations b₀(z)·x + b₁(z)·y + b₂(z) = 0. Each comes from two reduced rows, those led by m·z and by m for m =
@@ -272,7 +272,7 @@ fn polynomial_rows(reduced: &[[f64; 10]; 10]) -> [[InZ; 3]; 3] {
     })
 }
 
-/// `p`·`q`, of which the terms beyond the tenth degree are 0.
+/// The product `p`·`q` without terms beyond the tenth degree, which are 0 here.
 fn product(p: &InZ, q: &InZ) -> InZ {
     let mut out = [0.0; 11];
     for (i, x) in p.iter().enumerate() {
@@ -295,7 +295,7 @@ fn determinant(rows: &[[InZ; 3]; 3]) -> InZ {
     sum
 }
 
-/// The essential matrix that belongs to a root: x and y come from the null vector of the equations at z.
+/// The essential matrix of a root `z`: x and y come from the null vector of the equations at z.
 fn solution(rows: &[[InZ; 3]; 3], basis: &[Vector9; 4], z: f64) -> Option<Matrix3<f64>> {
     let at_z = |p: &InZ| p.iter().rev().fold(0.0, |sum, c| sum * z + c);
     let vectors = rows.each_ref().map(|row| Vector3::from(row.each_ref().map(at_z)));

@@ -1,18 +1,17 @@
-//! The fundamental matrix F: where a point of image B can be, given the point of image A, for cameras of which nothing
-//! is known.
+//! The fundamental matrix F: the line of image B on which the match of a point of image A lies, for unknown cameras.
 //!
 //! Corresponding points satisfy x_bᵀ·F·x_a = 0. Seven of them leave a line of matrices, on which det F = 0 has up to
 //! three solutions (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 11.1.2). More are fitted by the
 //! eight-point algorithm (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997) with each match divided by the
-//! gradient of its equation, which makes the algebraic error that is minimised the Sampson distance; the estimator
-//! repeats this until it settles.
+//! gradient of its equation, which makes the minimised algebraic error the Sampson distance; the estimator repeats this
+//! until it converges.
 //!
-//! Two ways in which seven points mislead are looked for. Points of a sample that lie on different sides of the
+//! Two causes of wrong solutions from seven points are checked. Points of a sample that lie on different sides of the
 //! epipoles would be behind one of the cameras (Chum, Werner and Matas, "Epipolar Geometry Estimation via Oriented
-//! Epipolar Constraints", ICPR 2004). And if most of what a matrix explains lies on one plane, it is one of many that
-//! fit that plane and nothing else. Then the plane's homography and two points off it may give a better one: plane and
-//! parallax, as in "Two-View Geometry Estimation Unaffected by a Dominant Plane" (CVPR 2005, by the same authors), with
-//! the plane looked for among all inliers instead of a sample's seven points.
+//! Epipolar Constraints", ICPR 2004). And if most of the matches that a matrix explains lie on one plane, it is one of
+//! many that fit that plane and nothing else. Then the plane's homography and two points off it may give a better one:
+//! plane and parallax, as in "Two-View Geometry Estimation Unaffected by a Dominant Plane" (CVPR 2005, by the same
+//! authors), with the plane searched among all inliers instead of a sample's seven points.
 
 use super::consensus::Problem;
 use super::homography;
@@ -23,15 +22,15 @@ use super::polynomial::real_roots;
 use super::sampling::Sampler;
 use nalgebra::{Matrix3, SMatrix};
 
-/// Estimates F from matches in normalised coordinates.
+/// Estimation of F from matches in normalised coordinates.
 pub(super) struct FundamentalProblem<'a> {
     pub pairs: &'a [RayPair],
 }
 
-/// Samples of four inliers among which a dominant plane is looked for: if it holds half of them, it is missed once in
-/// 600 times.
+/// Number of samples of four inliers in the search for a dominant plane: a plane that holds half of them is missed once
+/// in 600 times.
 const PLANE_ITERATIONS: usize = 100;
-/// Most pairs of points off the plane that are tried.
+/// Maximum number of pairs of points off the plane that are tried.
 const PARALLAX_ITERATIONS: usize = 300;
 
 impl Problem for FundamentalProblem<'_> {
@@ -81,7 +80,7 @@ impl Problem for FundamentalProblem<'_> {
             let [first, second] = [0, 1].map(|_| off_plane[sampler.below(off_plane.len())]);
             let Some(f) = from_plane_and_parallax(&plane.forward, first, second) else { continue };
             let limit = best.as_ref().map_or(f64::INFINITY, |(_, cost)| *cost);
-            // What lies on the plane fits each of these matrices.
+            // Points on the plane fit each of these matrices.
             let cost: f64 = off_plane.iter().map(|pair| loss.cost(sampson_squared(&f, pair))).sum();
             if cost < limit {
                 best = Some((f, cost));
@@ -92,8 +91,7 @@ impl Problem for FundamentalProblem<'_> {
 }
 
 impl FundamentalProblem<'_> {
-    /// The homography of a plane that holds at least half of what the model explains; `None` if no such plane was
-    /// found.
+    /// The homography of a plane that holds at least half of the model's inliers; `None` if no such plane was found.
     fn dominant_plane(
         &self,
         model: &Matrix3<f64>,
@@ -130,7 +128,7 @@ pub(super) fn epipolar_row(pair: &RayPair) -> [f64; 9] {
     [u * x, u * y, u, v * x, v * y, v, x, y, 1.0]
 }
 
-/// The squared length of the gradient of x_bᵀ·F·x_a after the four coordinates.
+/// The squared length of the gradient of x_bᵀ·F·x_a with respect to the four coordinates.
 fn squared_gradient(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
@@ -138,7 +136,7 @@ fn squared_gradient(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
     in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1]
 }
 
-/// The squared Sampson distance: to first order, by how much both points together must move to satisfy F exactly.
+/// The squared Sampson distance: to first order, the distance that both points together must move to satisfy F exactly.
 /// Infinite at the epipoles.
 pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
     let ([x, y], [u, v]) = (pair.a, pair.b);
@@ -149,7 +147,7 @@ pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
     if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
 }
 
-/// Up to three matrices of rank 2 that seven matches satisfy exactly.
+/// Up to three matrices of rank 2 for which seven matches hold exactly.
 fn from_seven(pairs: &[&RayPair; 7]) -> Vec<Matrix3<f64>> {
     let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else {
         return Vec::new();
@@ -183,8 +181,8 @@ pub(super) fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (norm > 0.0).then(|| f / norm)
 }
 
-/// The fundamental matrix of a plane's homography `h` and two matches off that plane, whose lines from the plane's
-/// point to the true one meet in the epipole.
+/// The fundamental matrix of a plane's homography `h` and two matches off that plane. The lines from the points mapped
+/// by `h` to the matched points meet in the epipole.
 fn from_plane_and_parallax(h: &Matrix3<f64>, first: &RayPair, second: &RayPair) -> Option<Matrix3<f64>> {
     let line = |pair: &RayPair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
     let epipole = line(first).cross(&line(second));

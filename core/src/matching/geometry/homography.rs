@@ -1,10 +1,10 @@
-//! The homography H: the one point of image B for each point of image A, where the scene is a plane or the camera only
+//! The homography H: maps each point of image A to one of image B, where the scene is a plane or the camera only
 //! turned.
 //!
 //! x_b ~ H·x_a. Four matches determine it by the direct linear transform; more are fitted by the same equations, each
-//! divided by the depth that the last estimate gives it, which makes the algebraic error the distance in the image
-//! (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 4.1 and 4.2). The error of a match is the symmetric
-//! transfer error: the root mean square of the distances in both images.
+//! divided by the depth under the previous estimate, which makes the algebraic error the distance in the image (Hartley
+//! and Zisserman, "Multiple View Geometry", 2nd ed., 4.1 and 4.2). The error of a match is the symmetric transfer
+//! error: the root mean square of the distances in both images.
 
 use super::consensus::Problem;
 use super::linear::{Vector9, matrix_of, min_eigenvector, null_space};
@@ -21,8 +21,8 @@ pub(super) struct Homography {
 }
 
 impl Homography {
-    /// With the sign for which the third coordinates of the mapped `pairs` are positive on the whole; `None` for a
-    /// matrix that has no inverse.
+    /// The matrix with the sign for which most of `pairs` are mapped to positive third coordinates; `None` for a matrix
+    /// that has no inverse.
     pub(super) fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a RayPair>) -> Option<Self> {
         let depth = |p: &RayPair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
         let sign: f64 = pairs.map(|p| if depth(p) < 0.0 { -1.0 } else { 1.0 }).sum();
@@ -39,7 +39,7 @@ impl Homography {
     }
 }
 
-/// Where `h` takes a point; `None` for a point behind the camera or at infinity.
+/// The image of a point under `h`; `None` for a point behind the camera or at infinity.
 pub(super) fn mapped(h: &Matrix3<f64>, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let w = h.m31 * x + h.m32 * y + h.m33;
     (w > 0.0).then(|| [(h.m11 * x + h.m12 * y + h.m13) / w, (h.m21 * x + h.m22 * y + h.m23) / w])
@@ -54,7 +54,7 @@ pub(super) fn squared_error(h: &Homography, pair: &RayPair) -> f64 {
     0.5 * (squared(in_b, pair.b) + squared(in_a, pair.a))
 }
 
-/// Estimates H from matches in normalised coordinates.
+/// Estimation of H from matches in normalised coordinates.
 pub(super) struct HomographyProblem<'a> {
     pub pairs: &'a [RayPair],
 }
@@ -106,14 +106,14 @@ impl Problem for HomographyProblem<'_> {
     }
 }
 
-/// The coefficients of H's elements, row by row, in the two equations of a match; they are the transfer's errors in u
-/// and v times its depth.
+/// Coefficients of H's elements, row by row, in the two equations of a match; each equation is the transfer's error in
+/// u or v times its depth.
 fn transfer_rows(pair: &RayPair) -> [[f64; 9]; 2] {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     [[-x, -y, -1.0, 0.0, 0.0, 0.0, u * x, u * y, u], [0.0, 0.0, 0.0, -x, -y, -1.0, v * x, v * y, v]]
 }
 
-/// Whether each three of the four points turn the same way in both images, and no three lie on a line. Planes in front
+/// Whether any three of the four points turn the same way in both images, and no three lie on a line. Planes in front
 /// of both cameras can be seen mirrored, from behind; then all turns are reversed.
 fn keeps_orientation(pairs: &[&RayPair; 4]) -> bool {
     let turn = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);

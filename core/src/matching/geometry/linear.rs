@@ -1,8 +1,8 @@
-//! Small linear algebra that the solvers share: null spaces and smallest eigenvectors.
+//! Small linear algebra for the solvers: null spaces and smallest eigenvectors.
 
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
-/// A matrix of 3×3 as the vector of its rows.
+/// A 3×3 matrix as the vector of its rows.
 pub(super) type Vector9 = SVector<f64, 9>;
 
 /// The matrix whose rows, one after the other, are `vector`.
@@ -27,7 +27,7 @@ pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vecto
                 }
             }
         }
-        // Also false when something is not a number.
+        // Also false for NaN.
         let is_independent = max > 1e-11 * largest;
         if !is_independent {
             return None;
@@ -49,7 +49,7 @@ pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vecto
         for (step, values) in rows.iter().enumerate() {
             vector[columns[step]] = -values[columns[count + free]] / values[columns[step]];
         }
-        // Twice, because once is not exact where vectors are nearly parallel.
+        // Twice, because once is inexact where vectors are nearly parallel.
         for _ in 0..2 {
             for earlier in &basis[..free] {
                 vector -= earlier * earlier.dot(&vector);
@@ -61,7 +61,7 @@ pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vecto
     Some(basis)
 }
 
-/// The unit vector x for which xᵀ·`matrix`·x is least; `None` for a matrix that is not finite.
+/// The unit vector x that minimises xᵀ·`matrix`·x; `None` for a matrix that is not finite.
 pub(super) fn min_eigenvector(matrix: &SMatrix<f64, 9, 9>) -> Option<Vector9> {
     if !matrix.iter().all(|x| x.is_finite()) {
         return None;
@@ -71,7 +71,7 @@ pub(super) fn min_eigenvector(matrix: &SMatrix<f64, 9, 9>) -> Option<Vector9> {
     Some(eigen.eigenvectors.column(min).into_owned())
 }
 
-/// The unit vector x for which |`matrix`·x| is least: of a matrix of rank 2 its right null vector.
+/// The unit vector x that minimises |`matrix`·x|: for a matrix of rank 2 its right null vector.
 pub(super) fn null_vector(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
     let normal = matrix.transpose() * matrix;
     if !normal.iter().all(|x| x.is_finite()) {
@@ -82,7 +82,7 @@ pub(super) fn null_vector(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
     Some(eigen.eigenvectors.column(min).into_owned())
 }
 
-/// [v]×, the matrix that takes the cross product with `v` from the left.
+/// [v]×, the matrix of the cross product with `v` from the left.
 pub(super) fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
 }
@@ -91,7 +91,7 @@ pub(super) fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
 mod tests {
     use super::*;
 
-    /// Numbers without any pattern that matters, in −1 … 1.
+    /// Arbitrary numbers in −1 … 1.
     fn numbers(seed: u64) -> impl FnMut() -> f64 {
         let mut state = seed;
         move || {

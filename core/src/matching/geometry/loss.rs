@@ -1,6 +1,6 @@
-//! How much a residual costs, and how much weight it has: marginalised over the unknown noise.
+//! Cost and weight of a residual, marginalised over the unknown noise.
 //!
-//! A plain RANSAC counts residuals below a threshold, so its answer hangs on that threshold. MAGSAC++ (Barath, Noskova,
+//! Plain RANSAC counts residuals below a threshold, so its result depends on that threshold. MAGSAC++ (Barath, Noskova,
 //! Ivashechkin and Matas, "MAGSAC++, a Fast, Reliable and Accurate Robust Estimator", CVPR 2020) instead takes the
 //! noise's scale σ as uniformly distributed between 0 and σ_max and integrates it out: a residual's weight falls
 //! smoothly from zero error to the largest one, k·σ_max, and its cost rises from 0 to a constant. Residuals follow a χ
@@ -15,8 +15,8 @@ use std::sync::LazyLock;
 
 /// The largest residual in units of σ_max: the 99 % quantile of χ with four degrees of freedom.
 const K: f64 = 3.64;
-/// Steps of the table over the squared residual, 0 … threshold². Linear interpolation between them is exact to about
-/// 10⁻⁵ of the cost.
+/// Number of steps of the table over the squared residual, 0 … threshold². Linear interpolation between them is exact
+/// to about 10⁻⁵ of the cost.
 const STEPS: usize = 2048;
 
 /// Cost and weight at the steps of the squared residual.
@@ -46,20 +46,20 @@ fn lower_gamma_5_2(x: f64) -> f64 {
     0.75 * std::f64::consts::PI.sqrt() * libm::erf(x.sqrt()) - x.sqrt() * (1.5 + x) * libm::exp(-x)
 }
 
-/// The weight, but for a factor, at r² = `fraction`·(k·σ_max)².
+/// The weight, up to a factor, at r² = `fraction`·(k·σ_max)².
 fn raw_weight(fraction: f64) -> f64 {
     let max = 0.5 * K * K;
     upper_gamma_3_2(fraction * max) - upper_gamma_3_2(max)
 }
 
-/// The cost, but for a factor, at r² = `fraction`·(k·σ_max)²: the integral of r·weight.
+/// The cost, up to a factor, at r² = `fraction`·(k·σ_max)²: the integral of r·weight.
 fn raw_cost(fraction: f64) -> f64 {
     let max = 0.5 * K * K;
     let x = fraction * max;
     0.5 * lower_gamma_5_2(x) + 0.5 * x * (upper_gamma_3_2(x) - upper_gamma_3_2(max))
 }
 
-/// The loss of residuals below a threshold.
+/// Loss of residuals, constant above a threshold.
 #[derive(Clone, Copy)]
 pub(super) struct Loss {
     table: &'static Table,
@@ -67,7 +67,7 @@ pub(super) struct Loss {
 }
 
 impl Loss {
-    /// `threshold` is the largest residual of an inlier, in the residuals' unit.
+    /// Creates the loss; `threshold` is the largest residual of an inlier, in the residuals' unit.
     pub(super) fn new(threshold: f64) -> Self {
         Self { table: &TABLE, steps_per_squared_error: STEPS as f64 / (threshold * threshold) }
     }
@@ -77,7 +77,7 @@ impl Loss {
         squared_error * self.steps_per_squared_error <= STEPS as f64
     }
 
-    /// Cost of a squared residual: 0 at 0, 1 from the threshold on (and for what is not a number).
+    /// Cost of a squared residual: 0 at 0, 1 from the threshold on (and for NaN).
     pub(super) fn cost(&self, squared_error: f64) -> f64 {
         self.interpolated(&self.table.cost, squared_error).unwrap_or(1.0)
     }

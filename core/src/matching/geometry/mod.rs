@@ -1,12 +1,12 @@
-//! Geometric verification: which putative matches agree on one geometry of the two views.
+//! Geometric verification: finds the putative matches that agree on one geometry of the two views.
 //!
-//! The way of the data: matched points → `points` (normalised coordinates) → samples that are solved exactly
-//! (`fundamental`, `essential`, `homography`) and weighed against all matches (`consensus`, `loss`, `sampling`) → a
-//! [`TwoViewModel`] in pixels, each match's error under it, and which matches are inliers. [`verify`] is the
-//! composition. [`pose`] turns an essential matrix into the relative pose of the cameras.
+//! The data flow: matched points → `points` (normalised coordinates) → samples that are solved exactly (`fundamental`,
+//! `essential`, `homography`) and scored against all matches (`consensus`, `loss`, `sampling`) → a [`TwoViewModel`] in
+//! pixels, each match's error under it, and the inliers. [`verify`] is the composition. [`pose`] turns an essential
+//! matrix into the relative pose of the cameras.
 //!
-//! Why not a library: of the estimators that are written for Rust none has what has been learnt since RANSAC (local
-//! optimisation, marginal cost, degenerate samples) and is maintained, and bindings to C++ would need its toolchain.
+//! No library is used: none of the maintained estimators for Rust has the improvements made since RANSAC (local
+//! optimisation, marginal cost, degenerate samples), and bindings to C++ would need its toolchain.
 
 mod consensus;
 mod essential;
@@ -32,18 +32,18 @@ use crate::monitor::{Cancelled, Monitor};
 use consensus::{Consensus, Settings, estimate};
 use points::{Normalisation, RayPair};
 
-/// What the matches agree on.
+/// Geometry that most of the matches agree on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
     /// The geometry; `None` where fewer than [`MatchParams::min_inliers`] matches agree on any.
     pub model: Option<TwoViewModel>,
-    /// For each match whether it is an inlier: its error is at most [`MatchParams::max_error_px`]. None is without a
-    /// model.
+    /// For each match whether it is an inlier: its error is at most [`MatchParams::max_error_px`]. All are false
+    /// without a model.
     pub inlier: Vec<bool>,
-    /// For each match its error in pixels, see [`TwoViewModel::error_px`]; infinite where it has none, and without a
-    /// model.
+    /// For each match its error in pixels, see [`TwoViewModel::error_px`]; infinite where that is undefined, and
+    /// without a model.
     pub error_px: Vec<f32>,
-    /// Samples that were drawn.
+    /// Number of samples drawn.
     pub iterations: usize,
 }
 
@@ -54,19 +54,19 @@ impl Verification {
     }
 }
 
-/// A matched pair of points, as [`verify`] takes it.
+/// Matched pair of points, the input of [`verify`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointPair {
     /// (u, v) in image A, pixels.
     pub a: [f64; 2],
     /// (u, v) in image B, pixels.
     pub b: [f64; 2],
-    /// How promising the match is; the least is tried first. [`super::Match::ratio`] does well.
+    /// Rank of the match; small ranks are tried first. [`super::Match::ratio`] is a good choice.
     pub rank: f32,
 }
 
-/// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] asks for none. Both images
-/// are from [`MatchParams::camera`].
+/// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] is none. Both images are
+/// from [`MatchParams::camera`].
 ///
 /// # Errors
 /// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
@@ -89,7 +89,7 @@ pub fn verify(
     Ok(Some(judge(pairs, model, iterations, params)))
 }
 
-/// Counts the inliers of a model, and drops it if they are too few.
+/// Counts the inliers of a model, and drops the model if they are too few.
 fn judge(pairs: &[PointPair], model: Option<TwoViewModel>, iterations: usize, params: &MatchParams) -> Verification {
     let none = || Verification {
         model: None,

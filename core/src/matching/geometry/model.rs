@@ -1,4 +1,4 @@
-//! The geometry of two views, in pixels: what it says of a point, and how far a match is from it.
+//! The geometry of two views, in pixels: the locus of a point's match, and the error of a match.
 
 use super::fundamental::sampson_squared;
 use super::homography::{Homography, mapped, squared_error};
@@ -7,32 +7,32 @@ use super::pose::{RelativePose, pose_in_front};
 use crate::matching::camera::Camera;
 use nalgebra::{Matrix3, Vector3};
 
-/// What relates the points of image A with those of image B. Pixels are in Burstscope's convention: the centre of the
-/// first one is (0, 0).
+/// Relation between the points of image A and those of image B. Pixels are in Burstscope's convention: the centre of
+/// the first one is (0, 0).
 #[derive(Debug, Clone, PartialEq)]
 pub enum TwoViewModel {
-    /// Any scene, cameras of which nothing is known: x_bᵀ·F·x_a = 0 for pixels x = (u, v, 1).
+    /// Any scene, unknown cameras: x_bᵀ·F·x_a = 0 for pixels x = (u, v, 1).
     Fundamental {
         /// F, of rank 2, with elements whose squares sum to 1.
         fundamental: Matrix3<f64>,
     },
-    /// Any scene, both images from a camera that is known: d_bᵀ·E·d_a = 0 for its directions d = (x, y, 1).
+    /// Any scene, both images from one known camera: d_bᵀ·E·d_a = 0 for its directions d = (x, y, 1).
     Essential {
         /// `E = [t]×·R` with |t| = 1.
         essential: Matrix3<f64>,
-        /// The camera.
+        /// Camera of both images.
         camera: Camera,
     },
     /// A plane, or a camera that only turned: x_b ~ H·x_a for pixels x = (u, v, 1).
     Homography {
         /// H, from A to B.
         forward: Matrix3<f64>,
-        /// Its inverse, from B to A.
+        /// Inverse of H, from B to A.
         backward: Matrix3<f64>,
     },
 }
 
-/// Points of a line that is bent by the lens.
+/// Number of points of a line that is bent by the lens.
 const CURVE_POINTS: usize = 65;
 
 impl TwoViewModel {
@@ -41,10 +41,10 @@ impl TwoViewModel {
         Some(Self::Homography { forward: *h, backward: h.try_inverse()? })
     }
 
-    /// How far the match of `a` in image A with `b` in image B is from the model, in pixels. For epipolar geometry the
-    /// Sampson distance (to first order, the distance by which both points together must move to satisfy it), with the
-    /// lens's distortion removed; for a homography the root mean square of the transfers' distances in A and in B.
-    /// Infinite where there is none: at the epipoles, or behind the camera.
+    /// Error of the match of `a` in image A with `b` in image B, in pixels. For epipolar geometry the Sampson distance
+    /// (to first order, the distance that both points together must move to satisfy it), with the lens's distortion
+    /// removed; for a homography the root mean square of the transfers' distances in A and in B. Infinite where it is
+    /// undefined: at the epipoles, or behind the camera.
     pub fn error_px(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let squared = match self {
             Self::Fundamental { fundamental } => sampson_squared(fundamental, &RayPair { a, b }),
@@ -59,14 +59,14 @@ impl TwoViewModel {
         if squared.is_nan() { f64::INFINITY } else { squared.sqrt() }
     }
 
-    /// Where in image B, of `size` (columns, rows), the point `a` of image A can be, as a line through (u, v) points: a
-    /// straight piece of the epipolar line, a curve where the lens bends it, the single point of a homography. Empty
-    /// where that is outside the image.
+    /// Possible places in image B, of `size` (columns, rows), of the point `a` of image A, as a line through (u, v)
+    /// points: a straight piece of the epipolar line, a curve where the lens bends it, the single point of a
+    /// homography. Empty where that is outside the image.
     pub fn locus_in_b(&self, a: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
         self.locus(a, size, false)
     }
 
-    /// The same for a point `b` of image B in image A.
+    /// Possible places in image A, of `size` (columns, rows), of the point `b` of image B, in the form of `locus_in_b`.
     pub fn locus_in_a(&self, b: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
         self.locus(b, size, true)
     }
@@ -94,8 +94,8 @@ impl TwoViewModel {
         }
     }
 
-    /// The relative pose of the cameras, for which most of `pairs` (of matched pixels, as a rule the inliers) lie in
-    /// front of both, and how many do. `None` but for an essential matrix.
+    /// The relative pose of the cameras for which most of `pairs` (of matched pixels, as a rule the inliers) lie in
+    /// front of both, and their number. `None` for all models but an essential matrix.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
         let Self::Essential { essential, camera } = self else {
             return None;
@@ -139,7 +139,7 @@ impl Bounds {
     }
 }
 
-/// The piece of the line a·u + b·v + c = 0 within `bounds`.
+/// The piece of the line a·u + b·v + c = 0 inside `bounds`.
 fn clipped(line: &Vector3<f64>, bounds: Bounds) -> Option<[[f64; 2]; 2]> {
     let normal = [line.x, line.y];
     let squared = normal[0] * normal[0] + normal[1] * normal[1];
@@ -163,10 +163,10 @@ fn clipped(line: &Vector3<f64>, bounds: Bounds) -> Option<[[f64; 2]; 2]> {
     (start < end).then(|| [at(start), at(end)])
 }
 
-/// What a line of straightened pixels looks like through the lens, within an image of `size`.
+/// The image of a line of straightened pixels through the lens, within an image of `size`.
 fn bent(line: &Vector3<f64>, camera: &Camera, size: (usize, usize)) -> Vec<[f64; 2]> {
     let image = Bounds::of_image(size);
-    // Where the image reaches without the distortion: along its border, because a lens may bend the corners in or out.
+    // Extent of the image without the distortion, along its border, because a lens may bend the corners in or out.
     let mut reach = Bounds { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
     for step in 0..=8 {
         let part = f64::from(step) / 8.0;
@@ -189,7 +189,7 @@ fn bent(line: &Vector3<f64>, camera: &Camera, size: (usize, usize)) -> Vec<[f64;
     let seen = |part: f64| {
         let straight = [0, 1].map(|i| start[i] + part * (end[i] - start[i]));
         let pixel = camera.pixel_of([(straight[0] - k.m13) / k.m11, (straight[1] - k.m23) / k.m22]);
-        // Far outside, strong distortion folds the plane back into the image; such points are not really seen there.
+        // Far outside, strong distortion folds the plane back into the image; such points are not visible there.
         let back = straightened(camera, pixel);
         let is_seen = image.contains(pixel) && (0..2).all(|i| (back[i] - straight[i]).abs() < 0.01);
         is_seen.then_some(pixel)
@@ -201,7 +201,7 @@ fn bent(line: &Vector3<f64>, camera: &Camera, size: (usize, usize)) -> Vec<[f64;
         let part = step as f64 / (CURVE_POINTS - 1) as f64;
         let next = (part, seen(part));
         if last.1.is_some() != next.1.is_some() {
-            // It crosses the border in between.
+            // The curve crosses the border in between.
             let (mut inside, mut outside) = if last.1.is_some() { (last.0, part) } else { (part, last.0) };
             for _ in 0..20 {
                 let middle = 0.5 * (inside + outside);

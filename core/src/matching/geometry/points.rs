@@ -1,18 +1,18 @@
-//! Matched points, and the coordinates in which models are estimated.
+//! Matched points, and the normalised coordinates in which models are estimated.
 //!
-//! Pixels are numbers of hundreds, so that the terms of an epipolar equation differ by factors of 10⁵ and linear fits
-//! lose digits. Estimation therefore happens in coordinates around the points' centre and of about unit size (Hartley,
+//! Pixel coordinates are in the hundreds, so that the terms of an epipolar equation differ by factors of 10⁵ and linear
+//! fits lose digits. Estimation therefore uses coordinates around the points' centre and of about unit size (Hartley,
 //! "In Defense of the Eight-Point Algorithm", PAMI 1997). Both images share one scale, so that an error in these
-//! coordinates is one in pixels but for a factor.
+//! coordinates is one in pixels up to a factor.
 
 use nalgebra::{Matrix3, Vector3};
 
 /// A matched pair of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RayPair {
-    /// In image A.
+    /// Point in image A.
     pub a: [f64; 2],
-    /// In image B.
+    /// Point in image B.
     pub b: [f64; 2],
 }
 
@@ -26,17 +26,17 @@ impl RayPair {
     }
 }
 
-/// From pixels to normalised coordinates.
+/// Map from pixels to normalised coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Normalisation {
     centre_a: [f64; 2],
     centre_b: [f64; 2],
-    /// Normalised units in a pixel.
+    /// Normalised units per pixel.
     pub scale: f64,
 }
 
 impl Normalisation {
-    /// That of these pairs: their centre becomes 0, and their mean squared distance from it 2.
+    /// The normalisation of these pairs: their centre becomes 0, and their mean squared distance from it 2.
     pub(super) fn of(pairs: &[RayPair]) -> Self {
         let count = pairs.len().max(1) as f64;
         let mean = |point: fn(&RayPair) -> [f64; 2]| {
@@ -60,12 +60,12 @@ impl Normalisation {
         Matrix3::new(s, 0.0, -s * centre[0], 0.0, s, -s * centre[1], 0.0, 0.0, 1.0)
     }
 
-    /// The pixels' fundamental matrix, of that in normalised coordinates.
+    /// The fundamental matrix of pixels, from the one in normalised coordinates.
     pub(super) fn fundamental_in_pixels(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
         self.matrix(self.centre_b).transpose() * f * self.matrix(self.centre_a)
     }
 
-    /// The pixels' homography from A to B, of that in normalised coordinates.
+    /// The homography of pixels from A to B, from the one in normalised coordinates.
     pub(super) fn homography_in_pixels(&self, h: &Matrix3<f64>) -> Matrix3<f64> {
         let s = self.scale;
         let [x, y] = self.centre_b;

@@ -1,12 +1,12 @@
-//! The real roots of polynomials in one unknown, as the minimal solvers need them: the cubic of seven points, the tenth
-//! degree of five.
+//! The real roots of polynomials in one unknown, for the minimal solvers: the cubic of seven points, the tenth degree
+//! of five.
 //!
 //! Between two neighbouring extrema a polynomial crosses zero at most once. So the roots of the derivative, found in
-//! the same way, separate those of the polynomial, and each is then closed in by Newton's method with bisection as its
-//! safety net. This needs no complex arithmetic, finds roots to the last digits that the coefficients allow, and never
-//! fails to end. A double root may be found or missed, as rounding has it.
+//! the same way, separate those of the polynomial, and each is then found by Newton's method, with bisection where that
+//! fails. This needs no complex arithmetic, finds roots to the last digits that the coefficients allow, and always
+//! ends. A double root may be found or missed, depending on rounding.
 
-/// Most steps for one root: bisection alone needs about 64 for the digits of an `f64`.
+/// Maximum number of steps for one root: bisection alone needs about 64 for the digits of an `f64`.
 const MAX_STEPS: usize = 100;
 
 /// The value at `x` of the polynomial with these coefficients, the constant first.
@@ -21,7 +21,7 @@ pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     if !(largest.is_finite() && largest > 0.0) || coefficients.iter().any(|c| c.is_nan()) {
         return Vec::new();
     }
-    // A leading coefficient that is nothing beside the others would put a root near infinity.
+    // A negligible leading coefficient would put a root near infinity.
     let degree = coefficients.iter().rposition(|c| c.abs() > 1e-14 * largest).unwrap_or(0);
     let coefficients = &coefficients[..=degree];
     match degree {
@@ -38,7 +38,7 @@ pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     borders.windows(2).filter_map(|pair| root_between(coefficients, &derivative, pair[0], pair[1])).collect()
 }
 
-/// The root in (`low`, `high`], between which the polynomial is monotonic, if it changes its sign there.
+/// The root in (`low`, `high`], an interval on which the polynomial is monotonic; `None` without a change of sign.
 fn root_between(coefficients: &[f64], derivative: &[f64], mut low: f64, mut high: f64) -> Option<f64> {
     let (at_low, at_high) = (value(coefficients, low), value(coefficients, high));
     if at_high == 0.0 {

@@ -8,18 +8,18 @@ use super::linear::cross_matrix;
 use super::points::RayPair;
 use nalgebra::{Matrix3, Vector3};
 
-/// Where camera B is, seen from camera A: a point X in A's frame is at R·X + t in B's. The length of t is unknown and
+/// Pose of camera B relative to camera A: a point X in A's frame is at R·X + t in B's. The length of t is unknown and
 /// set to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelativePose {
-    /// R, from A's frame to B's.
+    /// Rotation R, from A's frame to B's.
     pub rotation: Matrix3<f64>,
-    /// t, of length 1, in B's frame.
+    /// Translation t, of length 1, in B's frame.
     pub translation: Vector3<f64>,
 }
 
 impl RelativePose {
-    /// `E = [t]×·R`.
+    /// The essential matrix `E = [t]×·R`.
     pub fn essential(&self) -> Matrix3<f64> {
         cross_matrix(&self.translation) * self.rotation
     }
@@ -29,19 +29,19 @@ impl RelativePose {
         angle_of(&self.rotation)
     }
 
-    /// The depths along A's and B's axes of the point that is seen in the directions (x, y, 1) of `pair`, for which the
-    /// two lines come closest. `None` for parallel directions.
+    /// The depths, along A's and B's axes, at which the two rays in the directions (x, y, 1) of `pair` come closest.
+    /// `None` for parallel directions.
     fn depths(&self, pair: &RayPair) -> Option<(f64, f64)> {
-        // depth_b·d_b = depth_a·R·d_a + t, in the least squares.
+        // depth_b·d_b = depth_a·R·d_a + t, by least squares.
         let (a, b) = (self.rotation * pair.a_homogeneous(), pair.b_homogeneous());
         let (aa, ab, bb) = (a.norm_squared(), a.dot(&b), b.norm_squared());
         let (at, bt) = (a.dot(&self.translation), b.dot(&self.translation));
         let determinant = aa * bb - ab * ab;
-        // Directions less than 10⁻⁵ rad apart say nothing of depth.
+        // Directions less than 10⁻⁵ rad apart do not determine a depth.
         (determinant > 1e-10 * aa * bb).then(|| ((ab * bt - bb * at) / determinant, (aa * bt - ab * at) / determinant))
     }
 
-    /// Whether the point that is seen in these directions is in front of both cameras.
+    /// Whether the point seen in these directions is in front of both cameras.
     fn is_in_front(&self, pair: &RayPair) -> bool {
         self.depths(pair).is_some_and(|(in_a, in_b)| in_a > 0.0 && in_b > 0.0)
     }
@@ -49,13 +49,13 @@ impl RelativePose {
 
 /// The angle of a rotation, radians.
 fn angle_of(rotation: &Matrix3<f64>) -> f64 {
-    // By both sine and cosine: each alone is inexact at one of the ends.
+    // From both sine and cosine: each alone is inexact at one of the ends.
     let r = rotation;
     let sine = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12).norm();
     libm::atan2(sine, r.trace() - 1.0)
 }
 
-/// The four poses of an essential matrix, (R₁, t), (R₂, t), (R₁, −t), (R₂, −t); `None` for a matrix that is none.
+/// The four poses of an essential matrix, (R₁, t), (R₂, t), (R₁, −t), (R₂, −t); `None` for a degenerate matrix.
 pub(super) fn poses_of(e: &Matrix3<f64>) -> Option<[RelativePose; 4]> {
     let (c0, c1, c2) = (e.column(0), e.column(1), e.column(2));
     // t is perpendicular to all columns.
@@ -74,7 +74,7 @@ pub(super) fn poses_of(e: &Matrix3<f64>) -> Option<[RelativePose; 4]> {
     Some([pose(first, direction), pose(second, direction), pose(first, -direction), pose(second, -direction)])
 }
 
-/// The rotation next to a matrix that is nearly one, by Newton's iteration for the polar decomposition.
+/// The rotation nearest to a matrix that is nearly one, by Newton's iteration for the polar decomposition.
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut r = *matrix;
     for _ in 0..30 {
@@ -88,13 +88,13 @@ fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (r.iter().all(|x| x.is_finite()) && r.determinant() > 0.0).then_some(r)
 }
 
-/// The pose of an essential matrix for which most of `pairs`, matched directions, lie in front of both cameras, and how
-/// many do.
+/// The pose of an essential matrix for which most of `pairs`, matched directions, lie in front of both cameras, and
+/// their number.
 pub(super) fn pose_in_front<'a>(
     e: &Matrix3<f64>,
     pairs: impl Iterator<Item = &'a RayPair> + Clone,
 ) -> Option<(RelativePose, usize)> {
     let counted = poses_of(e)?.map(|pose| (pose, pairs.clone().filter(|pair| pose.is_in_front(pair)).count()));
-    // The first of several with as many.
+    // The first of several with equal numbers.
     counted.into_iter().reduce(|best, other| if other.1 > best.1 { other } else { best })
 }

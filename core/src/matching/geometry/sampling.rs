@@ -1,35 +1,35 @@
-//! Which matches are tried together: the most promising first.
+//! Sampling of matches: the most promising first.
 //!
-//! PROSAC (Chum and Matas, "Matching with PROSAC", CVPR 2005) draws from the best few matches at first and lets that
-//! set grow, until after [`UNIFORM_AFTER`] samples it draws from all matches alike, as plain RANSAC does. If the order
-//! by quality is of any use, good samples come early; if it is of none, nothing is lost. The stream of random numbers
-//! is ChaCha's, which a seed fixes for ever.
+//! PROSAC (Chum and Matas, "Matching with PROSAC", CVPR 2005) draws from the best few matches at first and enlarges
+//! that set, until after [`UNIFORM_AFTER`] samples it draws from all matches alike, as plain RANSAC does. If the order
+//! by quality is useful, good samples come early; otherwise nothing is lost. The random numbers are ChaCha's, which a
+//! seed determines for all time.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-/// After this many samples the whole set is open. The paper takes ten times as many, more than are drawn here by
-/// default.
+/// Number of samples after which all matches are drawn from. The paper takes ten times as many, more than are drawn
+/// here by default.
 const UNIFORM_AFTER: f64 = 20_000.0;
 
-/// Draws samples of `M` different matches.
+/// Sampler of different matches.
 pub(super) struct Sampler {
     random: ChaCha8Rng,
     /// Match indices, the most promising first.
     order: Vec<usize>,
-    /// How many of the first matches are drawn from.
+    /// Number of first matches that are drawn from.
     open: usize,
-    /// Samples drawn so far.
+    /// Number of samples drawn so far.
     drawn: f64,
-    /// The paper's T_n and T'_n: samples that plain RANSAC would have drawn from the open set, and when the set grows
-    /// next.
+    /// The paper's T_n and T'_n: the samples that plain RANSAC would have drawn from the open set, and the sample after
+    /// which the set grows.
     expected: f64,
     grows_after: f64,
     size: usize,
 }
 
 impl Sampler {
-    /// Samples of `size` out of the matches `order`, which begins with the most promising and is not shorter than
+    /// Creates a sampler of `size` matches out of `order`, which begins with the most promising and has at least
     /// `size`.
     pub(super) fn new(order: Vec<usize>, size: usize, seed: u64) -> Self {
         let count = order.len();
@@ -46,7 +46,7 @@ impl Sampler {
         }
     }
 
-    /// The next sample: different matches, as indices.
+    /// Draws the next sample: different matches, as indices.
     pub(super) fn draw(&mut self, sample: &mut [usize]) {
         self.drawn += 1.0;
         let count = self.order.len();
@@ -58,7 +58,7 @@ impl Sampler {
         }
         let size = self.size;
         if self.drawn <= self.grows_after && self.open < count {
-            // The newest of the open set and others before it: all other samples of the open set have had their turn.
+            // The newest of the open set and others before it: all other samples of the open set were drawn earlier.
             self.distinct(&mut sample[..size - 1], self.open - 1);
             sample[size - 1] = self.open - 1;
         } else {
@@ -81,7 +81,7 @@ impl Sampler {
         }
     }
 
-    /// A number below `below`, all equally likely but for one part in 2³².
+    /// A number below `below`, with equal probabilities up to one part in 2³².
     pub(super) fn below(&mut self, below: usize) -> usize {
         ((u128::from(self.random.next_u64()) * below as u128) >> 64) as usize
     }

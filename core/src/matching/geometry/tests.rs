@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-/// Random numbers of a test.
+/// Random numbers for a test.
 struct Random(ChaCha8Rng);
 
 impl Random {
@@ -25,7 +25,7 @@ impl Random {
     }
 }
 
-/// A scene of two views: matches, and which of them are true.
+/// A scene of two views: matches, and whether each is true.
 struct Scene {
     pairs: Vec<PointPair>,
     is_true: Vec<bool>,
@@ -41,7 +41,7 @@ fn pose() -> RelativePose {
 }
 
 /// `inliers` points seen by a camera that moves by `pose`, with `sigma` pixels of noise in both images, and `outliers`
-/// pairs of random places. `depth` is the depth of a point from its direction.
+/// pairs of random places. `depth` gives the depth of a point from its direction.
 fn scene(
     random: &mut Random,
     camera: Camera,
@@ -80,7 +80,7 @@ fn in_space(random: &mut Random, counts: (usize, usize), sigma: f64) -> Scene {
     scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, |random, _| random.between(3.0, 9.0))
 }
 
-/// All points on one slanted plane.
+/// A scene with all points on one slanted plane.
 fn on_a_plane(random: &mut Random, counts: (usize, usize), sigma: f64) -> Scene {
     let depth = |_: &mut Random, [x, y]: [f64; 2]| 4.0 / (1.0 + 0.3 * x - 0.2 * y);
     scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, depth)
@@ -102,7 +102,7 @@ fn found(scene: &Scene, geometry: Geometry) -> Verification {
         .expect("asked for")
 }
 
-/// (true matches called inliers, wrong ones called inliers).
+/// (true matches among the inliers, wrong ones among the inliers).
 fn judged(scene: &Scene, found: &Verification) -> (usize, usize) {
     let called = |truth: bool| scene.is_true.iter().zip(&found.inlier).filter(|(t, i)| **t == truth && **i).count();
     (called(true), called(false))
@@ -210,7 +210,7 @@ fn the_lens_is_taken_out() {
     let worst = found.error_px.iter().copied().fold(0.0, f32::max);
     assert!(worst < 1e-3, "{worst} px");
     let model = found.model.expect("a model");
-    // The true place is on the curve on which it must be.
+    // The true point is on the curve.
     for pair in scene.pairs.iter().take(20) {
         for (point, curve) in [(pair.b, model.locus_in_b(pair.a, SIZE)), (pair.a, model.locus_in_a(pair.b, SIZE))] {
             let off = curve.windows(2).map(|w| from_segment(point, w[0], w[1])).fold(f64::INFINITY, f64::min);
@@ -330,7 +330,7 @@ fn seed_and_threads() {
         pool.install(|| verify(&scene.pairs, &params, &Monitor::default()))
     };
     assert_eq!(with(1, 5), with(2, 5));
-    // Another seed takes another way to nearly the same place.
+    // Another seed reaches nearly the same result by other samples.
     let count = |seed| with(1, seed).expect("valid").expect("asked for").inlier_count();
     assert!(count(5).abs_diff(count(6)) <= 3);
 }

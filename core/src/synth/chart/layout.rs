@@ -1,4 +1,4 @@
-//! Where the discs of a chart are, how large they are and how they move.
+//! Layout of a chart: positions, radii and motions of the discs.
 
 use super::ChartParams;
 use crate::monitor::Monitor;
@@ -6,7 +6,7 @@ use crate::synth::random::Stream;
 use crate::synth::truth::{FeatureTruth, disc_sigma};
 use crate::synth::{Motion, SynthError};
 
-/// Draws places, radii and slopes; large discs first, because they are hardest to place.
+/// Draws positions, radii and slopes at random; large discs first, because they are hardest to place.
 pub(super) fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTruth>, SynthError> {
     let mut stream = Stream::new(params.seed, 0);
     let mut radii: Vec<f64> = (0..params.discs).map(|_| params.radius_law.draw(&params.radius, &mut stream)).collect();

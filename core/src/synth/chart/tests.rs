@@ -1,4 +1,4 @@
-//! A chart is what its parameters and its truth say.
+//! A chart matches its parameters and its truth.
 
 use super::*;
 
@@ -117,7 +117,7 @@ fn the_law_of_the_radii_changes_radii_alone_and_the_default_is_uniform() {
         place_discs(&params, &Monitor::default()).expect("they fit")
     };
     let (uniform, log) = (discs(ChartParams::default().radius_law), discs(RadiusLaw::Log));
-    // Published tables are of these charts, so their numbers are fixed for ever.
+    // Published tables use these charts, so their numbers must never change.
     let first = uniform[0];
     assert_eq!([first.radius, first.u, first.v, first.slope_u], FIRST_DISC_OF_SEED_1);
     let fine = |discs: &[FeatureTruth]| discs.iter().filter(|d| d.radius < 7.2).count();

@@ -1,13 +1,13 @@
-//! Small bursts of our own making to look at: two failures, the cases in which the paper's method finds what is not
-//! there, or does not find what is; and scenes that show one thing each.
+//! Small built-in bursts as examples: two failures, in which the paper's method finds false features or misses discs;
+//! and scenes that show one effect each.
 //!
-//! | example | what there is to see | where to probe |
+//! | example | content | where to probe |
 //! | --- | --- | --- |
-//! | aliasing | three garlands with a small lamp every 8 px, under larger lamps that stand apart, all moving by 1 px/frame: the garlands answer again at −7 px/frame | a dark gap beside a lamp, which is kept at −7 px/frame |
-//! | low contrast | nine discs, each fainter than the one before, down to what the noise hides | a disc that only the gate takes |
+//! | aliasing | three garlands with a small lamp every 8 px, under larger lamps that stand apart, all moving by 1 px/frame: the garlands respond again at −7 px/frame | a dark gap beside a lamp, which is kept at −7 px/frame |
+//! | low contrast | nine discs, each fainter than the one before, the last ones hidden by noise | a disc that only the gate rejects |
 //! | many depths | a column of lamps at each of nine depths, slope 0 on the left to 2.4 px/frame on the right: a fan in the x–t slice | a lamp in the middle |
-//! | tripod | a still camera: everything has slope 0, so nothing tells depths apart | a disc |
-//! | hot pixels | lamps that move by 1 px/frame, behind sixty pixels of the sensor that are bright by themselves | a hot pixel |
+//! | tripod | a still camera: everything has slope 0, so depths cannot be told apart | a disc |
+//! | hot pixels | lamps that move by 1 px/frame, behind sixty hot pixels of the sensor | a hot pixel |
 //! | street, street later | textured walls at two depths in the dark, and the same ones later: for matching | a lamp |
 
 mod scenes;
@@ -25,36 +25,36 @@ use std::ops::RangeInclusive;
 
 /// Columns and rows of an example's frames.
 pub const EXAMPLE_SIZE: (usize, usize) = (240, 180);
-/// Frames of an example.
+/// Number of frames of an example.
 pub const EXAMPLE_FRAMES: usize = 9;
 
 const SEED: u64 = 20_220_920;
 const HALF_SPAN: f64 = 0.5 * (EXAMPLE_FRAMES as f64 - 1.0);
-/// From the middle of the street to the middle of the later one, in frames.
+/// Time from the middle of the street to the middle of the later one, frames.
 const LATER_FRAMES: f64 = 10.0;
 
-/// A burst to look at.
+/// Example burst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Example {
-    /// Periodic texture answers at slopes that nothing moves with.
+    /// Periodic texture that responds at slopes of no motion.
     Aliasing,
-    /// What is fainter than the gate is not found.
+    /// Discs fainter than the gate are not found.
     LowContrast,
-    /// Things at many depths, each with its own slope.
+    /// Objects at many depths, each with its own slope.
     Depths,
     /// A still camera before a still scene.
     Tripod,
-    /// Pixels that are bright by themselves.
+    /// Pixels that are bright independently of the scene.
     HotPixels,
     /// Textured walls in the dark.
     Street,
-    /// The same walls a little later.
+    /// The walls of `Street` a little later.
     StreetLater,
 }
 
 impl Example {
-    /// All of them.
+    /// All examples.
     pub const ALL: [Self; 7] = [
         Self::Depths,
         Self::Street,
@@ -65,7 +65,7 @@ impl Example {
         Self::HotPixels,
     ];
 
-    /// The word that names it on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Aliasing => "demo-aliasing",
@@ -83,7 +83,7 @@ impl Example {
         Self::ALL.into_iter().find(|example| example.name() == name)
     }
 
-    /// What menus call it.
+    /// Label in menus.
     pub fn label(self) -> &'static str {
         match self {
             Self::Aliasing => "Example: aliasing",
@@ -96,7 +96,7 @@ impl Example {
         }
     }
 
-    /// What it shows, as a sentence for menus and tooltips.
+    /// Description as a sentence, for menus and tooltips.
     pub fn help(self) -> &'static str {
         match self {
             Self::Aliasing => {
@@ -133,7 +133,7 @@ impl Example {
         }
     }
 
-    /// The horizontal slope, px/frame, at which there is something to see.
+    /// The horizontal slope, px/frame, at which the example shows its effect.
     pub fn slope_u(self) -> f32 {
         match self {
             Self::Aliasing => ALIASING_SLOPE - GARLAND_PERIOD,
@@ -144,13 +144,13 @@ impl Example {
         }
     }
 
-    /// The (octave, level) at which the thing to look at is one of several at its place, and not the strongest; `None`
-    /// where it is.
+    /// The (octave, level) of the response to look at, where it is one of several at its place and not the strongest;
+    /// `None` where it is the strongest.
     pub fn scale(self) -> Option<(i32, i32)> {
         (self == Self::Aliasing).then_some((0, 0))
     }
 
-    /// The horizontal slopes with which it shows what it is for: their range, px/frame, and how many.
+    /// The horizontal slopes at which to search the example: their range, px/frame, and their number.
     pub fn slopes_u(self) -> (RangeInclusive<f32>, usize) {
         match self {
             Self::Aliasing => (-9.0..=9.0, 37),
@@ -161,7 +161,7 @@ impl Example {
         }
     }
 
-    /// Its frames, always the same bits.
+    /// The burst; always the same bits.
     pub fn burst(self) -> Burst {
         let never = Monitor::default();
         let layers = self.layers();
@@ -178,7 +178,7 @@ impl Example {
             .expect("nobody can cancel this monitor")
     }
 
-    /// What is known about it.
+    /// The truth of the example.
     pub fn truth(self) -> Truth {
         let layers = self.layers();
         let mut features = visible_landmarks(&layers, EXAMPLE_SIZE, HALF_SPAN + self.later());
@@ -199,12 +199,12 @@ impl Example {
         }
     }
 
-    /// How long after the scene's own mid-burst its middle is, frames.
+    /// Time of its mid-burst after the scene's own, frames.
     fn later(self) -> f64 {
         if self == Self::StreetLater { LATER_FRAMES } else { 0.0 }
     }
 
-    /// What is in it, far to near.
+    /// The layers of the example, far to near.
     fn layers(self) -> Vec<Layer> {
         match self {
             Self::Aliasing => vec![scenes::garlands()],

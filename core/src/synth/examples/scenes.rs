@@ -1,39 +1,39 @@
-//! What is painted in the examples.
+//! Scenes of the examples.
 
 use super::{EXAMPLE_SIZE, HALF_SPAN, SEED};
 use crate::synth::layer::Layer;
 use crate::synth::paint::{Area, fractal_relief};
 use crate::synth::random::Stream;
 
-/// After how many pixels the garlands repeat themselves.
+/// Period of the garlands, pixels.
 pub const GARLAND_PERIOD: f32 = 8.0;
-/// How fast everything in the aliasing example moves, px/frame.
+/// Slope of everything in the aliasing example, px/frame.
 pub const ALIASING_SLOPE: f32 = 1.0;
 /// Rows of the garlands.
 const GARLANDS: [f32; 3] = [104.0, 128.0, 152.0];
-/// The radius of their lamps, pixels.
+/// Radius of the garlands' lamps, pixels.
 const GARLAND_RADIUS: f64 = 2.4;
 /// A dark gap between two lamps of a garland, which is kept as a feature at −7 px/frame.
 pub(super) const GARLAND_PLACE: [f32; 2] = [172.0, 101.3];
-/// How fast the discs of the low-contrast example move, px/frame.
+/// Slope of the discs of the low-contrast example, px/frame.
 pub(super) const DISCS_SLOPE: f32 = 1.0;
-/// The discs of the low-contrast example: place of the first one, distance, and radius, pixels.
+/// Discs of the low-contrast example: position of the first one, distance, and radius, pixels.
 const DISCS: (f32, f32, f32) = (40.0, 40.0, 6.0);
-/// How much fainter each disc is than the one before.
+/// Ratio of the contrast of each disc to that of the one before.
 const FAINTER: f32 = 0.7;
-/// The brightest disc, fraction of full scale above the ground.
+/// Contrast of the brightest disc, fraction of full scale above the background.
 const BRIGHTEST: f32 = 0.02;
-/// The ground of most scenes, fraction of full scale.
+/// Background of most scenes, fraction of full scale.
 pub(super) const GROUND: f32 = 0.03;
 /// Slopes of the street's far and near walls, px/frame.
 pub(super) const STREET_SLOPES: [f64; 2] = [1.2, 2.2];
-/// A lamp on the street's far wall.
+/// Position of a lamp on the street's far wall.
 pub(super) const STREET_PLACE: [f32; 2] = [128.0, 48.0];
-/// A disc of the still scene.
+/// Position of a disc of the still scene.
 pub(super) const TRIPOD_PLACE: [f32; 2] = [120.0, 90.0];
 /// Rows of the lamps at many depths, with their radii, pixels.
 const LAMP_ROWS: [(f32, f64); 3] = [(40.0, 2.5), (90.0, 3.5), (140.0, 5.0)];
-/// How many depths there are, with a column of lamps at each.
+/// Number of depths, with a column of lamps at each.
 const DEPTHS: usize = 9;
 
 /// Place of disc `index` of the low-contrast example.
@@ -50,7 +50,7 @@ pub(super) fn lamp_place(index: usize) -> [f32; 2] {
 pub(super) fn garlands() -> Layer {
     let mut layer = Layer::new("garlands", EXAMPLE_SIZE, (f64::from(ALIASING_SLOPE), 0.0), HALF_SPAN);
     layer.sheet.fill(|u, v| 0.02 + 0.004 * fractal_relief(41, u, v, 40.0, 2));
-    // A row of lamps, of which no two are equally far apart, tells the true slope.
+    // A row of lamps at unequal distances determines the true slope.
     for (u, v, radius) in [
         (22.0, 40.0, 5.0),
         (61.0, 52.0, 3.5),
@@ -113,7 +113,7 @@ pub(super) fn still() -> Layer {
     layer
 }
 
-/// Lamps before an even ground, moving to the right.
+/// Lamps before an even background, moving to the right.
 pub(super) fn lamps() -> Layer {
     let mut layer = Layer::new("lamps", EXAMPLE_SIZE, (1.0, 0.0), HALF_SPAN);
     layer.sheet.fill(|_, _| GROUND);
@@ -126,7 +126,7 @@ pub(super) fn lamps() -> Layer {
     layer
 }
 
-/// Pixels of the sensor that are bright by themselves: their places (column, row), and by how much.
+/// Hot pixels of the sensor: their positions (column, row) and their added values.
 pub(super) fn hot_pixels() -> Vec<([usize; 2], f32)> {
     let mut stream = Stream::new(SEED, 900);
     (0..60)

@@ -1,4 +1,4 @@
-//! What stands where: a wall with boards before it at several depths, and the way of the camera past them.
+//! Layout of a trajectory: a wall with boards before it at several depths, and the camera's path past them.
 
 use super::TrajectoryParams;
 use super::lens::{BurstCamera, Lens, turn};
@@ -12,19 +12,19 @@ use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 /// Distance of the wall, metres.
 const WALL_DEPTH: f64 = 5.0;
-/// Depth of the nearest plane over that of the wall.
+/// Ratio of the depth of the nearest plane to that of the wall.
 const NEAREST_SHARE: f64 = 0.55;
 /// Values of a texture's leaves, as fractions of scene white.
 const LEAF_VALUES: std::ops::RangeInclusive<f64> = 0.06..=1.0;
 /// Radius of the finest leaves, pixels.
 const FINEST_LEAF: f64 = 1.5;
-/// Streams of the seed: this one lays out, and those from `TEXTURE_STREAM` on paint. Frames take theirs from 1 on.
+/// Stream of the seed for the layout; those from `TEXTURE_STREAM` on are for textures. Frames use those from 1 on.
 const LAYOUT_STREAM: u64 = 0;
 const TEXTURE_STREAM: u64 = 1 << 40;
-/// The most samples that the textures of all planes may have together: 1 GiB.
+/// Maximum number of samples of the textures of all planes together: 1 GiB.
 const MAX_SAMPLES: usize = 1 << 27;
 
-/// The camera at each mid-burst, and the direction in its own axes in which it goes during the burst.
+/// The camera at each mid-burst, and the direction of its motion during the burst, in its own axes.
 pub(super) fn stations(params: &TrajectoryParams) -> Vec<(Isometry3<f64>, Vector3<f64>)> {
     let mut stream = Stream::new(params.seed, LAYOUT_STREAM);
     let gaps = params.bursts.saturating_sub(1) as f64;
@@ -35,10 +35,10 @@ pub(super) fn stations(params: &TrajectoryParams) -> Vec<(Isometry3<f64>, Vector
     let station = |index: usize| {
         let along = if gaps > 0.0 { index as f64 / gaps - 0.5 } else { 0.0 };
         let mut jitter = |reach: f64| stream.within(-reach, reach);
-        // A way that is not quite straight: about a straight one an alignment of poses could turn freely.
+        // A path that is not quite straight: about a straight one an alignment of poses would be undetermined.
         let x = sideways * along;
         let (y, z) = (jitter(0.05), forward * along - 0.4 * sideways * along * along + jitter(0.03));
-        // It looks half towards the middle of the scene, as one who films a thing in passing.
+        // It looks half towards the middle of the scene, like a camera that films a scene in passing.
         let yaw = 0.6 * libm::atan2(-x, 0.8 * WALL_DEPTH - z) + jitter(0.02);
         let rotation = turn(yaw, jitter(0.02), jitter(0.03));
         let side = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -51,7 +51,7 @@ pub(super) fn stations(params: &TrajectoryParams) -> Vec<(Isometry3<f64>, Vector
     (0..params.bursts).map(station).collect()
 }
 
-/// The planes, painted, large enough for everything that is seen from `stations`.
+/// The painted planes, large enough for everything that is seen from `stations`.
 ///
 /// # Errors
 /// Sheets that would be too large, or [`SynthError::Cancelled`].
@@ -74,7 +74,7 @@ pub(super) fn planes(
                 right: slant * Vector3::new(pixel, 0.0, 0.0),
                 down: slant * Vector3::new(0.0, pixel, 0.0),
             };
-            // What is seen at mid-burst, and the way that things go from there to the first and last frame.
+            // The part seen at mid-burst, and the motion of content from there to the first and last frame.
             let way = 1.5 * params.max_slope * 0.5 * (params.frames - 1) as f64;
             let [left, top, right, bottom] = frame.seen_from(lens, stations, way + 8.0)?;
             let (width, height) = ((right - left).ceil() as usize, (bottom - top).ceil() as usize);
@@ -95,7 +95,7 @@ pub(super) fn planes(
         .collect()
 }
 
-/// A plane before it has a size: a point on it, and one pixel's way on each axis.
+/// Plane without a size: a point on it, and the step of one pixel on each axis.
 struct Frame {
     centre: Point3<f64>,
     right: Vector3<f64>,
@@ -103,8 +103,8 @@ struct Frame {
 }
 
 impl Frame {
-    /// The part of the plane that is seen from the stations, with a margin, in its pixels from the centre: `[left, top,
-    /// right, bottom]`.
+    /// The part of the plane seen from the stations, with a margin, in its pixels from the centre: `[left, top, right,
+    /// bottom]`.
     fn seen_from(
         &self,
         lens: &Lens,
@@ -161,7 +161,7 @@ fn points_seen(planes: &[ScenePlane], lens: &Lens, camera: &Isometry3<f64>) -> V
     grid.filter_map(|(i, j)| nearest_point(planes, lens, camera, place(i, lens.width), place(j, lens.height))).collect()
 }
 
-/// The apparent motions of `points`, as means over each half of the burst, pixels per frame; none for a burst of one
+/// The apparent motions of `points`, as means over each half of the burst, pixels per frame; empty for a burst of one
 /// frame.
 fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span: f64) -> Vec<[f64; 2]> {
     let halves = points.iter().flat_map(|point| [-half_span, half_span].map(|dt| (point, dt)));
@@ -172,8 +172,8 @@ fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span:
     halves.filter_map(motion).collect()
 }
 
-/// The camera of a burst at that speed at which the largest apparent motion on an axis is `max_slope` pixels per frame;
-/// and the least and largest motion on each axis, `[[u min, u max], [v min, v max]]`.
+/// The camera of a burst at the speed at which the largest apparent motion on an axis is `max_slope` pixels per frame;
+/// and the minimum and maximum motion on each axis, `[[u min, u max], [v min, v max]]`.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -191,7 +191,7 @@ pub(super) fn burst_camera(
     let at_speed = |speed: f64| BurstCamera { world_from_camera, step: world_from_camera.rotation * (speed * heading) };
     let largest = |motions: &[[f64; 2]]| motions.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
     let mut speed = if half_span > 0.0 && params.max_slope > 0.0 { 1e-4 } else { 0.0 };
-    // Apparent motion is nearly proportional to speed, so a few corrections settle it.
+    // Apparent motion is nearly proportional to speed, so a few corrections converge.
     for _ in 0..6 {
         let max = largest(&motions(&at_speed(speed), lens, &points, half_span));
         if max > 0.0 {

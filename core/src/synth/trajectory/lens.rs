@@ -1,13 +1,14 @@
 //! The lens and the poses of the camera that moves through a scene.
 //!
-//! The world is metric, its axes are right, down and forward, as a camera's are; a pose says where the camera is in it.
+//! The world is metric, its axes are right, down and forward, as a camera's are; a pose is that of the camera in the
+//! world.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// Half a pixel: the centre of the first pixel in COLMAP's convention.
 const FIRST_PIXEL: f64 = 0.5;
 
-/// A pinhole camera whose principal point is the middle of the image.
+/// Pinhole camera whose principal point is the middle of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Columns.
@@ -24,13 +25,13 @@ impl Lens {
         [0.5 * self.width as f64 - FIRST_PIXEL, 0.5 * self.height as f64 - FIRST_PIXEL]
     }
 
-    /// The direction (x, y, 1) in the camera's axes that is seen at the pixel (u, v).
+    /// The direction (x, y, 1) in the camera's axes seen at the pixel (u, v).
     pub fn direction(&self, u: f64, v: f64) -> Vector3<f64> {
         let [cu, cv] = self.centre();
         Vector3::new((u - cu) / self.focal_px, (v - cv) / self.focal_px, 1.0)
     }
 
-    /// Where a point in the camera's axes is seen: column and row, the centre of the first pixel is (0, 0). `None`
+    /// The pixel of a point in the camera's axes: column and row, the centre of the first pixel is (0, 0). `None`
     /// behind the camera.
     pub fn pixel(&self, point: &Point3<f64>) -> Option<[f64; 2]> {
         let [cu, cv] = self.centre();
@@ -43,24 +44,24 @@ impl Lens {
         [self.focal_px, self.focal_px, 0.5 * self.width as f64, 0.5 * self.height as f64]
     }
 
-    /// The camera file that `--camera` reads.
+    /// The text of the camera file that `--camera` reads.
     pub fn to_toml(&self) -> String {
         let Self { width, height, .. } = self;
         format!("model = \"PINHOLE\"\nwidth = {width}\nheight = {height}\nparams = {:?}\n", self.colmap_params())
     }
 }
 
-/// The camera during one burst: it moves at constant speed and does not turn.
+/// Camera during one burst: it moves at constant speed and does not turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BurstCamera {
-    /// The camera in the world at mid-burst.
+    /// Pose of the camera in the world at mid-burst.
     pub world_from_camera: Isometry3<f64>,
-    /// Its way from one frame to the next, metres, in the world.
+    /// Motion from one frame to the next, metres, in the world.
     pub step: Vector3<f64>,
 }
 
 impl BurstCamera {
-    /// The camera in the world `dt` frames after mid-burst.
+    /// The pose of the camera in the world `dt` frames after mid-burst.
     pub fn at(&self, dt: f64) -> Isometry3<f64> {
         Isometry3::from_parts(
             Translation3::from(self.world_from_camera.translation.vector + dt * self.step),
@@ -68,12 +69,12 @@ impl BurstCamera {
         )
     }
 
-    /// Where the point of the world is seen `dt` frames after mid-burst; see [`Lens::pixel`].
+    /// The pixel of a point of the world `dt` frames after mid-burst; see [`Lens::pixel`].
     pub fn pixel_of(&self, lens: &Lens, point: &Point3<f64>, dt: f64) -> Option<[f64; 2]> {
         lens.pixel(&self.at(dt).inverse_transform_point(point))
     }
 
-    /// The pose at mid-burst as trajectory files have it: `tx ty tz qx qy qz qw` of the camera in the world.
+    /// The pose at mid-burst in the form of trajectory files: `tx ty tz qx qy qz qw` of the camera in the world.
     pub fn tum(&self) -> [f64; 7] {
         let t = &self.world_from_camera.translation;
         let q = &self.world_from_camera.rotation;
@@ -81,8 +82,8 @@ impl BurstCamera {
     }
 }
 
-/// A turn by `yaw` to the right, then `pitch` up, then `roll` clockwise, radians. Sine and cosine are `libm`'s, which
-/// round alike everywhere.
+/// The rotation by `yaw` to the right, then `pitch` up, then `roll` clockwise, radians. Sine and cosine are `libm`'s,
+/// which round alike on every machine.
 pub(super) fn turn(yaw: f64, pitch: f64, roll: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, axis: Vector3<f64>| {
         let imaginary = axis * libm::sin(0.5 * angle);
@@ -116,10 +117,10 @@ mod tests {
         let ahead = Point3::new(0.3f64.sin(), 0.0, 0.3f64.cos());
         let seen = camera.pixel_of(&LENS, &ahead, 0.0).expect("in front");
         assert!((seen[0] - 31.5).abs() < 1e-9 && (seen[1] - 23.5).abs() < 1e-9, "{seen:?}");
-        // Pitch looks up, which is against the world's y.
+        // Positive pitch looks up, against the world's y.
         let up = turn(0.0, 0.2, 0.0) * Vector3::z();
         assert!(up.y < -0.19 && up.x.abs() < 1e-12);
-        // The camera goes to the right, so what it sees goes to the left.
+        // The camera moves to the right, so the content moves to the left.
         assert!(camera.pixel_of(&LENS, &ahead, 1.0).expect("in front")[0] < 31.5);
     }
 }

@@ -1,14 +1,12 @@
-//! Trajectories: bursts that a camera takes along its way past a scene, with everything known that a reconstruction is
-//! to find.
+//! Trajectories: bursts of a camera that moves past a scene, with the complete truth for a reconstruction.
 //!
 //! The scene is a wall and, before it at several depths, boards: [`plane`]s with textures that have structure at every
-//! scale. A pinhole camera ([`lens`]) goes past it and takes a burst at each of its stations, moving on at constant
-//! speed while it does. Every frame is drawn from the pose that the camera has in it, so the apparent motion of each
-//! point follows from its depth, and nothing in the picture knows of slopes. Then a [`Camera`] captures the frames in
-//! as much light as is asked for.
+//! scale. A pinhole camera ([`lens`]) moves past it and takes a burst at each of its stations, moving on at constant
+//! speed meanwhile. Every frame is drawn from the camera's pose in it, so the apparent motion of each point follows
+//! from its depth, and no slope is used in drawing. Then a [`Camera`] captures the frames in the requested light.
 //!
-//! What is known: the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at mid-burst
-//! without noise, the gold standard.
+//! The truth consists of the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at
+//! mid-burst without noise, the gold standard.
 
 mod layout;
 pub mod lens;
@@ -29,17 +27,17 @@ use crate::plane::Plane;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// How much light there is.
+/// Amount of light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
-    /// So much that a pixel of a frame has this signal-to-noise ratio: the standard deviation of all pixels of the
-    /// scene over that of the noise at their mean, as [`super::noisy`] defines it; infinite for no noise.
+    /// Per-pixel signal-to-noise ratio of a frame: the standard deviation of all pixels of the scene over that of the
+    /// noise at their mean, as [`super::noisy`] defines it; infinite for no noise.
     Snr(f64),
-    /// So much that scene white, the brightest that is painted, makes this many electrons; infinite for no noise.
+    /// Electrons at scene white, the brightest painted value; infinite for no noise.
     Electrons(f64),
 }
 
-/// What a trajectory is to be like.
+/// Parameters of a trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrajectoryParams {
     /// Columns.
@@ -52,19 +50,19 @@ pub struct TrajectoryParams {
     pub frames: usize,
     /// Number of planes, 1 … 16; the farthest one is a wall that fills the frame.
     pub planes: usize,
-    /// How the camera goes: in one dimension sideways, so that everything moves horizontally; in two forward and
+    /// Motion of the camera: in one dimension sideways, so that everything moves horizontally; in two forward and
     /// sideways, so that motion spreads in all directions.
     pub motion: Motion,
-    /// The largest apparent motion on an axis, pixels per frame, as the mean over half a burst; the camera's speed is
+    /// Largest apparent motion on an axis, pixels per frame, as the mean over half a burst; the camera's speed is
     /// chosen for it.
     pub max_slope: f64,
-    /// How much light there is.
+    /// Amount of light.
     pub light: Light,
     /// Standard deviation of the read noise, electrons.
     pub read_noise: f64,
     /// Bits of the converter, 4 … 16.
     pub bits: u32,
-    /// The seed of scene, way and noise.
+    /// Seed of scene, path and noise.
     pub seed: u64,
 }
 
@@ -88,17 +86,17 @@ impl Default for TrajectoryParams {
     }
 }
 
-/// Focal length over the image's width.
+/// Ratio of the focal length to the image's width.
 const FOCAL_SHARE: f64 = 0.9;
-/// Electrons at full scale at the highest gain that is of use, as of a camera in the dark: 8 levels of 12 bits an
-/// electron. In more light the gain is lower.
+/// Electrons at full scale at the highest useful gain, for a camera in the dark: 8 levels of 12 bits for each electron.
+/// In more light the gain is lower.
 const DARK_FULL_SCALE_ELECTRONS: f64 = 512.0;
-/// Noise is kept this many standard deviations away from black and white.
+/// Distance of the noise from black and white, in standard deviations.
 const CLEARANCE_SIGMAS: f64 = 5.0;
-/// Scene white in the noise-free views at mid-burst, fraction of full scale.
+/// Signal of scene white in the noise-free views at mid-burst, fraction of full scale.
 pub const GOLD_WHITE: f64 = 0.9;
 
-/// A scene, the way past it, and the camera's exposure.
+/// A scene, the camera's path past it, and its exposure.
 #[derive(Debug, Clone)]
 pub struct Trajectory {
     params: TrajectoryParams,
@@ -106,13 +104,13 @@ pub struct Trajectory {
     pub lens: Lens,
     /// The planes of the scene, far to near.
     pub planes: Vec<ScenePlane>,
-    /// The camera of each burst.
+    /// Camera of each burst.
     pub cameras: Vec<BurstCamera>,
-    /// The least and largest apparent motion of each burst on the axes u and v, pixels per frame.
+    /// Minimum and maximum apparent motion of each burst on the axes u and v, pixels per frame.
     pub slopes: Vec<[[f64; 2]; 2]>,
-    /// The camera's sensor, and the signal that scene white makes.
+    /// Sensor of the camera, and the signal of scene white.
     pub exposure: NoisyExposure,
-    /// The per-pixel signal-to-noise ratio as [`Light::Snr`] defines it; infinite for no noise.
+    /// Per-pixel signal-to-noise ratio as [`Light::Snr`] defines it; infinite for no noise.
     pub snr: f64,
     /// Electrons at scene white; infinite for no noise.
     pub electrons: f64,
@@ -177,7 +175,7 @@ impl TrajectoryParams {
 }
 
 impl Trajectory {
-    /// Lays out and paints the scene, finds the camera's way and its exposure.
+    /// Lays out and paints the scene, computes the camera's path and its exposure.
     ///
     /// # Errors
     /// A parameter that makes no sense, or [`SynthError::Cancelled`].
@@ -203,7 +201,7 @@ impl Trajectory {
         Ok(Self { params: params.clone(), lens, planes, cameras, slopes, exposure, snr, electrons })
     }
 
-    /// The name of burst `index`, by which its folder and its views are called.
+    /// The name of burst `index`, for its folder and its views.
     pub fn name(index: usize) -> String {
         format!("burst_{index:03}")
     }
@@ -214,21 +212,21 @@ impl Trajectory {
     /// [`Cancelled`] once `monitor` was cancelled.
     ///
     /// # Panics
-    /// When there are not so many bursts.
+    /// When there are not that many bursts.
     pub fn gold(&self, index: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
         let mut view = plane::render(&self.planes, &self.lens, &self.cameras[index].world_from_camera, monitor)?;
         view.data_mut().iter_mut().for_each(|x| *x = (GOLD_WHITE * f64::from(*x)).clamp(0.0, 1.0) as f32);
         Ok(view)
     }
 
-    /// Burst `index` as the camera takes it. Each frame of all bursts takes its noise from a stream of its own, so the
-    /// result does not depend on the threads.
+    /// Burst `index` as the camera captures it. Each frame of all bursts has a random stream of its own, so the result
+    /// does not depend on the threads.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
     ///
     /// # Panics
-    /// When there are not so many bursts.
+    /// When there are not that many bursts.
     pub fn burst(&self, index: usize, monitor: &Monitor) -> Result<Burst, Cancelled> {
         let (frames, camera) = (self.params.frames, self.cameras[index]);
         let t0 = (frames as f64 - 1.0) / 2.0;
@@ -240,7 +238,7 @@ impl Trajectory {
         self.exposure.capture(&signal, self.params.seed, 1 + (index * frames) as u64, monitor)
     }
 
-    /// What is known, beside pictures, poses and lens.
+    /// The truth, without pictures, poses and lens.
     pub fn truth(&self) -> TrajectoryTruth {
         let params = &self.params;
         let bursts = self.cameras.iter().zip(&self.slopes).enumerate().map(|(index, (camera, [u, v]))| BurstTruth {
@@ -276,8 +274,8 @@ impl Trajectory {
     }
 }
 
-/// What is known of a trajectory beside pictures, poses and lens: the content of its `trajectory.json`. Lengths are
-/// metres, slopes pixels per frame.
+/// Truth of a trajectory without pictures, poses and lens: the content of its `trajectory.json`. Lengths are metres,
+/// slopes pixels per frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryTruth {
@@ -287,19 +285,19 @@ pub struct TrajectoryTruth {
     pub height: usize,
     /// Number of frames of a burst, N.
     pub frames: usize,
-    /// The reference time, (N − 1)/2, in frames.
+    /// Reference time, (N − 1)/2, in frames.
     pub t0: f64,
-    /// The seed from which everything follows.
+    /// Seed from which everything is derived.
     pub seed: u64,
-    /// The largest apparent motion on an axis.
+    /// Largest apparent motion on an axis.
     pub max_slope: f64,
-    /// fx, fy, cx, cy as COLMAP has them: the centre of the first pixel is (0.5, 0.5).
+    /// fx, fy, cx, cy in COLMAP's convention: the centre of the first pixel is (0.5, 0.5).
     pub camera_params: [f64; 4],
     /// Electrons at scene white; `None` (null) for noiseless bursts.
     pub electrons_at_white: Option<f64>,
     /// The camera's noise, at the mean of the signal; `None` (null) for noiseless bursts.
     pub noise: Option<NoiseTruth>,
-    /// The pedestal under all values, fraction of full scale.
+    /// Pedestal under all values, fraction of full scale.
     pub black_level: f64,
     /// Signal of scene white above black in the frames, fraction of full scale.
     pub white: f64,
@@ -311,33 +309,33 @@ pub struct TrajectoryTruth {
     pub bursts: Vec<BurstTruth>,
 }
 
-/// A plane of the scene: its pixel (p, q) is at origin + p·right + q·down in the world.
+/// Truth of a plane of the scene: its pixel (p, q) is at origin + p·right + q·down in the world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneTruth {
-    /// What it shows.
+    /// Name of its content.
     pub name: String,
-    /// The point of its (0, 0).
+    /// Position of its pixel (0, 0).
     pub origin: [f64; 3],
-    /// One pixel to the right.
+    /// Step of one pixel to the right.
     pub right: [f64; 3],
-    /// One pixel down.
+    /// Step of one pixel down.
     pub down: [f64; 3],
 }
 
-/// A burst of a trajectory.
+/// Truth of a burst of a trajectory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BurstTruth {
-    /// The name of its folder.
+    /// Name of its folder.
     pub name: String,
     /// `tx ty tz qx qy qz qw` of the camera in the world at mid-burst.
     pub world_from_camera: [f64; 7],
-    /// The camera's way from one frame to the next, in the world; it does not turn.
+    /// Motion of the camera from one frame to the next, in the world; it does not turn.
     pub step: [f64; 3],
-    /// Least and largest apparent motion to the right.
+    /// Minimum and maximum apparent motion to the right.
     pub slope_u: [f64; 2],
-    /// Least and largest apparent motion down.
+    /// Minimum and maximum apparent motion down.
     pub slope_v: [f64; 2],
 }
 

@@ -1,9 +1,9 @@
-//! A textured plane in space, and how it is seen through a pinhole.
+//! Textured planes in space, and their rendering through a pinhole.
 //!
-//! A plane carries a painted [`Sheet`]. A camera sees it through a homography: the plane's coordinates of what lies in
-//! a pixel's direction are a quotient of linear functions of the pixel. The texture is averaged over a pixel's area
-//! once, at the resolution of the sheet, and is then a fixed smooth function that every frame samples at the pixels'
-//! centres: what moves is geometry alone, to any fraction of a pixel.
+//! A plane carries a painted [`Sheet`]. A camera sees it through a homography: the plane's coordinates in a pixel's
+//! direction are a quotient of linear functions of the pixel. The texture is averaged over a pixel's area once, at the
+//! resolution of the sheet, and is then a fixed smooth function that every frame samples at the pixels' centres: only
+//! the geometry moves, by any fraction of a pixel.
 
 use super::lens::Lens;
 use crate::monitor::{Cancelled, Monitor};
@@ -14,29 +14,29 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 /// A plane with its texture.
 #[derive(Debug, Clone)]
 pub struct ScenePlane {
-    /// What it shows.
+    /// Name of its content.
     pub name: String,
-    /// The point of the world at the sheet's (0, 0).
+    /// Point of the world at the sheet's (0, 0).
     pub origin: Point3<f64>,
-    /// The way in the world of one pixel of the sheet to the right, metres.
+    /// Step in the world of one pixel of the sheet to the right, metres.
     pub right: Vector3<f64>,
-    /// The way in the world of one pixel of the sheet downwards, metres.
+    /// Step in the world of one pixel of the sheet downwards, metres.
     pub down: Vector3<f64>,
     texture: Texture,
 }
 
-/// A sheet's values and alphas, averaged over squares of one pixel.
+/// Values and alphas of a sheet, averaged over squares of one pixel.
 #[derive(Debug, Clone)]
 struct Texture {
     width: usize,
     height: usize,
-    /// The sample at the sheet's (0, 0), on each axis.
+    /// Sample index of the sheet's (0, 0), on each axis.
     first: [f64; 2],
     /// Value times alpha, and alpha.
     samples: Vec<[f32; 2]>,
 }
 
-/// What a plane shows at a pixel.
+/// Content of a plane at a pixel.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
     /// 1 / depth in front of the camera, 1/m.
@@ -61,12 +61,12 @@ impl Texture {
                 }
             }
         }
-        // A mean over N samples belongs to the middle of them.
+        // A mean over N samples is located at their middle.
         let shift = 0.5 * (N as f64 - 1.0);
         Self { width, height, first: [sheet.column_of(0.0) - shift, sheet.row_of(0.0) - shift], samples }
     }
 
-    /// Value times alpha, and alpha, at the sheet's place (p, q), by Catmull–Rom; `None` outside.
+    /// Value times alpha, and alpha, at the sheet's position (p, q), by Catmull–Rom; `None` outside.
     fn at(&self, p: f64, q: f64) -> Option<[f32; 2]> {
         let x = self.first[0] + OVERSAMPLING as f64 * p;
         let y = self.first[1] + OVERSAMPLING as f64 * q;
@@ -88,7 +88,7 @@ impl Texture {
     }
 }
 
-/// Catmull–Rom's weights of the four samples around a place at the fraction `f` between the middle two.
+/// The Catmull–Rom weights of the four samples around a position at the fraction `f` between the middle two.
 fn cubic(f: f32) -> [f32; 4] {
     [
         ((-0.5 * f + 1.0) * f - 0.5) * f,
@@ -104,7 +104,7 @@ impl ScenePlane {
         Self { name: name.to_owned(), origin, right, down, texture: Texture::of(sheet) }
     }
 
-    /// The point of the world at the sheet's place (p, q).
+    /// The point of the world at the sheet's position (p, q).
     pub fn point(&self, p: f64, q: f64) -> Point3<f64> {
         self.origin + p * self.right + q * self.down
     }
@@ -118,15 +118,15 @@ impl ScenePlane {
     }
 }
 
-/// The sheet's place (p, q) and the inverse depth (1/m) where a direction meets a plane, given its matrix; `None` where
-/// it does not, in front of the camera.
+/// The sheet's position (p, q) and the inverse depth (1/m) where a direction meets a plane, given its matrix; `None`
+/// where it does not meet it in front of the camera.
 fn meet(matrix: &Matrix3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64, f64)> {
     let met = matrix * direction;
     (met.z > 1e-9).then(|| (met.x / met.z, met.y / met.z, met.z))
 }
 
-/// The picture of `planes` without noise from a camera in the world: signal at each pixel, as painted. Where several
-/// lie in a pixel's direction the nearer ones are over the farther ones; where there is none, it is 0.
+/// Renders `planes` without noise from a camera in the world: the signal at each pixel, as painted. Nearer planes are
+/// composited over farther ones; without any plane the signal is 0.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -157,8 +157,8 @@ pub fn render(
     Ok(picture)
 }
 
-/// The nearest point of the world that is seen at the pixel (u, v), among what at least half covers it; `None` where
-/// nothing does.
+/// The nearest point of the world at the pixel (u, v), among planes that cover at least half of it; `None` where none
+/// does.
 pub fn nearest_point(
     planes: &[ScenePlane],
     lens: &Lens,

@@ -26,8 +26,8 @@ fn centroid(picture: &Plane) -> [f64; 2] {
 #[test]
 fn a_known_point_is_where_the_picture_has_it() {
     let lens = Lens { width: 200, height: 150, focal_px: 180.0 };
-    // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the picture of its centre is
-    // 0.02 px from the centre of gravity of its picture, and without edges, whose pixels would draw it aside.
+    // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the image of its centre is
+    // 0.02 px from the centre of gravity of its image, and without edges, whose pixels would shift it.
     let slant = lens::turn(0.2, -0.2, 0.1);
     let pixel = 4.0 / lens.focal_px;
     let mut sheet = Sheet::new(220, 180, 2, 2);
@@ -90,7 +90,7 @@ fn apparent_motion_follows_from_depth_and_reaches_the_largest_that_was_asked_for
             let max = [u, v].into_iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
             assert!((max - 2.0).abs() < 1e-6, "{max}");
             match motion {
-                // To the right with the camera is to the left in the picture, by focal length × step / depth.
+                // Content moves left while the camera moves right, by focal length × step / depth.
                 Motion::OneD => {
                     assert!(v.iter().all(|x| x.abs() < 1e-9) && u[1] < 0.0 && u[1] - u[0] > 0.5, "{u:?} {v:?}");
                     let point = plane::nearest_point(
@@ -151,7 +151,7 @@ fn it_is_as_dark_as_was_asked_for() {
         let trajectory = made(&TrajectoryParams { light, ..clean.clone() });
         let burst = trajectory.burst(0, &Monitor::default()).expect("a burst");
         let exposure = &trajectory.exposure;
-        // The electrons of each pixel less those of the scene are the noise. Half a level or so is lost to rounding.
+        // The noise is the electrons of each pixel minus those of the scene. Rounding loses about half a level.
         let electrons = exposure.camera.full_scale_electrons;
         let noise: Vec<f64> = burst
             .frames

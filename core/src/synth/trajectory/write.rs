@@ -1,4 +1,4 @@
-//! Writing a trajectory: a folder of bursts with poses, lens, gold views and truth beside it, whole or not at all.
+//! Writing a trajectory: a folder of bursts with poses, lens, gold views and truth beside it, completely or not at all.
 
 use super::Trajectory;
 use crate::monitor::{Monitor, Stage};
@@ -8,18 +8,18 @@ use crate::synth::write::{frame_name, write_frame};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// What stands in the folder.
+/// Entries of the folder.
 const ENTRIES: [&str; 5] = ["bursts", "gold", "poses.txt", "lens.toml", TRUTH_FILE];
-/// The file that says what the folder is.
+/// File that marks the folder as a trajectory and holds its truth.
 const TRUTH_FILE: &str = "trajectory.json";
 
-/// Writes a trajectory into the folder `dir`, which is made: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
+/// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
 /// (the views at mid-burst without noise, 16 bit), `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's
 /// number, the camera in the world at mid-burst), `lens.toml` (the camera) and `trajectory.json` (the truth). An
-/// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left alone.
+/// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
-/// See [`WriteBurstError`]; the folder is then as it was before.
+/// See [`WriteBurstError`]; the folder is then unchanged.
 pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<(), WriteBurstError> {
     write_folder(dir, replaceable, |fresh| {
         let make = |folder: &Path| std::fs::create_dir(folder).map_err(io(folder));
@@ -51,7 +51,7 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
     })
 }
 
-/// The trajectory file.
+/// The text of the trajectory file.
 fn poses(trajectory: &Trajectory) -> String {
     let mut text = String::from(
         "# timestamp tx ty tz qx qy qz qw: the burst's number, the camera in the world at mid-burst, metres\n",
@@ -64,7 +64,7 @@ fn poses(trajectory: &Trajectory) -> String {
     text
 }
 
-/// Whether `dir` holds only what [`write_trajectory`] writes.
+/// Whether `dir` holds only files that [`write_trajectory`] writes.
 fn replaceable(dir: &Path) -> std::io::Result<bool> {
     let names = |folder: &Path| -> std::io::Result<Vec<String>> {
         std::fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
@@ -112,7 +112,7 @@ mod tests {
         write(2).expect("replaced");
         assert!(dir.join("bursts/burst_001/frame_001.png").is_file() && !dir.join("bursts/burst_002").exists());
         assert!(!dir.join("gold/burst_002.png").exists());
-        // A note of someone's own among the frames, or beside them, keeps the folder.
+        // A foreign note among the frames, or beside them, protects the folder.
         for place in ["bursts/burst_000/notes.txt", "bursts/notes.txt", "gold/notes.txt", "notes.txt"] {
             std::fs::write(dir.join(place), "precious").expect("written");
             assert!(matches!(write(1), Err(WriteBurstError::Occupied(_))), "{place}");

@@ -1,5 +1,5 @@
-//! The authors' own BuFF code, in one and two dimensions: the stages bit by bit, the features with the cause of each
-//! that is not ours.
+//! Comparison with the authors' own BuFF code, in one and two dimensions: the stages bit by bit, and the features, with
+//! the cause of each difference.
 
 use super::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
@@ -11,7 +11,7 @@ use burstscope_core::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array3, Array4, Axis};
 use std::path::PathBuf;
 
-/// The authors' input: contrast stretched between the bounds, then every pixel doubled.
+/// Input of the authors' code: contrast stretched between the bounds, then every pixel doubled.
 fn stretched_and_doubled(frame: &Plane, low: f32, high: f32) -> Plane {
     Plane::from_fn(frame.width() * 2, frame.height() * 2, |u, v| {
         ((frame.at(u / 2, v / 2) - low) / (high - low)).clamp(0.0, 1.0)
@@ -148,9 +148,9 @@ impl Authors {
     }
 }
 
-/// How many of the authors' features have ours within 0.5 px, 10 % in scale and half a slope step, with their three
-/// levels: by default, and with kernels that end at 2σ and the quadratic fit, as theirs do. Prints each that has none
-/// by default, with its cause.
+/// Number of the authors' features that have one of ours within 0.5 px, 10 % in scale and half a slope step, with their
+/// three levels: by default, and with kernels that end at 2σ and the quadratic fit, as theirs do. Prints each that has
+/// none by default, with its cause.
 fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_per_frame: f32) -> (usize, usize) {
     let with = |kernel_cut: f32, localisation: Localisation| {
         let params = DetectorParams { slopes, kernel_cut, localisation, levels: 3, ..as_published() };

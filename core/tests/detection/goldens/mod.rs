@@ -2,8 +2,8 @@
 //! camera's noise.
 //!
 //! Each test sets our parameters to theirs, converts coordinates as the method page says, and counts. Two features
-//! agree when they are within 0.1 px, 2 % in scale and 0.03 rad, at the same slope. What is left over is explained
-//! where the bars are.
+//! agree when they are within 0.1 px, 2 % in scale and 0.03 rad, at the same slope. The bounds explain the remaining
+//! differences.
 
 mod authors;
 mod camera;

@@ -1,5 +1,5 @@
-//! VLFeat's answers (by pycolmap) on pictures of our own making: numbers in `own/`, made by `own/make.py`, so that the
-//! agreement is tested wherever the tests run. Nothing here is ever left out.
+//! VLFeat's results (by pycolmap) on pictures of our own: numbers in `own/`, made by `own/make.py`, so that the
+//! agreement is tested wherever the tests run. These tests are never skipped.
 
 use super::published::as_published;
 use burstscope_core::detector::{Localisation, Method, NoiseGate};
@@ -7,7 +7,7 @@ use burstscope_core::synth::{SceneParams, synth_scene};
 use burstscope_core::{Burst, DetectorParams, Feature, Monitor, Plane, detect};
 use std::path::Path;
 
-/// A feature of theirs, in our units.
+/// A feature of VLFeat, in our units.
 struct Theirs {
     u: f32,
     v: f32,
@@ -16,7 +16,7 @@ struct Theirs {
     descriptor: [u8; 128],
 }
 
-/// The lines of `own/NAME_OCTAVE.txt`.
+/// Parses the lines of `own/NAME_OCTAVE.txt`.
 fn theirs(name: &str, first_octave: i32) -> Vec<Theirs> {
     let file =
         Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/detection/goldens/own/{name}_{first_octave}.txt"));
@@ -36,7 +36,7 @@ fn theirs(name: &str, first_octave: i32) -> Vec<Theirs> {
     text.lines().map(line).collect()
 }
 
-/// The picture that `own/make.py` showed them: the first frame without noise, in 8 bit.
+/// The picture that `own/make.py` used: the first frame without noise, in 8 bit.
 fn picture(width: usize, height: usize, seed: u64) -> Burst {
     let params = SceneParams { width, height, frames: 1, snr: f64::INFINITY, seed, ..SceneParams::default() };
     let (burst, _) = synth_scene(&params, &Monitor::default()).expect("a scene");
@@ -48,20 +48,20 @@ fn picture(width: usize, height: usize, seed: u64) -> Burst {
     Burst::from_planes("picture", vec![Plane::from_fn(width, height, |u, v| eight_bit(frame.at(u, v)))])
 }
 
-/// The same place and scale.
+/// Whether two features agree in position and scale.
 fn is_there(theirs: &Theirs, ours: &Feature) -> bool {
     (theirs.u - ours.u).hypot(theirs.v - ours.v) <= 0.05 && (theirs.sigma / ours.sigma - 1.0).abs() <= 0.01
 }
 
-/// The same orientation as well.
+/// Whether two features agree in position, scale and orientation.
 fn agree(theirs: &Theirs, ours: &Feature) -> bool {
     let turn = (theirs.orientation - ours.orientation).rem_euclid(std::f32::consts::TAU);
     is_there(theirs, ours) && turn.min(std::f32::consts::TAU - turn) <= 0.03
 }
 
-/// Places and scales that one side has and the other has not are at most 2 % of them. Blobs of a picture without noise
-/// are round and have hardly a direction, so that little decides on it: of the orientations half agree at least (55 to
-/// 82 % do within 0.03 rad).
+/// Checks agreement: at most 2 % of the positions and scales of either side are missing on the other. Blobs of a
+/// picture without noise are round and have no clear direction, so that orientations are sensitive: at least half of
+/// them agree (55 to 82 % do within 0.03 rad).
 fn check(name: &str, burst: &Burst, first_octave: i32) {
     let theirs = theirs(name, first_octave);
     let params = DetectorParams {

@@ -1,11 +1,11 @@
-//! What the tests of agreement share: opening the published input and reading numbers.
+//! Shared code of the tests of agreement: opening the published input and reading numbers.
 
 use crate::shared::shared;
 use burstscope_core::detector::{DescribeSlope, Distinct, NoiseGate, NoiseModelKind, SlopeExtrema, SlopeNeighbours};
 use burstscope_core::{Burst, DetectorParams, Monitor};
 use std::path::PathBuf;
 
-/// The burst of `paths`.
+/// Opens the burst of `paths`.
 pub fn open(paths: &[PathBuf]) -> Burst {
     Burst::open_with(paths, &Default::default(), &Monitor::default()).expect("the published input opens")
 }
@@ -21,7 +21,7 @@ pub fn numbers(line: &str, separator: impl Fn(char) -> bool) -> Vec<f32> {
     line.split(separator).filter(|s| !s.is_empty()).map(|s| s.parse().expect("a number")).collect()
 }
 
-/// What the published codes do wherever our defaults differ, each named: joint extrema, all keypoints kept, described
+/// The published codes' settings wherever our defaults differ, each named: joint extrema, all keypoints kept, described
 /// at the grid's slope in one orientation.
 pub fn as_published() -> DetectorParams {
     DetectorParams {

@@ -1,4 +1,4 @@
-//! VLFeat's SIFT and LiFF: features, descriptors, LiFF's motion stack.
+//! Comparison with VLFeat's SIFT and LiFF: features, descriptors, LiFF's motion stack.
 
 use super::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
@@ -9,7 +9,7 @@ use burstscope_core::{DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array2, Array3};
 use std::io::Read;
 
-/// A feature of theirs or ours, in our units.
+/// A feature of either side, in our units.
 #[derive(Debug, Clone, Copy)]
 struct Frame {
     u: f32,
@@ -42,7 +42,7 @@ fn frames_of(detection: &Detection) -> Vec<Frame> {
     detection.features.iter().map(frame).collect()
 }
 
-/// Counts of an agreement.
+/// Result of a comparison.
 struct Agreement {
     missed: Vec<Frame>,
     extra: Vec<Frame>,
@@ -100,7 +100,7 @@ impl Agreement {
     }
 }
 
-/// VLFeat writes L2-normalised bytes; ours are L1-root: √(d/Σd)·512.
+/// Converts VLFeat's L2-normalised bytes to our L1-root: √(d/Σd)·512.
 fn to_l1_root(l2: &[f32]) -> [f32; 128] {
     let sum: f32 = l2.iter().sum();
     std::array::from_fn(|i| if sum > 0.0 { ((l2[i] / sum).sqrt() * 512.0).min(255.0) } else { 0.0 })
@@ -141,8 +141,9 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
     assert!(difference <= 3.0, "{name}: {difference}");
 }
 
-// What these three miss are second orientations whose histogram peak lies at 0.8 of the highest within a rounding
-// error, and large blobs whose orientation is ambiguous: the place and scale are found in every case looked at.
+// The features missed in these three tests are second orientations whose histogram peak is at 0.8 of the highest within
+// a rounding error, and large blobs whose orientation is ambiguous: the position and scale are found in every case
+// examined.
 #[needs::shared("data/buff-demo-1d", "goldens/vlsift")]
 #[test]
 fn vlfeat_from_octave_0() {
@@ -182,7 +183,7 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: f32) {
         .collect();
     let agreement = Agreement::of(&theirs, &frames_of(&ours));
     agreement.check(&format!("LiFF first octave {first_octave}"), missed, extra);
-    // What is missed away from the border are second orientations at 0.8 of the highest within a rounding error.
+    // The features missed away from the border are second orientations at 0.8 of the highest within a rounding error.
     let inside = |f: &&Frame| (8.0..=791.0).contains(&f.u) && (8.0..=631.0).contains(&f.v);
     let all = theirs.iter().filter(inside).count() as f32;
     let missed = 100.0 * agreement.missed.iter().filter(inside).count() as f32 / all;

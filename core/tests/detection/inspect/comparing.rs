@@ -1,4 +1,4 @@
-//! A detection against another one, against the truth, and against the other picture's.
+//! Comparison of a detection with another one, with the truth, and with that of another picture.
 
 use super::probing::{cache, slopes_of};
 use burstscope_core::detector::{DetectorParams, Distinct, NoiseGate, SlopeGrid, Test};
@@ -30,19 +30,19 @@ fn a_higher_gate_only_loses_and_a_shorter_list_too() {
     };
     let (low, high) = (with(4.0), with(7.0));
     let changes = compare(&low, &high);
-    // What was lost covered a few others, which come back.
+    // Some of the lost features covered a few others, which come back.
     assert!(changes.gained.len() * 10 <= changes.lost.len() && !changes.lost.is_empty(), "{}", changes.summary());
     let back = compare(&high, &low);
-    // Of two near ones each way round may choose another.
+    // Of two near ones each direction of the comparison may choose another.
     assert!(back.gained.len().abs_diff(changes.lost.len()) <= 2 && back.lost.len().abs_diff(changes.gained.len()) <= 2);
-    // A few are found by another one that stands nearer now; the others are where they were.
+    // A few are matched with another one that is nearer now; the others have not moved.
     assert!(changes.moved().count() * 20 <= changes.same.len(), "{}", changes.summary());
 }
 
 #[test]
 fn found_missed_repeated_and_false_add_up_and_each_miss_has_a_reason() {
     let (burst, truth) = chart();
-    // A gate that takes some of the discs, and nothing that keeps repeats away.
+    // A gate that rejects some of the discs, and no suppression of repeated features.
     let params = DetectorParams { noise_gate: NoiseGate::Factor(7.0), distinct: Distinct::Off, ..params() };
     let cache = cache(&burst, &params);
     let against = against_truth(&cache, &truth, &Monitor::default()).expect("not cancelled");
@@ -86,7 +86,7 @@ fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
     let folder = home.path().join("chart");
     write_burst(&folder, &burst, &truth, &Monitor::default()).expect("written");
     let opened = Burst::open(&folder).expect("a burst");
-    // Numbers come back but for the last bit.
+    // Numbers are equal up to the last bit.
     let read = truth_of(&opened).expect("sound").expect("there");
     assert_eq!((read.width, read.seed, read.features.len()), (truth.width, truth.seed, truth.features.len()));
     assert!(read.features.iter().zip(&truth.features).all(|(a, b)| (a.u - b.u).abs() < 1e-9 && a.id == b.id));
@@ -121,7 +121,7 @@ fn every_feature_was_lost_somewhere_or_not_at_all() {
         assert_eq!(of(Lost::Not), inliers);
         assert_eq!(of(Lost::Not) + of(Lost::Geometry), result.counts.putative);
         assert!(of(Lost::RatioTest) + of(Lost::MutualCheck) > 0);
-        // The longer answer for some of each kind.
+        // The detailed explanation for some features of each kind.
         let mut seen = std::collections::BTreeMap::new();
         for index in (0..a.detection().features.len()).step_by(7) {
             let why = losses.of(index, 4);

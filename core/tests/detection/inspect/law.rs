@@ -1,4 +1,4 @@
-//! The law of the verdicts, on small bursts with all kinds of parameters.
+//! The law of the verdicts (they add up to the detection's tally), on small bursts with all kinds of parameters.
 
 use burstscope_core::detector::keypoint::Keypoint;
 use burstscope_core::detector::{
@@ -18,7 +18,7 @@ pub fn scene(seed: u64, size: (usize, usize), frames: usize, snr: f64) -> Burst 
     synth_scene(&params, &Monitor::default()).expect("valid parameters").0
 }
 
-/// Every sample of an octave that the search examines or passes over.
+/// All samples of an octave, whether or not the search examines them.
 fn samples(trail: &Trail, octave: i32) -> (Region, Vec<Sample>) {
     let (width, height) = trail.octave_size(octave);
     let region = Region { columns: 0..width, rows: 0..height };
@@ -33,7 +33,7 @@ fn samples(trail: &Trail, octave: i32) -> (Region, Vec<Sample>) {
     (region, samples)
 }
 
-/// Judges every sample and holds the sum against the detection.
+/// Judges every sample and compares the sum with the detection.
 fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
     let monitor = Monitor::default();
     let detection = detect(burst, params, &monitor).expect("valid parameters");
@@ -52,7 +52,7 @@ fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
             tally.samples += 1;
             if let Some(test) = judgement.rejected_by {
                 tally.reject(test, 1);
-                // The longer answer agrees; every sample would take too long.
+                // The detailed report agrees; for every sample it would take too long.
                 if (sample.x + 31 * sample.y).is_multiple_of(53) {
                     assert_agrees(&fate(&trail, &around, sample, &judgement), Some(test));
                 }
@@ -78,7 +78,7 @@ fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
             }
         }
     }
-    // Beyond the number that is asked for, features are cut off, of which a keypoint may have several.
+    // Features beyond the maximum number are cut off; a keypoint may have several.
     tally.reject(Test::MaxFeatures, detection.tally.rejected_by(Test::MaxFeatures));
     tally.kept = kept.len() as u64;
     assert_eq!(tally, detection.tally, "{params:?}");
@@ -94,13 +94,13 @@ fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
     kept.len()
 }
 
-/// The reports of the single tests agree with the verdict.
+/// Asserts that the reports of the single tests agree with the verdict.
 fn assert_agrees(fate: &Fate, first_failed: Option<Test>) {
     assert_eq!(fate.first_failed, first_failed, "{fate:#?}");
     for report in &fate.tests {
         let before = first_failed.is_none_or(|failed| report.test < failed);
-        // Samples that are no extrema in the image are held only against the least noise of their level; the gate at
-        // the place is asked of extrema.
+        // Samples that are no extrema in the image are only compared with the minimum noise of their level; the gate at
+        // their own place is applied to extrema.
         let gate_of_place =
             report.test == Test::NoiseGate && matches!(first_failed, Some(Test::SpaceExtremum | Test::ScaleExtremum));
         if before && !gate_of_place {

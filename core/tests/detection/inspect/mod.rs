@@ -1,5 +1,5 @@
-//! Explanations are held to what they explain: over a whole picture the verdicts add up to the tally, and what they
-//! call kept is what was kept.
+//! Tests of explanations against the detection: over a whole picture the verdicts add up to the tally, and the kept
+//! candidates are those of the detection.
 
 mod comparing;
 mod law;

@@ -1,4 +1,4 @@
-//! Places whose answer is known.
+//! Probes of places whose explanation is known.
 
 use super::law::scene;
 use burstscope_core::detector::{DetectorParams, NoiseGate, ParamChange, SearchParams, Slope, SlopeGrid, Test};
@@ -9,7 +9,7 @@ use burstscope_core::synth::Example;
 use burstscope_core::synth::random::Stream;
 use burstscope_core::{Burst, Monitor, Plane};
 
-/// Gaussian blobs (column and row at mid-burst, σ px, height, slope) over an even ground with a little noise.
+/// Gaussian blobs (column and row at mid-burst, σ px, height, slope) over an even background with a little noise.
 pub fn blobs(frames: usize, noise: f32, blobs: &[(f32, f32, f32, f32, Slope)]) -> Burst {
     let mut rng = Stream::new(5, 0);
     let frame = |t: usize| {
@@ -26,7 +26,7 @@ pub fn blobs(frames: usize, noise: f32, blobs: &[(f32, f32, f32, f32, Slope)]) -
     Burst::from_planes("blobs", (0..frames).map(frame).collect())
 }
 
-/// The slopes with which an example shows what it is for.
+/// The slopes at which to search an example.
 pub fn slopes_of(example: Example) -> SlopeGrid {
     let (range, count) = example.slopes_u();
     SlopeGrid::line(range, count)
@@ -63,7 +63,7 @@ fn a_kept_blob_is_level_and_its_peak_is_in_the_map() {
     let column = column.expect("columns");
     assert!((map.columns[column].u - 1.0).abs() < 0.2, "{:?}", map.columns[column]);
     assert!((map.snr.at(column, row).abs() / fate.snr - 1.0).abs() < 0.1, "{} {}", map.snr.at(column, row), fate.snr);
-    // A coarser scale has less noise, so in its unit the peak lies no finer than the feature.
+    // A coarser scale has less noise, so in this unit the peak is not finer than the feature.
     assert!(map.scales[map.strongest().1].sigma > 0.9 * fate.sigma);
     // In the slice along its motion it runs along the line that its slope says.
     let slice = &probe.slices[0];
@@ -73,7 +73,7 @@ fn a_kept_blob_is_level_and_its_peak_is_in_the_map() {
             (0..slice.plane.width()).max_by(|&a, &b| slice.plane.at(a, row).total_cmp(&slice.plane.at(b, row)));
         assert!((brightest.expect("columns") as f32 - wanted).abs() < 2.0, "row {row}: {brightest:?} {wanted}");
     }
-    // Keypoints at the other slopes name it.
+    // Keypoints at the other slopes have it as their rival.
     let covered: Vec<&Fate> = probe.fates.iter().filter(|f| f.first_failed == Some(Test::Duplicate)).collect();
     assert!(!covered.is_empty());
     assert!(
@@ -95,7 +95,7 @@ fn a_faint_blob_is_below_the_gate_and_the_remedy_keeps_it() {
     let report = fate.report(Test::NoiseGate);
     assert_eq!(report.limit, Some(f64::from(gate)));
     assert!(report.margin().is_some_and(|margin| (-1.0..0.0).contains(&margin)), "{report:?}");
-    // The later tests are asked all the same.
+    // The later tests are also evaluated.
     assert_eq!(fate.report(Test::Refinement).outcome, Outcome::Passes);
     let remedy = fate.remedy.as_ref().expect("a lower gate");
     assert_eq!((remedy.change.parameter.name, remedy.then_fails), ("noise-gate", None), "{remedy:?}");
@@ -105,7 +105,7 @@ fn a_faint_blob_is_below_the_gate_and_the_remedy_keeps_it() {
     assert!(after.fates.iter().any(|f| f.of_sample() == fate.of_sample() && f.is_kept()), "{:#?}", after.summary);
 }
 
-/// Applies the remedy of every fate near some places, and finds that the test it was for is passed then.
+/// Applies the remedy of every fate near some places, and checks that the failed test is then passed.
 #[test]
 fn every_remedy_does_what_it_says() {
     let burst = scene(11, (128, 96), 6, 2.0);
@@ -125,7 +125,7 @@ fn every_remedy_does_what_it_says() {
             for fate in probed(&before, place).fates {
                 let remedy = fate.remedy.clone().or_else(|| duplicate_remedy(&before.trail, &fate));
                 let (Some(test), Some(remedy)) = (fate.first_failed, &remedy) else { continue };
-                // Widened slopes are others: the sample is another one.
+                // Widened slopes form another grid, in which the sample has another index.
                 if remedy.change.parameter.name.starts_with("slopes-") || done.get(&test).is_some_and(|n| *n >= 2) {
                     continue;
                 }
@@ -161,7 +161,7 @@ fn a_place_outside_and_a_feature_that_is_not_there_are_refused() {
     assert!(matches!(asked([5.0, 5.0], Wanted::Feature(9999)), ProbeError::NoFeature { .. }));
     let scale = Wanted::Scale { octave: 9, level: 0, slope_index: 0 };
     assert!(matches!(asked([5.0, 5.0], scale), ProbeError::NoScale { .. }));
-    // Every corner can be asked.
+    // Every corner can be probed.
     for place in [[0.0, 0.0], [127.0, 95.0], [0.0, 95.0], [127.4, -0.4]] {
         assert!(probe(&cache, place, &ProbeOptions::default(), &Monitor::default()).is_ok());
     }

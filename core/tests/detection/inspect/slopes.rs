@@ -35,7 +35,7 @@ fn moving(size: (usize, usize), frames: usize, place: impl Fn(f32) -> (f32, f32)
     Burst::from_planes("moving", (0..frames).map(frame).collect())
 }
 
-/// Noise that depends on nothing but its place, so that frames can be made in any order.
+/// Noise that depends only on its position, so that frames can be made in any order.
 fn stream_noise(u: usize, v: usize, t: usize) -> f32 {
     let mut x = (u as u64) << 40 ^ (v as u64) << 20 ^ t as u64 ^ 0x9e37_79b9_7f4a_7c15;
     let mut sum = 0.0;
@@ -60,7 +60,7 @@ fn about(spectrum: &Spectrum, subject: Subject) -> Option<&SlopeAdvice> {
     spectrum.advice.iter().find(|advice| advice.subject == subject)
 }
 
-/// The slopes after the changes.
+/// The parameters after the changes.
 fn applied(slopes: SlopeGrid, changes: &[ParamChange]) -> DetectorParams {
     let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
     changes.iter().fold(params, |params, change| change.applied(&params).expect("valid"))
@@ -86,9 +86,9 @@ fn a_range_that_is_too_narrow_is_widened_to_the_motion() {
     assert!(advice.number > 0.5, "{advice:?}");
     let wider = applied(grid, &advice.changes).slopes;
     assert!(wider.u.max > 4.2 && wider.u.min == -3.0 && (wider.u.step() - grid.u.step()).abs() < 1e-3, "{wider:?}");
-    // What lies beyond is shown.
+    // Evidence beyond the range is shown.
     assert!(spectrum.bars.iter().any(|bar| !bar.is_searched && bar.evidence > 0.1 && (bar.slope.u - 4.2).abs() < 0.6));
-    // Applied, the matter is settled.
+    // After the change the advice is gone.
     let again = asked(&burst, wider);
     assert!(about(&again, Subject::Range).is_none(), "{:#?}", again.advice);
 }
@@ -131,7 +131,7 @@ fn a_garland_answers_again_a_period_away() {
     );
     let advice = about(&spectrum, Subject::Aliases).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
     assert!((advice.number - f64::from(GARLAND_PERIOD)).abs() < 0.4);
-    // There are features at the alias, as the paper says; and none once the range holds no alias.
+    // There are features at the alias, as the paper says; and none once the range contains no alias.
     let near = |spectrum: &Spectrum, slope: f32| {
         spectrum.bars.iter().filter(|bar| (bar.slope.u - slope).abs() < 0.6).map(|bar| bar.features).sum::<usize>()
     };
@@ -162,7 +162,7 @@ fn fast_motion_that_leaves_the_picture_asks_for_fewer_frames() {
 
 #[test]
 fn motion_that_is_not_straight_asks_for_fewer_frames() {
-    // It turns back: after ten frames it is 8 px from a uniform motion.
+    // The motion reverses: after ten frames it is 8 px from a uniform motion.
     let burst = moving((200, 160), 11, |dt| (1.0 * dt + 0.32 * dt * dt, 0.0));
     let grid = SlopeGrid::line(-2.0..=4.0, 19);
     let spectrum = asked(&burst, grid);

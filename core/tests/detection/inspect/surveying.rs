@@ -1,4 +1,4 @@
-//! The candidates of a whole picture, and pictures of what decides between slopes.
+//! The candidates of a whole picture, and maps of the winning slopes.
 
 use super::law::scene;
 use super::probing::{blobs, cache};
@@ -29,20 +29,20 @@ fn candidates_account_for_everything_that_was_an_extremum() {
         assert_eq!(survey.kept, cache.detection().tally.kept);
         for count in &survey.counts {
             match count.test {
-                // Only candidates come so far that these tests are asked.
+                // Only candidates reach these tests.
                 Test::SlopeExtremum
                 | Test::Refinement
                 | Test::InterpolatedContrast
                 | Test::Edge
                 | Test::Outside
                 | Test::Duplicate => assert_eq!(count.samples, count.candidates, "{rule:?} {count:?}"),
-                // These take what is no candidate.
+                // These tests reject samples that are no candidates.
                 Test::SpaceExtremum | Test::ScaleExtremum => assert_eq!(count.candidates, 0, "{count:?}"),
                 Test::PeakThreshold | Test::NoiseGate => assert!(count.candidates <= count.samples, "{count:?}"),
                 Test::MaxFeatures => assert_eq!(count.candidates, 0),
             }
         }
-        // Each mark says what the long answer says.
+        // Each mark agrees with the detailed report.
         for mark in survey.marks.iter().filter(|m| m.snr > 2.0).step_by(37) {
             let fate = fate_of(&cache.trail, &mark.of_sample(), &Monitor::default()).expect("not cancelled");
             let fate = fate.expect("examined");

@@ -1,5 +1,5 @@
-//! From a dataset to COLMAP: what is written, that it is not done twice, and, where pycolmap is installed, that COLMAP
-//! reads it.
+//! Export of a dataset to COLMAP: the written files, resuming without repeated work, and, where pycolmap is installed,
+//! reading by COLMAP.
 
 mod support;
 

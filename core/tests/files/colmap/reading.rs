@@ -73,13 +73,13 @@ fn files_and_tables_agree() {
     assert!(correlation > 0.99, "{correlation}");
 }
 
-/// The Python that has pycolmap.
+/// The Python interpreter with pycolmap.
 fn python() -> String {
     std::env::var("BURSTSCOPE_PYTHON").unwrap_or_else(|_| "python3".to_owned())
 }
 
-/// Everything that COLMAP finds in the database, as JSON: and for each pair the largest error of its inliers under its
-/// own geometry, in COLMAP's pixels.
+/// Prints everything that COLMAP finds in the database, as JSON, and for each pair the largest error of its inliers
+/// under its own geometry, in COLMAP's pixels.
 const READ_ALL: &str = r#"
 import json, sys
 import numpy as np
@@ -182,7 +182,8 @@ fn colmap_reads_what_was_written() {
     }
 }
 
-/// For each pair the number of inliers of COLMAP's fundamental matrix on the same matches, with the same largest error.
+/// Prints for each pair the number of inliers of COLMAP's fundamental matrix from the same matches, with the same
+/// largest error.
 const ESTIMATE_ALL: &str = r#"
 import json, sys
 import numpy as np

@@ -1,4 +1,4 @@
-//! Bursts that are finished are not done again, and what is not theirs is left alone.
+//! Finished bursts are not computed again, and foreign files are left unchanged.
 
 use super::support::{SIZE, export, job, walk};
 use burstscope_core::Monitor;
@@ -28,7 +28,7 @@ fn a_second_run_finds_everything_done_and_writes_the_same_bytes() {
     let first = database();
     assert_eq!(resumed(&done(&bursts, &out, &job())), [true; 3]);
     assert!(database() == first, "features from files give the same database");
-    // What is gone or damaged is done again, and nothing else.
+    // Missing or damaged files are made again, and nothing else.
     fs::remove_file(out.join("features/frame_007.png.txt")).expect("removed");
     assert_eq!(resumed(&done(&bursts, &out, &job())), [true, false, true]);
     fs::write(out.join("features/frame_002.png.txt"), "7 128\n").expect("written");
@@ -51,7 +51,7 @@ fn other_parameters_or_other_frames_are_other_features() {
     let mut weaker = job();
     weaker.features.detector.detector.edge_threshold *= 1.5;
     assert_eq!(resumed(&done(&bursts, &out, &weaker)), [false; 3]);
-    // A frame that is written anew has another time, whatever is in it.
+    // A frame that is written again has another time, whatever its content.
     let frame = home.path().join("film/frame_006.png");
     let bytes = fs::read(&frame).expect("a frame");
     fs::write(&frame, [&bytes[..], b"\0"].concat()).expect("written");

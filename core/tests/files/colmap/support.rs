@@ -32,7 +32,7 @@ pub fn walk(home: &Path) -> Vec<BurstSource> {
     cut_sequence(sequence, SequenceCut::new(5, None).expect("a cut")).expect("three bursts")
 }
 
-/// A job with few slopes, and nothing known of the camera.
+/// A job with few slopes and an unknown camera.
 pub fn job() -> ColmapJob {
     ColmapJob {
         features: FeatureJob {
@@ -46,7 +46,7 @@ pub fn job() -> ColmapJob {
     }
 }
 
-/// Runs it; answers also the names of bursts that failed.
+/// Runs the job; also returns the names of bursts that failed.
 pub fn export(
     bursts: &[BurstSource],
     out: &Path,

@@ -1,4 +1,4 @@
-//! Bias and flat frames of every kind of file, and black level and full scale of one's own.
+//! Bias and flat frames of every kind of file, and given black level and full scale.
 
 use super::support::{assert_close, folder, tiff_pages};
 use burstscope_core::Monitor;
@@ -25,7 +25,8 @@ fn a_bias_of_another_kind_of_file_is_converted() {
     let burst = at("burst.tif");
     tiff_pages::<colortype::Gray16>(&burst, (2, 2), &[vec![2570, 3570, 30_000, 65_535]]);
     let expected: Vec<f32> = [0.0, 1000.0, 27_430.0, 62_965.0].map(|v| v / 65_535.0).to_vec();
-    // The same bias as 16 bit, as a part of full scale (what `stack` writes), as a mean in file values, and as 8 bit.
+    // The same bias as 16 bit, as a fraction of full scale (as `stack` writes it), as a mean in file values, and as 8
+    // bit.
     tiff_pages::<colortype::Gray16>(&at("bias16.tif"), (2, 2), &[vec![2570; 4]]);
     write_tiff(&at("fraction.tif"), &Plane::from_fn(2, 2, |_, _| 2570.0 / 65_535.0)).expect("written");
     write_npy(at("mean.npy"), &Array2::from_elem((2, 2), 2570.0f64)).expect("written");
@@ -36,7 +37,7 @@ fn a_bias_of_another_kind_of_file_is_converted() {
             assert!((found - expected).abs() < 1e-6, "{name}: {found} instead of {expected}");
         }
     }
-    // A part of a full scale of one's own.
+    // As a fraction of a given full scale.
     let options = OpenOptions { full_scale: Some(4095.0), ..with_bias(at("fraction.tif")) };
     let found = opened(&burst, &options).expect("opens").frames[0].at(0, 0);
     assert!((found - (2570.0 / 4095.0 - 2570.0 / 65_535.0)).abs() < 1e-6, "{found}");
@@ -52,7 +53,7 @@ fn a_bias_of_no_known_unit_is_refused() {
     write_npy(at("huge.npy"), &Array2::from_elem((1, 2), 1e6f32)).expect("written");
     write_npy(at("values.npy"), &Array2::from_elem((1, 2), 256.0f32)).expect("written");
     tiff_pages::<colortype::Gray8>(&at("bias8.tif"), (2, 1), &[vec![1, 1]]);
-    // As a part of its range it would be brighter than all there is.
+    // As a fraction of its range it would be brighter than the maximum.
     tiff_pages::<colortype::Gray8>(&at("bright.tif"), (2, 1), &[vec![40, 40]]);
     let own_scale = OpenOptions { full_scale: Some(4095.0), ..with_bias(at("bias8.tif")) };
     for (burst, options) in [
@@ -80,11 +81,11 @@ fn a_flat_frame_takes_off_falling_light() {
     let options = OpenOptions { flat: Some(at("flat.tif")), ..with_bias(at("bias.tif")) };
     let expected = [15_000.0 / 65_535.0; 4];
     assert_close(opened(&at("burst.tif"), &options).expect("opens").frames[0].data(), &expected);
-    // A black level does what an even bias does.
+    // A black level is equivalent to an even bias.
     let black = OpenOptions { flat: Some(at("flat.tif")), black_level: Some(1000.0), ..OpenOptions::default() };
     let found = opened(&at("burst.tif"), &black).expect("opens");
     assert_close(found.frames[0].data(), &[15_000.0 / 64_535.0; 4]);
-    // A flat frame of another size, or one without light, is none.
+    // A flat frame of another size, or one without light, is refused.
     tiff_pages::<colortype::Gray16>(&at("small.tif"), (2, 1), &[vec![1, 1]]);
     let wrong =
         |name: &str| opened(&at("burst.tif"), &OpenOptions { flat: Some(at(name)), ..with_bias(at("bias.tif")) });
@@ -105,7 +106,7 @@ fn a_black_level_and_a_full_scale_of_ones_own() {
     );
     let options = OpenOptions { full_scale: Some(4095.0), black_level: Some(255.0), ..OpenOptions::default() };
     let burst = opened(&path, &options).expect("opens");
-    // Below black stays negative.
+    // Values below black stay negative.
     for (found, expected) in burst.frames[0].data().iter().zip([0.0, 1.0, -100.0 / 3840.0]) {
         assert!((found - expected).abs() < 1e-6, "{found}");
     }

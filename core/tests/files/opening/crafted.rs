@@ -1,7 +1,7 @@
-//! Files that were made to harm: they are short and announce much.
+//! Malicious files: short ones that announce huge contents.
 
 /// A TIFF of one directory, least significant byte first, whose entries have a tag, a type, a count and a value or its
-/// place.
+/// position.
 fn directory(entries: &[(u16, u16, u32, u32)], length: usize) -> Vec<u8> {
     let mut bytes = b"II*\0\x08\0\0\0".to_vec();
     bytes.extend((entries.len() as u16).to_le_bytes());
@@ -14,7 +14,7 @@ fn directory(entries: &[(u16, u16, u32, u32)], length: usize) -> Vec<u8> {
     bytes
 }
 
-/// A DNG of 226 bytes with an entry of 2³²−1 values of type `kind`: a decoder that believes it asks for 34 GB.
+/// A DNG of 226 bytes with an entry of 2³²−1 values of type `kind`: a decoder that trusts it allocates 34 GB.
 pub fn huge_count_dng(kind: u16) -> Vec<u8> {
     let entries = [
         (254, 4, 1, 0),
@@ -33,18 +33,18 @@ pub fn huge_count_dng(kind: u16) -> Vec<u8> {
     directory(&entries, 226)
 }
 
-/// A raw file with such an entry whose structure only its decoder knows: nothing but a limit of memory holds it.
+/// A raw file with such an entry whose structure only its decoder knows: only a memory limit stops it.
 pub fn huge_count_raf() -> Vec<u8> {
     const AT: usize = 160;
     let mut bytes = b"FUJIFILMCCD-RAW 0201FF129502X-T1".to_vec();
     bytes.resize(AT, 0);
-    // Where the first directories are, less twelve.
+    // Position of the first directories, minus twelve.
     bytes[84..88].copy_from_slice(&(AT as u32 - 12).to_be_bytes());
     bytes.extend(directory(&[(271, 2, 4, 0x004a_5546), (33434, 5, u32::MAX, 8)], 64));
     bytes
 }
 
-/// A BigTIFF of one pixel whose description has 4 GiB.
+/// A BigTIFF of one pixel with a description of 4 GiB.
 pub fn huge_description_tiff() -> Vec<u8> {
     let entries: [(u16, u16, u64, u64); 10] = [
         (256, 4, 1, 1),

@@ -1,4 +1,4 @@
-//! Nothing that is cut off or damaged passes, and nothing that announces much takes much.
+//! Truncated or damaged files are refused, and files that announce huge contents take little memory.
 
 use super::crafted;
 use super::support::{folder, grey8, open, raw_tiff, save, tiff_pages};
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 use tiff::encoder::colortype;
 
-/// A progressive JPEG of 45×37 with colours of half the size.
+/// A progressive JPEG of 45×37 with chroma of half the size.
 pub const PROGRESSIVE: &[u8] = include_bytes!("samples/progressive.jpg");
 
 fn accepting() -> OpenOptions {
@@ -20,12 +20,12 @@ fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, OpenError> {
     Burst::open_with(&[path.into()], options, &Monitor::default())
 }
 
-/// A picture with something in every pixel.
+/// A picture with content in every pixel.
 fn noise() -> ImageBuffer<Rgb<u8>, Vec<u8>> {
     ImageBuffer::from_fn(40, 30, |u, v| Rgb([(u * 37 + v * 91) as u8, (u * v) as u8, v as u8]))
 }
 
-/// One sound file of each format, in `folder`: their names.
+/// Writes one sound file of each format into `folder`; returns their names.
 fn one_of_each(folder: &Path) -> Vec<&'static str> {
     let at = |name: &str| folder.join(name);
     let deep: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_fn(40, 30, |u, v| Luma([(u * 1500 + v * 977) as u16]));
@@ -58,7 +58,7 @@ fn what_is_cut_off_is_refused_in_every_format_wherever_it_is_cut() {
         let parts = [2, 10, 25, 50, 75, 90, 99].map(|percent| bytes.len() * percent / 100);
         for cut in parts.into_iter().chain([bytes.len() - 2, bytes.len() - 1]) {
             fs::write(&path, &bytes[..cut]).expect("written");
-            // Also whoever takes what is damaged takes no other format so.
+            // Even with the option to accept damaged files only JPEGs are accepted.
             let is_jpeg = name.ends_with("jpg");
             let all = [OpenOptions::default(), accepting()];
             for options in &all[..if is_jpeg { 1 } else { 2 }] {
@@ -87,7 +87,7 @@ fn a_jpeg_that_is_cut_and_ended_is_refused_too() {
             let error = open(std::slice::from_ref(&path)).expect_err("a part of the picture would be made up");
             assert!(matches!(error, OpenError::Corrupt { kind: "JPEG", .. }), "{error}");
         }
-        // What follows the end of the picture is no part of it.
+        // Bytes after the end of the picture are ignored.
         fs::write(&path, [&sound[..], b"a film"].concat()).expect("written");
         open(std::slice::from_ref(&path)).expect("whole");
     }
@@ -107,7 +107,7 @@ fn damaged_jpegs_are_taken_where_that_is_asked_for_and_named() {
     let burst = open_with(folder.path(), &accepting()).expect("taken");
     let [remark] = &burst.remarks[..] else { panic!("{:?}", burst.remarks) };
     assert!(remark.frame == 1 && matches!(remark.kind, RemarkKind::Damaged(_)), "{remark:?}");
-    // What was there is the same; the rest is grey.
+    // The intact part is unchanged; the rest is grey.
     assert_eq!(burst.frames[1].row(0), burst.frames[0].row(0));
     assert_ne!(burst.frames[1].row(29), burst.frames[0].row(29));
     let notes: Vec<String> = burst.notes().iter().map(burstscope_core::burst::Note::for_command).collect();
@@ -155,7 +155,7 @@ fn a_name_that_says_another_kind_is_noted_and_nothing_more() {
     assert_eq!((burst.remarks[0].frame, &burst.remarks[0].kind), (0, &RemarkKind::Misnamed("JPEG")));
     let words = burst.notes().iter().map(|note| note.for_window()).collect::<String>();
     assert!(words.contains("1 of 2 frames are of another kind than their names say: 1.png is JPEG"), "{words}");
-    // One file alone is read in another way.
+    // A single file takes another code path.
     assert_eq!(Burst::open(at("1.png")).expect("opens").remarks.len(), 1);
     assert!(Burst::open(at("2.jpg")).expect("opens").remarks.is_empty());
 }
@@ -166,7 +166,7 @@ fn a_damaged_png_is_called_a_damaged_png() {
     let path = folder.path().join("a.png");
     save(&path, &noise());
     let sound = fs::read(&path).expect("read");
-    // Line ends changed and a bit lost, as by transfers as text; nothing but the name; a chunk that is changed.
+    // Line ends changed and a bit lost, as by transfers as text; only the signature; a changed chunk.
     let changed = |change: &dyn Fn(&mut Vec<u8>)| {
         let mut bytes = sound.clone();
         change(&mut bytes);
@@ -242,7 +242,7 @@ fn what_stands_beside_the_pixels_of_a_png_is_not_unpacked() {
     assert!(peak() < before + (32 << 20), "{} MiB", peak() >> 20);
 }
 
-/// The largest memory that this process ever held, bytes; 0 where the system does not say.
+/// The peak memory of this process, bytes; 0 where the system does not tell.
 fn peak() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -278,7 +278,7 @@ fn frames_of_different_bits_are_refused_unless_a_full_scale_says_their_unit() {
     assert!(matches!(open(&[at("a.npy"), at("b.npy")]), Err(OpenError::MixedBits { .. })));
 }
 
-/// Its library would write a line of its own to the standard error where a text is beyond the limit of pixels.
+/// The library would write a line of its own to the standard error where a text is beyond the limit of pixels.
 #[test]
 fn a_long_text_in_a_tiff_harms_nobody() {
     let folder = folder();

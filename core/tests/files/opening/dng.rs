@@ -2,24 +2,24 @@
 
 use burstscope_core::plane::Plane;
 
-/// What stands in the file.
+/// Contents of the file.
 pub struct Dng {
     /// (columns, rows) of the whole sensor.
     pub size: (usize, usize),
-    /// The value of each pixel, row by row.
+    /// Value of each pixel, row by row.
     pub values: Vec<u16>,
     /// Colours of the square of 2×2 at the start of the active area: 0 red, 1 green, 2 blue. `None` for a sensor
     /// without colours.
     pub mosaic: Option<[u8; 4]>,
     /// Black levels of the square of 2×2 at the start of the active area.
     pub black: [u16; 4],
-    /// How much the black of each column and row of the active area is above that; none if empty.
+    /// Black level of each column and of each row of the active area, relative to that; empty for none.
     pub black_steps: [Vec<i16>; 2],
-    /// The white level.
+    /// White level.
     pub white: u16,
-    /// Top, left, bottom, right of the pixels that see light.
+    /// Top, left, bottom, right of the pixels that are exposed to light.
     pub active: Option<[u32; 4]>,
-    /// The EXIF orientation.
+    /// EXIF orientation.
     pub orientation: u16,
 }
 
@@ -40,7 +40,7 @@ impl Dng {
         }
     }
 
-    /// The file.
+    /// The bytes of the file.
     pub fn bytes(&self) -> Vec<u8> {
         const BYTE: u16 = 1;
         const ASCII: u16 = 2;
@@ -77,7 +77,7 @@ impl Dng {
             entries.push((33422, BYTE, 4, mosaic.to_vec()));
         }
         for (tag, steps) in [50715, 50716].into_iter().zip(&self.black_steps) {
-            // Halves, as fractions with a sign.
+            // Halves, as signed fractions.
             let halves = steps.iter().flat_map(|step| [(2 * i32::from(*step)).to_le_bytes(), 2i32.to_le_bytes()]);
             let halves: Vec<u8> = halves.flatten().collect();
             if !halves.is_empty() {
@@ -88,7 +88,7 @@ impl Dng {
             entries.push((50829, LONG, 4, longs(&active)));
         }
         entries.sort_by_key(|entry| entry.0);
-        // What does not fit into a directory's four bytes stands elsewhere.
+        // Data that does not fit into a directory's four bytes is stored before it.
         for entry in entries.iter_mut().filter(|entry| entry.3.len() > 4) {
             let place = longs(&[bytes.len() as u32]);
             bytes.extend(std::mem::replace(&mut entry.3, place));
@@ -106,8 +106,8 @@ impl Dng {
     }
 }
 
-/// A plane as the values that a sensor of that kind would have: `black` + plane · (white − black).
+/// The values of a plane as such a sensor would record them: `black` + plane · (white − black).
 pub fn sensor_values(plane: &Plane, black: f32, white: f32) -> impl Fn(usize, usize) -> u16 + '_ {
-    // A square of the mosaic sees what one pixel of the plane shows.
+    // A square of the mosaic records one pixel of the plane.
     move |u, v| (black + plane.at(u / 2, v / 2) * (white - black)).round() as u16
 }

@@ -1,4 +1,4 @@
-//! Every failure is an error that names the file, what is wrong and what to do.
+//! Every failure is an error that names the file, the problem and the remedy.
 
 use super::support::{folder, grey8, open, save, tiff_pages};
 use burstscope_core::Monitor;
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 use tiff::encoder::colortype;
 
-/// Opens what must fail, and checks that the message names everything in `words`.
+/// Opens a file that must fail, and checks that the message contains all of `words`.
 #[track_caller]
 fn failure(path: &Path, words: &[&str]) -> OpenError {
     let error = Burst::open(path).expect_err("this must not open");
@@ -62,7 +62,7 @@ fn a_bad_picture_in_a_folder_is_named_and_never_skipped() {
     fs::write(folder.path().join("3.png"), &good[..good.len() / 2]).expect("written");
     let error = Burst::open(folder.path()).expect_err("truncated");
     assert!(matches!(error, OpenError::Corrupt { ref path, kind: "PNG", .. } if path.ends_with("3.png")), "{error}");
-    // Of two bad ones the first is named, whichever thread meets its own first.
+    // Of two bad files the first is named, whichever thread fails first.
     fs::write(folder.path().join("2.png"), "").expect("written");
     for _ in 0..20 {
         let error = Burst::open(folder.path()).expect_err("two bad ones");
@@ -172,7 +172,7 @@ fn limits_are_checked_before_memory_is_taken() {
         save(&at(&format!("many/{t}.png")), &grey8(30, 30, 0));
     }
     fails(&at("many"), "3 × 30×30");
-    // A few bytes that announce a giant, against the default limits.
+    // A few bytes that announce a huge picture, against the default limits.
     fs::write(at("giant.pam"), "P7\nWIDTH 200000\nHEIGHT 200000\nDEPTH 1\nMAXVAL 255\nENDHDR\n").expect("written");
     assert!(matches!(failure(&at("giant.pam"), &["200000×200000"]), OpenError::BeyondLimit { .. }));
     let giant = "{'descr': '<f8', 'fortran_order': True, 'shape': (4000, 16000, 16000), }";

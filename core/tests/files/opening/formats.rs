@@ -1,4 +1,4 @@
-//! Round trips: what is written in each format comes back with the right values, order and full scale.
+//! Round trips: files written in each format are read with the right values, order and full scale.
 
 use super::support::{assert_close, folder, grey8, open, raw_tiff, save, tiff_pages};
 use burstscope_core::burst::{Burst, LUMA_WEIGHTS, OpenError};
@@ -101,10 +101,10 @@ fn multi_page_tiffs_of_every_type_come_back() {
     expect(65535.0, 1.0 / 65535.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
     tiff_pages::<colortype::GrayI16>(&path, size, &[vec![-32767, 0], vec![0, 0], vec![0, 32767]]);
     expect(32767.0, 1.0 / 32767.0, [[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]);
-    // Integers of 32 bit are in the unit of their own largest value.
+    // Integers of 32 bit are relative to their own largest value.
     tiff_pages::<colortype::Gray32>(&path, size, &[vec![0, 200], vec![400, 600], vec![800, 1000]]);
     expect(1000.0, 1.0 / 1000.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
-    // Floats in [0, 1] stay, with some noise around; others are divided by the largest magnitude.
+    // Floats in [0, 1] are kept, with some noise around; others are divided by the largest magnitude.
     tiff_pages::<colortype::Gray32Float>(&path, size, &[vec![-0.1, 0.2], vec![0.4, 0.6], vec![0.8, 1.1]]);
     expect(1.0, 0.0, [[-0.1, 0.2], [0.4, 0.6], [0.8, 1.1]]);
     tiff_pages::<colortype::Gray32Float>(&path, size, &[vec![0.0, 50.0], vec![100.0, 150.0], vec![200.0, 250.0]]);
@@ -217,7 +217,7 @@ fn a_two_dimensional_array_is_one_frame() {
         assert_eq!((burst.len(), burst.size()), (1, (4, 3)));
         assert_eq!(burst.frames[0].at(3, 2), 23.0 / 255.0);
     }
-    // Arrays of one frame are frames like pictures.
+    // Arrays of one frame are treated like pictures.
     let burst = open(&[path.clone(), path]).expect("two frames");
     assert_eq!(burst.len(), 2);
 }
@@ -230,7 +230,7 @@ fn tiffs_of_rarer_layouts() {
         std::fs::write(&path, bytes).expect("written");
         Burst::open(&path).map(|b| b.frames[0].data().to_vec())
     };
-    // Grey of 16 bit in both byte orders; the other sense of grey.
+    // Grey of 16 bit in both byte orders; inverted grey.
     let found = values(raw_tiff(true, (2, 1), &[16], &[(262, 1)], &[&[0, 1, 0xff, 0xff]])).expect("big endian");
     assert_eq!(found, [1.0 / 65535.0, 1.0]);
     let found = values(raw_tiff(false, (2, 1), &[16], &[(262, 1)], &[&[1, 0, 0xff, 0xff]])).expect("little endian");
@@ -243,7 +243,7 @@ fn tiffs_of_rarer_layouts() {
     // Floats of 16 bit.
     let found = values(raw_tiff(false, (2, 1), &[16], &[(262, 1), (339, 3)], &[&[0x00, 0x38, 0x00, 0x3c]]));
     assert_eq!(found.expect("half floats"), [0.5, 1.0]);
-    // What cannot be opened says so.
+    // Errors of variants that cannot be opened.
     for (what, bytes) in [
         ("12 bit", raw_tiff(false, (2, 1), &[12], &[(262, 1)], &[&[0; 3]])),
         ("1 bit", raw_tiff(false, (8, 1), &[1], &[(262, 1)], &[&[0x55]])),

@@ -1,5 +1,4 @@
-//! Files that are damaged at random: opening them gives a burst or an error, never a panic, and never takes much time
-//! or memory.
+//! Randomly damaged files: opening them gives a burst or an error, never a panic, and never takes much time or memory.
 
 use super::crafted;
 use super::damaged::PROGRESSIVE;
@@ -52,7 +51,7 @@ fn samples() -> &'static [(&'static str, Vec<u8>)] {
     })
 }
 
-/// What is damaged: the valid files, and those that were made to harm.
+/// The files to be damaged: the valid ones and the malicious ones.
 fn seeds() -> &'static [(&'static str, Vec<u8>)] {
     static SEEDS: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
     SEEDS.get_or_init(|| {
@@ -87,18 +86,19 @@ fn check(name: &str, answer: Result<Burst, OpenError>) {
         Err(error) => {
             let message = error.to_string();
             assert!(message.contains(name) || matches!(error, OpenError::SeveralBursts { .. }), "{message}");
-            // The decoder of raw files panics over some, which is caught and said; all others are sound.
+            // The decoder of raw files panics over some, which is caught and reported; all other decoders must not
+            // panic.
             let panicked = message.contains("failed unexpectedly") && !name.ends_with(".dng");
             assert!(!panicked, "a decoder panicked over {name}");
         }
     }
 }
 
-/// Numbers that counts, types, sizes and places seldom have.
+/// Values that are unusual for counts, types, sizes and positions.
 const EXTREMES: [u64; 14] =
     [0, 1, 5, 10, 12, 13, 16, 0x7f, 0xff, 0xffff, 0x7fff_ffff, 0xffff_ffff, 0x7fff_ffff_ffff_ffff, u64::MAX];
 
-/// At least 400 cases a test; more when PROPTEST_CASES asks for more.
+/// At least 400 cases for each test; more when PROPTEST_CASES asks for more.
 fn config() -> ProptestConfig {
     let default = ProptestConfig::default();
     ProptestConfig { cases: default.cases.max(400), ..default }
@@ -136,7 +136,7 @@ proptest! {
         check(name, open(name, &bytes));
     }
 
-    /// Counts, types, sizes and places: numbers of two, four or eight bytes at the ends of their ranges.
+    /// Damages counts, types, sizes and positions: numbers of two, four or eight bytes at the ends of their ranges.
     #[test]
     fn numbers_at_the_ends_of_their_ranges(
         sample in any::<prop::sample::Index>(),

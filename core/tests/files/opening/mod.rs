@@ -1,5 +1,5 @@
-//! Opening bursts: every format and its values, every way to name a burst, every failure and its message, and files
-//! that are damaged at random.
+//! Opening bursts: every format and its values, every way to name a burst, every failure and its message, and randomly
+//! damaged files.
 
 mod calibrating;
 #[allow(dead_code)] // the commands' tests use more of it

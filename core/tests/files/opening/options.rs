@@ -1,4 +1,4 @@
-//! Bias frames, a full scale of one's own, progress and cancellation.
+//! Bias frames, a given full scale, progress and cancellation.
 
 use super::support::{assert_close, folder, grey8, save, tiff_pages};
 use burstscope_core::Monitor;
@@ -19,7 +19,7 @@ fn a_bias_is_subtracted_in_file_units_and_negative_values_stay() {
     let at = |name: &str| folder.path().join(name);
     tiff_pages::<colortype::Gray16>(&at("burst.tif"), (2, 1), &[vec![256, 250], vec![1256, 65535]]);
     let expected = [[0.0, -6.0 / 65535.0], [1000.0 / 65535.0, 65279.0 / 65535.0]];
-    // One frame of 16 bit, a stack whose mean is the same, a mean of floats.
+    // One frame of 16 bit, a stack with the same mean, a mean of floats.
     tiff_pages::<colortype::Gray16>(&at("bias.tif"), (2, 1), &[vec![256, 256]]);
     tiff_pages::<colortype::Gray16>(&at("stack.tif"), (2, 1), &[vec![250, 256], vec![262, 256]]);
     write_npy(at("mean.npy"), &Array2::from_elem((1, 2), 256.0f32)).expect("written");
@@ -129,7 +129,7 @@ fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
         *handle.lock().expect("not poisoned") = Some(monitor.clone());
         let answer = Burst::open_with(&[folder.path().join(name)], &OpenOptions::default(), &monitor);
         assert!(answer.as_ref().is_err_and(OpenError::is_cancelled), "{name}: {answer:?}");
-        // Each thread may have been inside one frame.
+        // Each thread may have been reading one frame.
         let frames = *frames.lock().expect("not poisoned");
         assert!(frames <= 2 * rayon::current_num_threads() + 1, "{name}: {frames} frames after the cancel");
     }

@@ -1,4 +1,4 @@
-//! Photographs: encoded for screens, turned, in tiles; and films, which are none.
+//! Photographs: gamma-encoded, rotated, in tiles; and films, which are refused.
 
 use super::support::{assert_close, folder, open, save};
 use burstscope_core::Monitor;
@@ -41,11 +41,11 @@ fn colour_of_8_bit_is_said_to_be_encoded_and_is_undone_when_asked() {
         // IEC 61966-2-1: ((188/255 + 0.055)/1.055)^2.4.
         assert!((undone.frames[0].at(0, 0) - 0.50289).abs() < 1e-4, "{name}: {}", undone.frames[0].at(0, 0));
     }
-    // Colours are weighted as light, not as codes.
+    // Colours are weighted as light, not as encoded values.
     assert_close(&[linearised(&at("colour.png")).frames[0].at(3, 1)], &[0.2126 * 0.502_886]);
 }
 
-/// The bytes of an EXIF block that says nothing but the orientation.
+/// The bytes of an EXIF block with only the orientation.
 fn exif(orientation: u16) -> Vec<u8> {
     let mut bytes = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01".to_vec();
     bytes.extend(orientation.to_be_bytes());
@@ -56,9 +56,9 @@ fn exif(orientation: u16) -> Vec<u8> {
 #[test]
 fn pictures_are_turned_as_the_camera_was_held() {
     let folder = folder();
-    // The brightest pixel lies in the corner at the right, above.
+    // The brightest pixel is in the top right corner.
     let pixels: Vec<u8> = vec![10, 20, 200, 30, 40, 50];
-    // For each orientation of EXIF: size, and where the bright pixel belongs.
+    // For each orientation of EXIF: the size, and the position of the bright pixel.
     let cases = [
         (1, (3, 2), (2, 0)),
         (2, (3, 2), (0, 0)),
@@ -83,7 +83,7 @@ fn pictures_are_turned_as_the_camera_was_held() {
             assert_eq!((burst.frames[0].at(u, v) * 255.0).round(), 200.0, "{}", path.display());
         }
     }
-    // Frames that were held alike are one burst, upright ones and turned ones are of different sizes.
+    // Frames of the same orientation are one burst; upright and rotated ones have different sizes.
     let at = |n: u16| folder.path().join(format!("{n}.png"));
     assert_eq!(open(&[at(6), at(8)]).expect("a burst").size(), (2, 3));
     assert!(matches!(open(&[at(1), at(6)]), Err(OpenError::DifferentSizes { .. })));
@@ -102,7 +102,7 @@ fn tiled_planar(size: (usize, usize), sample: impl Fn(usize, usize, usize) -> u8
             offsets.extend((bytes.len() as u32).to_le_bytes());
             counts.extend(((SIDE * SIDE) as u32).to_le_bytes());
             for v in top..top + SIDE {
-                // What lies outside of the picture is filled with anything.
+                // Pixels outside the picture have arbitrary values.
                 bytes.extend(
                     (left..left + SIDE).map(|u| if u < size.0 && v < size.1 { sample(plane, u, v) } else { 99 }),
                 );
@@ -162,7 +162,7 @@ fn planes_in_tiles_open_at_any_size() {
                 );
             }
         }
-        // Each plane is where it belongs.
+        // Each plane is at its place.
         std::fs::write(&path, tiled_planar(size, |plane, _, _| if plane == 1 { 255 } else { 0 })).expect("written");
         let green = Burst::open(&path).expect("opens");
         assert!(green.frames[0].data().iter().all(|v| (v - 0.7152).abs() < 1e-5));

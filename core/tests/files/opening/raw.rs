@@ -1,4 +1,4 @@
-//! Raw frames: DNG files made here, and a camera's own.
+//! Raw frames: DNG files written here, and files of a real camera.
 
 use super::dng::{Dng, sensor_values};
 use super::support::folder;
@@ -12,7 +12,7 @@ fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, OpenError> {
     Burst::open_with(&[path.into()], options, &Monitor::default())
 }
 
-/// Red 164, green 264 and 364, blue 564 above nothing, in every square.
+/// Red 164, green 264 and 364, blue 564, in every square.
 fn colours(u: usize, v: usize) -> u16 {
     [164, 264, 364, 564][u % 2 + v % 2 * 2]
 }
@@ -52,7 +52,7 @@ fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
     let dark = -10.0 * [64.0, 70.0, 80.0, 100.0].map(|black: f32| 1.0 / (1023.0 - black)).iter().sum::<f32>() / 4.0;
     assert!((burst.frames[0].at(0, 0) - dark).abs() < 1e-6, "{}", burst.frames[0].at(0, 0));
     assert!((burst.frames[0].at(1, 0) - 1.0).abs() < 1e-6);
-    // One's own levels take their place.
+    // Given levels replace those of the file.
     let own = OpenOptions { black_level: Some(0.0), full_scale: Some(2046.0), ..OpenOptions::default() };
     let burst = opened(&path, &own).expect("opens");
     assert!((burst.frames[0].at(1, 0) - 0.5).abs() < 1e-6 && burst.full_scale == 2046.0);
@@ -64,7 +64,7 @@ fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
 fn columns_and_rows_have_black_levels_of_their_own() {
     let folder = folder();
     let path = folder.path().join("a.dng");
-    // One masked column at the left: steps are counted from the active area on.
+    // One masked column at the left: the black steps are counted from the active area on.
     let (columns, rows) = (vec![0, 3, -2, 5], vec![-4, 1]);
     let value = |u: usize, v: usize| match u {
         0 => 64,
@@ -81,7 +81,7 @@ fn columns_and_rows_have_black_levels_of_their_own() {
             assert!((burst.frames[0].at(u, v) - expected).abs() < 1e-6, "{u}, {v}");
         }
     }
-    // One's own level stands for all.
+    // A given level replaces all others.
     let own = OpenOptions { black_level: Some(0.0), ..OpenOptions::default() };
     let value = f32::from(64 + 500 + columns[1] + rows[0]) / 1023.0;
     assert!((opened(&path, &own).expect("opens").frames[0].at(1, 0) - value).abs() < 1e-6);
@@ -94,14 +94,14 @@ fn columns_and_rows_have_black_levels_of_their_own() {
 fn the_active_area_is_taken_wherever_it_begins() {
     let folder = folder();
     let path = folder.path().join("a.dng");
-    // Two masked rows above and three masked columns at the left: the mosaic begins where they end.
+    // Two masked rows above and three masked columns at the left: the mosaic begins after them.
     let masked = |u: usize, v: usize| if u < 3 || v < 2 { 64 } else { colours(u - 3, v - 2) };
     let dng = Dng { active: Some([2, 3, 8, 11]), ..Dng::new((12, 9), masked) };
     std::fs::write(&path, dng.bytes()).expect("written");
     let burst = opened(&path, &OpenOptions { raw_colour: RawColour::Blue, ..OpenOptions::default() }).expect("opens");
     assert_eq!(burst.size(), (4, 3));
     assert!(burst.frames[0].data().iter().all(|v| (v - 500.0 / 959.0).abs() < 1e-6), "{:?}", burst.frames[0].data());
-    // Held upright, columns and rows change places.
+    // With a camera held upright, columns and rows are exchanged.
     std::fs::write(&path, Dng { orientation: 6, ..dng }.bytes()).expect("written");
     assert_eq!(opened(&path, &OpenOptions::default()).expect("opens").size(), (3, 4));
 }

@@ -1,4 +1,4 @@
-//! Bursts of real cameras, where they are at hand.
+//! Bursts of real cameras, where they are available.
 
 use crate::shared::shared;
 use burstscope_core::burst::{Burst, OpenError, find_bursts};
@@ -26,7 +26,7 @@ fn real_bursts_open() {
         (burst.frame_names[0].as_str(), burst.frame_names[59].as_str()),
         ("frame_00000008.png", "frame_00000067.png")
     );
-    // Four channels, all grey: the values are those of the file, exactly.
+    // Four channels, all grey: the values equal those of the file.
     let discs = Burst::open(data.join("buff-demo-2d")).expect("opens");
     assert!(discs.frames[0].data().iter().all(|v| (v * 255.0).round() / 255.0 == *v));
 }

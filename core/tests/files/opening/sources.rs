@@ -1,4 +1,4 @@
-//! What an input names, in what order, and under what names.
+//! The frames that an input names, their order, and the names of bursts.
 
 use super::support::{folder, grey8, open, save, tiff_pages};
 use burstscope_core::burst::{
@@ -84,10 +84,10 @@ fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     let bursts = cut_sequence(sequence, cut).expect("two bursts");
     assert_eq!(bursts.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["f2", "f7"]);
     assert_eq!(first_values(&open(&bursts[1].paths).expect("opens")), [5, 6, 7, 8, 9]);
-    // Bursts of single frames are for SIFT on each of them.
+    // Bursts of single frames, for SIFT on each of them.
     let frames = cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut")).expect("twelve");
     assert_eq!(first_values(&open(&frames[10].paths).expect("opens")), [10]);
-    // What is in one file is not cut.
+    // Frames in one file are not cut.
     let path = folder.path().join("film.tif");
     stack(&path);
     let film = BurstSource { name: "film".into(), paths: vec![path.clone()] };
@@ -109,7 +109,7 @@ fn several_stacks_are_several_bursts() {
     fs::remove_file(&paths[1]).expect("removed");
     let burst = Burst::open(folder.path()).expect("opens");
     assert_eq!((burst.len(), burst.name), (2, folder.path().file_name().expect("name").to_string_lossy().into_owned()));
-    // Beside single pictures it would be a frame and a burst at once.
+    // Beside single pictures it would be both a frame and a burst.
     let picture = folder.path().join("1.png");
     save(&picture, &grey8(2, 1, 0));
     let error = open(&[picture, paths[0].clone()]).expect_err("mixed");
@@ -155,7 +155,7 @@ fn every_supported_ending_can_be_opened() {
                 fs::write(&path, format!("{header}abcdef")).expect("written");
             }
             "png" | "tif" | "tiff" | "jpg" | "jpeg" | "pgm" | "bmp" => save(&path, &image::GrayImage::new(3, 2)),
-            // Endings of raw files, which have tests of their own; what the file holds is told by its content.
+            // Extensions of raw files, which have separate tests; the kind is recognised by the content.
             _ => {
                 let png = folder.path().join("really.png");
                 save(&png, &image::GrayImage::new(3, 2));

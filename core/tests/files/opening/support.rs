@@ -12,7 +12,7 @@ pub fn folder() -> TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// Saves a picture in the format of its name's ending.
+/// Saves a picture in the format of its name's extension.
 pub fn save<P>(path: &Path, image: &ImageBuffer<P, Vec<P::Subpixel>>)
 where
     P: Pixel + image::PixelWithColorType,
@@ -43,7 +43,7 @@ pub fn open(paths: &[PathBuf]) -> Result<Burst, OpenError> {
     Burst::open_with(paths, &OpenOptions::default(), &Monitor::default())
 }
 
-/// Asserts that two lists are the same within a part in a million.
+/// Asserts that two lists are equal within a part in a million.
 #[track_caller]
 pub fn assert_close(found: &[f32], expected: &[f32]) {
     assert_eq!(found.len(), expected.len());
@@ -52,15 +52,15 @@ pub fn assert_close(found: &[f32], expected: &[f32]) {
     }
 }
 
-/// A TIFF of one page, written by hand in either byte order, for what the encoder cannot write. `bits` are those of
-/// each sample, `tags` are (tag, value) on top of the usual ones, and each element of `strips` is one strip as high as
-/// the page.
+/// A TIFF of one page, written by hand in either byte order, for variants that the encoder cannot write. `bits` are
+/// those of each sample, `tags` are (tag, value) on top of the usual ones, and each element of `strips` is one strip as
+/// high as the page.
 pub fn raw_tiff(big_endian: bool, size: (u16, u16), bits: &[u16], tags: &[(u16, u16)], strips: &[&[u8]]) -> Vec<u8> {
     let short = |v: u16| if big_endian { v.to_be_bytes() } else { v.to_le_bytes() }.to_vec();
     let long = |v: usize| if big_endian { (v as u32).to_be_bytes() } else { (v as u32).to_le_bytes() }.to_vec();
     let mut bytes = if big_endian { b"MM\0*".to_vec() } else { b"II*\0".to_vec() };
     bytes.extend([0; 4]);
-    // Appends data and answers its place; a tag's list of up to four bytes stands in the tag itself.
+    // Appends data and returns its position; a tag's list of up to four bytes is stored in the tag itself.
     let place = |bytes: &mut Vec<u8>, data: &[u8]| {
         let at = long(bytes.len());
         bytes.extend(data);

@@ -1,7 +1,7 @@
 //! Models in binary: little-endian numbers without padding, counts before lists.
 //!
-//! Every count is checked against the bytes that are left before it is believed, so that a damaged file takes neither
-//! memory nor time.
+//! Every count is checked against the remaining bytes before it is used, so that a damaged file takes neither memory
+//! nor time.
 
 use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::PoseError;
@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// The number that stands for "no point" beside a keypoint.
+/// Id of a keypoint without a point.
 const NO_POINT: u64 = u64::MAX;
 /// Bytes of a keypoint in `images.bin`: x, y, id of its point.
 const KEYPOINT_BYTES: u64 = 24;
@@ -19,7 +19,7 @@ const IMAGE_BYTES: u64 = 4 + 7 * 8 + 4 + 1 + 8;
 const POINT_BYTES: u64 = 8 + 3 * 8 + 3 + 8 + 8;
 /// Bytes of one element of a track: image, index of the keypoint.
 const TRACK_BYTES: u64 = 8;
-/// The longest name that an image may have, bytes.
+/// Length limit of an image's name, bytes.
 const LONGEST_NAME: usize = 4096;
 
 /// Reads `images.bin`.
@@ -70,7 +70,7 @@ pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
     let count = fields.count(POINT_BYTES)?;
     let mut points = Vec::new();
     for index in 0..count {
-        // Only said when something is wrong, for there may be millions of points.
+        // Set only on an error, because there may be millions of points.
         fields.place = String::new();
         let point = point(&mut fields);
         points.push(point.map_err(|error| match error {
@@ -101,7 +101,7 @@ struct Fields<'a, R> {
     /// Bytes not read yet.
     left: u64,
     path: &'a Path,
-    /// What is being read, for messages.
+    /// Part of the file being read, for messages.
     place: String,
 }
 
@@ -136,7 +136,7 @@ impl<R: Read> Fields<'_, R> {
         Ok(values)
     }
 
-    /// A number of entries of at least `entry_bytes` bytes each, which must all fit into what is left.
+    /// A number of entries of at least `entry_bytes` bytes each, which must all fit into the remaining bytes.
     fn count(&mut self, entry_bytes: u64) -> Result<u64, PoseError> {
         let count = self.u64()?;
         if count > self.left / entry_bytes {
@@ -147,7 +147,7 @@ impl<R: Read> Fields<'_, R> {
         Ok(count)
     }
 
-    /// Text that ends with a zero.
+    /// Text that ends with a zero byte.
     fn name(&mut self) -> Result<String, PoseError> {
         let mut name = Vec::new();
         loop {

@@ -1,8 +1,8 @@
-//! COLMAP's sparse models: which images were registered, where their cameras stand, and what they see in common.
+//! COLMAP's sparse models: registered images with their poses, and the points that they have in common.
 //!
-//! A model is a folder of files, all in binary or all in text. Of these only what tells about poses and points is read:
-//! `images` (pose, name, which of its keypoints became points) and `points3D` (reprojection error, length of the
-//! track); intrinsics, places of keypoints and colours are passed over. Format: <https://colmap.github.io/format.html>.
+//! A model is a folder of files, all in binary or all in text. Only data about poses and points is read: `images`
+//! (pose, name, the keypoints that became points) and `points3D` (reprojection error, length of the track); intrinsics,
+//! positions of keypoints and colours are skipped. Format: <https://colmap.github.io/format.html>.
 
 mod binary;
 mod text;
@@ -15,24 +15,24 @@ use std::path::{Path, PathBuf};
 /// A registered image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseImage {
-    /// Its id in the database, 1 or more.
+    /// Id in the database, 1 or more.
     pub id: u32,
-    /// Its file's name, relative to the folder of images.
+    /// Name of its file, relative to the folder of images.
     pub name: String,
-    /// Number of its keypoints.
+    /// Number of keypoints.
     pub keypoints: usize,
-    /// How many of them became points of the model.
+    /// Number of keypoints that became points of the model.
     pub points: usize,
-    /// From camera coordinates (x right, y down, z ahead) to those of the model's world.
+    /// Map from camera coordinates (x right, y down, z ahead) to those of the model's world.
     pub world_from_camera: Isometry3<f64>,
 }
 
-/// What a point of the model tells of itself.
+/// A point of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SparsePoint {
-    /// Mean distance of its projections from their keypoints, pixels.
+    /// Mean reprojection error over its keypoints, pixels.
     pub reprojection_error_px: f64,
-    /// Number of keypoints that it was seen as.
+    /// Number of keypoints in which it was seen.
     pub track_length: usize,
 }
 
@@ -41,32 +41,33 @@ pub struct SparsePoint {
 pub struct SparseModel {
     /// The folder that it was read from.
     pub folder: PathBuf,
-    /// Registered images, by rising id.
+    /// Registered images, in ascending id.
     pub images: Vec<SparseImage>,
     /// Points, in the file's order.
     pub points: Vec<SparsePoint>,
-    /// How many more models lay beside this one: parts that could not be joined with it.
+    /// Number of further models beside this one: parts that could not be joined with it.
     pub other_models: usize,
 }
 
-/// A model in numbers.
+/// Statistics of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ModelSummary {
-    /// Images with a pose.
+    /// Number of images with a pose.
     pub registered_images: usize,
-    /// Points of the model.
+    /// Number of points of the model.
     pub points: usize,
-    /// Points that an image sees, mean over the registered images. (Each point is counted in every image that sees it.)
+    /// Number of points that an image sees, mean over the registered images. (Each point is counted in every image that
+    /// sees it.)
     pub points_per_image: f64,
-    /// Keypoints that a point was seen as, mean over the points; NaN (null in JSON) without points.
+    /// Number of keypoints of a point, mean over the points; NaN (null in JSON) without points.
     pub mean_track_length: f64,
     /// Mean reprojection error of the points, pixels; NaN (null in JSON) without points.
     pub mean_reprojection_error_px: f64,
 }
 
 impl SparseModel {
-    /// The poses of its images. Their order is their id less 1, for ids count up from 1 in the order in which images
-    /// came into the database.
+    /// The poses of its images. Their order is their id minus 1, because ids count up from 1 in the order in which
+    /// images came into the database.
     pub fn poses(&self) -> Vec<Pose> {
         let pose = |image: &SparseImage| Pose {
             label: image.name.clone(),
@@ -77,7 +78,7 @@ impl SparseModel {
         self.images.iter().map(pose).collect()
     }
 
-    /// The model in numbers.
+    /// The statistics of the model.
     pub fn summary(&self) -> ModelSummary {
         let points = self.points.len() as f64;
         let observations: usize = self.images.iter().map(|i| i.points).sum();
@@ -91,7 +92,7 @@ impl SparseModel {
     }
 }
 
-/// The folder of a sparse model of which `path` is a file, told by its name.
+/// The folder of a sparse model that `path` is a file of, judging by the file's name.
 pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
     let stem = path.file_stem()?.to_str()?;
     let ending = path.extension()?.to_str()?;
@@ -101,8 +102,8 @@ pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
 }
 
 /// Reads the sparse model in `folder`; binary files are preferred to text. If there is none in the folder itself but
-/// some in its subfolders (COLMAP's mapper writes `0`, `1`, … for parts that it could not join), the one with the most
-/// registered images is the answer.
+/// some in its subfolders (COLMAP's mapper writes `0`, `1`, … for parts that it could not join), reads the one with the
+/// most registered images.
 ///
 /// # Errors
 /// [`PoseError`] when there is no model, a file of it cannot be read or is damaged, or no image is registered.
@@ -124,7 +125,7 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel, PoseError> {
         }
     }
     let other_models = models.len().saturating_sub(1);
-    // The first of several that are as large.
+    // The first of several of equal size.
     let largest = models.into_iter().rev().max_by_key(|m| m.images.len());
     match largest {
         Some(model) => Ok(SparseModel { other_models, ..model }),
@@ -132,7 +133,7 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel, PoseError> {
     }
 }
 
-/// The format of a model's files.
+/// Format of a model's files.
 #[derive(Debug, Clone, Copy)]
 enum Format {
     Binary,
@@ -173,7 +174,8 @@ impl Format {
     }
 }
 
-/// The camera in the world from what a model holds: the world in the camera, quaternion `w x y z` and translation.
+/// The camera in the world from the values in a model, which give the world in the camera: quaternion `w x y z` and
+/// translation.
 fn world_from_camera(quaternion: [f64; 4], translation: [f64; 3]) -> Result<Isometry3<f64>, String> {
     let [w, x, y, z] = quaternion;
     let rotation = super::tum::rotation(Quaternion::new(w, x, y, z))?;

@@ -6,7 +6,7 @@ const IMAGES: &str = "# Image list with two lines of data per image:\n\
     2 0.70710678118654757 0 0 0.70710678118654757 1 0 0 1 first.png\n\n";
 const POINTS: &str = "# 3D point list\n7 1 2 3 255 0 0 0.5 3 0 2 5\n8 1 2 4 0 0 0 1.5 3 2 2 1 5 9 4 4\n";
 
-/// The same model in binary.
+/// The model of the text files in binary.
 fn binary_files() -> (Vec<u8>, Vec<u8>) {
     let mut images = 2u64.to_le_bytes().to_vec();
     let half = 0.5f64.sqrt();

@@ -1,4 +1,4 @@
-//! Models in text: an entry a line (an image has two), blanks between fields, `#` before comments.
+//! Models in text: one line for each entry (two for an image), fields separated by blanks, comments after `#`.
 
 use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::PoseError;
@@ -17,7 +17,7 @@ pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
     points(BufReader::new(File::open(path).map_err(|e| PoseError::read(path, &e))?), path)
 }
 
-/// The images of a text: a line of pose and name, then a line of keypoints, which may be empty.
+/// Parses images: a line of pose and name, then a line of keypoints, which may be empty.
 pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>, PoseError> {
     let mut lines = Lines { text, path, number: 0, line: Vec::new() };
     let mut images = Vec::new();
@@ -31,7 +31,7 @@ pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>
     Ok(images)
 }
 
-/// The points of a text, one a line.
+/// Parses points, one for each line.
 pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
     let mut lines = Lines { text, path, number: 0, line: Vec::new() };
     let mut points = Vec::new();
@@ -41,7 +41,7 @@ pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>
     Ok(points)
 }
 
-/// `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`; the name may have blanks.
+/// Parses `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`; the name may contain blanks.
 fn image(line: &str) -> Result<SparseImage, String> {
     const FORM: &str = "an image is 'IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME'";
     let mut rest = line;
@@ -64,7 +64,7 @@ fn image(line: &str) -> Result<SparseImage, String> {
     Ok(SparseImage { id, name: rest.to_owned(), keypoints: 0, points: 0, world_from_camera })
 }
 
-/// How many keypoints a line of `X Y POINT3D_ID` has, and how many of them became points.
+/// The number of keypoints in a line of `X Y POINT3D_ID`, and of those that became points.
 fn keypoints_of(line: &str) -> Result<(usize, usize), String> {
     let (mut words, mut points) = (0, 0);
     for word in line.split_whitespace() {
@@ -81,7 +81,7 @@ fn keypoints_of(line: &str) -> Result<(usize, usize), String> {
     Ok((words / 3, points))
 }
 
-/// `POINT3D_ID X Y Z R G B ERROR`, then `IMAGE_ID POINT2D_IDX` for each element of its track.
+/// Parses `POINT3D_ID X Y Z R G B ERROR`, then `IMAGE_ID POINT2D_IDX` for each element of its track.
 fn point(line: &str) -> Result<SparsePoint, String> {
     const FORM: &str =
         "a point is 'POINT3D_ID X Y Z R G B ERROR', then 'IMAGE_ID POINT2D_IDX' for each time it is seen";
