@@ -104,7 +104,7 @@ impl Input {
         }
     }
 
-    /// As [`Self::paths`], as text.
+    /// Paths that the burst is read from, as text.
     pub fn path_texts(&self) -> Vec<String> {
         self.paths().iter().map(|path| path_text(path)).collect()
     }

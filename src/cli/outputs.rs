@@ -41,7 +41,7 @@ pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Op
 /// Checks that `path`, if there is one, may be written.
 ///
 /// # Errors
-/// As [`OutputRules::check`].
+/// When it must not be overwritten.
 pub(super) fn check(rules: &OutputRules, path: Option<&Path>) -> Result<(), Failure> {
     Ok(path.map_or(Ok(()), |path| rules.check(path))?)
 }
