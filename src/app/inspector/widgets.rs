@@ -27,7 +27,7 @@ pub struct PaneWidget {
 /// Value of one pane at the place under the pointer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceValue {
-    /// Which pane.
+    /// Pane.
     pub id: PaneId,
     /// Its number, from 1.
     pub number: usize,
