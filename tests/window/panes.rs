@@ -38,7 +38,7 @@ fn slopes(window: &Window) -> Vec<f32> {
     panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
 }
 
-/// The middle of the canvas of pane `number`, in points.
+/// Centre of the canvas of pane `number`, in points.
 fn middle(window: &Window, number: usize) -> Pos2 {
     window.harness.get_by_role_and_label(Role::Canvas, &format!("Picture {number}")).rect().center()
 }
@@ -82,7 +82,7 @@ fn panes_are_split_by_buttons_and_keys_and_closed() {
     window.harness.run_steps(2);
     window.settle();
     assert_eq!(shown(&window).len(), 3);
-    // The same buttons on each pane, by its number.
+    // Each pane has these buttons, named by its number.
     window.click("Close pane 2");
     window.settle();
     assert_eq!(shown(&window).len(), 2);

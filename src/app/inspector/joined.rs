@@ -14,8 +14,8 @@ pub struct JoinedPanes {
     pub pairs: Vec<(usize, usize)>,
 }
 
-/// Of panes whose pictures are on the screen, and where, those that show what `method` looks at (what no method looks
-/// at, where none are compared). Differences and slices show no places of one burst.
+/// Finds the panes that show the input of `method` (those without a method, for `None`) among `places`: visible panes
+/// and their rectangles. Differences and slices show no places of one burst.
 pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<Contender>) -> JoinedPanes {
     let is_of = |id: PaneId, side: Side| {
         let pane = model.panes.get(id).filter(|pane| pane.side == side && pane.method == method);

@@ -162,7 +162,7 @@ pub struct Pane {
     pub view: View,
     /// Value ranges and colour maps of its own; `None` shares those of all.
     pub own_ranges: Option<Ranges>,
-    /// What it shares with the other panes.
+    /// Links to the other panes.
     pub links: PaneLinks,
     /// Another pane's picture in the same place.
     pub over: Option<Over>,

@@ -9,9 +9,9 @@ use std::path::PathBuf;
 /// Request of the calibration dialog.
 #[derive(Debug)]
 pub enum CalibrationChoice {
-    /// A file is to be chosen.
+    /// Ask for a file of this purpose.
     Choose(Purpose),
-    /// Bursts are to be opened like this from now on.
+    /// Open bursts with these options from now on.
     Apply(OpenOptions),
 }
 
