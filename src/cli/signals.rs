@@ -54,7 +54,7 @@ fn listen(end: impl Fn() + Send + 'static) -> Result<(), ctrlc::Error> {
 }
 
 /// Turns writing past the process's file size limit (`ulimit -f`) into a write error instead of the end of the program.
-/// Where that is impossible, the program ends.
+/// Where that is impossible, the program still ends.
 pub(super) fn survive_file_size_limit() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());

@@ -116,11 +116,11 @@ pub enum Wanted {
 pub struct Holds<'a> {
     /// Slope of the focused picture.
     pub slope: Slope,
-    /// Its content, if lessons have a word for it.
+    /// Content of the focused picture, if lessons have a word for it.
     pub show: Option<Shown>,
     /// Layout of the pictures, if lessons have a word for it.
     pub layout: Option<Layout>,
-    /// Its frame, octave and level.
+    /// Frame index of the focused picture, from 0.
     pub frame: usize,
     #[allow(missing_docs)]
     pub octave: i32,

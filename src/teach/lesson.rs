@@ -9,18 +9,18 @@ use super::state::State;
 pub struct Lesson {
     /// Name on the command line: the file's name without its ending.
     pub name: String,
-    /// Its title.
+    /// Title of the lesson.
     pub title: String,
     /// Learning goal, in a sentence.
     pub about: String,
-    /// Its steps; at least one.
+    /// Steps; at least one.
     pub steps: Vec<Step>,
 }
 
 /// One step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Its title.
+    /// Title of the step.
     pub title: String,
     /// Explanation, in CommonMark. Links to `word:NAME` lead to the glossary.
     pub caption: String,

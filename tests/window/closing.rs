@@ -38,8 +38,8 @@ fn assert_nothing_half_written(folder: &Path) {
     }
 }
 
-/// Holds back the writing of files until the window is being closed: a job at the head of the queue waits for that, and
-/// lets the first file be written.
+/// Holds back the writing of files until the window is being closed: a task before them waits for a search job, which
+/// releases it when it is cancelled.
 fn hold_files_until_closing(window: &Window) -> Jobs<(), ()> {
     let engine = &window.app().engine;
     let (release, held) = mpsc::channel::<()>();

@@ -266,7 +266,7 @@ fn a_pane_shows_the_other_burst() {
     let pane = model.panes.get(shown(&window)[1]).unwrap();
     assert_eq!(pane.side, Side::B);
     assert_eq!(pane.picture.as_ref().unwrap().request.burst.id, model.burst_of(Side::B).unwrap().id);
-    // Closing B takes the pane with it.
+    // Closing B also closes the pane.
     window.run_action("close b");
     window.settle();
     assert_eq!(shown(&window), [PaneId::of(Side::A)]);

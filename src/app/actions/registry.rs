@@ -42,7 +42,7 @@ impl Menu {
         Self::Help,
     ];
 
-    /// Its name.
+    /// Name of the menu.
     pub fn label(self) -> &'static str {
         match self {
             Self::File => "File",

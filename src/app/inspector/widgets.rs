@@ -29,7 +29,7 @@ pub struct PaneWidget {
 pub struct PlaceValue {
     /// Pane.
     pub id: PaneId,
-    /// Its number, from 1.
+    /// Number of the pane, from 1.
     pub number: usize,
     /// Place in that pane, and the value there.
     pub readout: Readout,

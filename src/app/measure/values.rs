@@ -14,7 +14,7 @@ use egui::{Pos2, Rect};
 pub struct PaneProfile {
     /// Pane.
     pub id: PaneId,
-    /// Its number, from 1.
+    /// Number of the pane, from 1.
     pub number: usize,
     /// Description of the pane's picture.
     pub label: String,
@@ -27,11 +27,11 @@ pub struct PaneProfile {
 pub struct PaneRegion {
     /// Pane.
     pub id: PaneId,
-    /// Its number, from 1.
+    /// Number of the pane, from 1.
     pub number: usize,
     /// Description of the pane's picture.
     pub label: String,
-    /// Its picture.
+    /// Picture of the pane.
     pub picture: Picture,
     /// The pixels of that picture.
     pub region: Region,

@@ -46,7 +46,7 @@ pub enum Arrangement {
     Column(Vec<Part>),
     /// In one place, with one of them visible.
     Tabs {
-        /// All of them.
+        /// Arrangements in this place.
         parts: Vec<Arrangement>,
         /// Index of the visible one.
         active: usize,

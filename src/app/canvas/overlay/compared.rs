@@ -14,7 +14,7 @@ pub struct ComparedMark {
     pub sigma: f32,
     /// Previous place of a feature that moved, image pixels; a line is drawn from it.
     pub from_image: Option<Pos2>,
-    /// Its colour.
+    /// Colour of the circle.
     pub colour: Color32,
     /// Whether the feature is not one of ours.
     pub dashed: bool,

@@ -11,7 +11,7 @@ pub struct CircleMark {
     pub centre: Pos2,
     /// Radius, image pixels.
     pub radius: f32,
-    /// Its colour.
+    /// Colour of the circle.
     pub colour: Color32,
     /// Whether the circle stands out.
     pub strong: bool,
