@@ -1,8 +1,8 @@
-//! A window that lives long: hundreds of bursts of one dataset through its engine, and it holds no more at the end than
-//! it did soon after the beginning.
+//! A long-lived window: hundreds of bursts of one dataset go through its engine, and at the end it holds no more memory
+//! than soon after the beginning.
 //!
-//! One test, alone in its program, so that nothing else is counted: what the engine says it holds, and all that the
-//! program has asked for.
+//! One test, alone in its program, so that nothing else is counted: the engine's own account, and all allocations of
+//! the program.
 
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::{DetectorParams, SearchParams, Slope, SlopeGrid};
@@ -22,20 +22,20 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 const BURSTS: usize = 500;
 const FRAMES: usize = 3;
 const SIDE: usize = 24;
-/// From this burst on nothing grows: what is made once is made, and what has a budget has used it.
+/// Number of bursts after which nothing grows: one-time allocations are made, and budgets are used up.
 const SETTLED: usize = 100;
-/// The cache of pictures: full before the hundredth burst.
+/// Size of the picture cache: it is full before the hundredth burst.
 const CACHE_BYTES: usize = 64 << 10;
-/// What one detection of such a burst leaves at most, however much was found.
+/// Maximum size of one detection's trail of such a burst, however many features it found.
 const TRAIL_BYTES: usize = 64 << 10;
-/// What the program may hold more of over the last hundred bursts than over the hundred after [`SETTLED`]: their names,
-/// and what is under way just then. 300 bursts with their frames, pictures and trails are 4 MB.
+/// Maximum growth of the program's memory from the hundred bursts after [`SETTLED`] to the last hundred: their names,
+/// and work in progress. 300 bursts with their frames, pictures and trails are 4 MB.
 const GROWTH_BYTES: u64 = 256 << 10;
 
-/// After this something that is awaited does not come any more.
+/// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A long sequence of small frames: a blob that goes to and fro over noise.
+/// Writes a long sequence of small frames: a blob that moves to and fro over noise.
 fn write_frames(folder: &Path) {
     let mut state = 7u32;
     for t in 0..BURSTS * FRAMES {
@@ -54,7 +54,7 @@ fn write_frames(folder: &Path) {
     }
 }
 
-/// Waits for news that `wanted` knows.
+/// Waits for an update that `wanted` accepts.
 fn wait_for<T>(engine: &Engine, mut wanted: impl FnMut(Update) -> Option<T>) -> T {
     let end = Instant::now() + PATIENCE;
     loop {
@@ -66,7 +66,7 @@ fn wait_for<T>(engine: &Engine, mut wanted: impl FnMut(Update) -> Option<T>) -> 
     }
 }
 
-/// What was held, by the engine and by the program, as the bursts went by.
+/// Memory held by the engine and by the program, after each burst.
 #[derive(Default)]
 struct Soak {
     held: Vec<Held>,
@@ -79,7 +79,7 @@ impl Soak {
         self.allocated.push(ALLOCATOR.current_usage() as u64);
     }
 
-    /// Holds the end against what there was at [`SETTLED`].
+    /// Compares the end with the state at [`SETTLED`].
     fn assert_does_not_grow(&self, what: &str) {
         assert_eq!(self.held.len(), BURSTS, "{what}");
         let most = |held: &[Held], of: fn(&Held) -> usize| held.iter().map(of).max().unwrap_or(0);
@@ -96,7 +96,7 @@ impl Soak {
     }
 }
 
-/// The features of all bursts, as the Matches workspace finds them.
+/// Finds the features of all bursts, as the workspace *Matches* does.
 fn find_all(engine: &Engine, bursts: &Bursts, keeping: &Keeping) -> Soak {
     let mut soak = Soak::default();
     engine.datasets.request_thumbnails(bursts.to_vec(), 16, burstscope::burst::OpenOptions::default());
@@ -116,7 +116,7 @@ fn find_all(engine: &Engine, bursts: &Bursts, keeping: &Keeping) -> Soak {
     soak
 }
 
-/// One burst after the other opened, searched and looked at, as a person goes through a filmstrip.
+/// Opens, searches and shows one burst after the other, as a user going through a filmstrip does.
 fn look_at_each(engine: &Engine, bursts: &Bursts, params: &SearchParams) -> Soak {
     let mut soak = Soak::default();
     for source in bursts.iter() {
@@ -183,7 +183,7 @@ fn five_hundred_bursts_leave_no_more_behind_than_one_hundred() {
     let left = engine.held();
     assert_eq!((left.trails, left.trail_bytes, left.requests), (0, 0, 0));
 
-    // What is kept of a burst is as large as that of any other: nothing lists all bursts in each.
+    // All records of bursts are equally large: none lists all bursts.
     let sizes: Vec<u64> = std::fs::read_dir(folder.join("records"))
         .expect("records")
         .map(|entry| entry.expect("an entry").metadata().expect("a file").len())

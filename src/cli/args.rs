@@ -1,5 +1,5 @@
-//! Arguments that commands share, and those of the plain commands, as they are written: names, kinds and help texts.
-//! What they mean together is checked elsewhere.
+//! Arguments that several commands share, and those of the plain commands: names, kinds and help texts. Checks of their
+//! combinations are elsewhere.
 
 use super::burst_search_args::BurstSearchArgs;
 use super::calibration_args::CalibrationArgs;

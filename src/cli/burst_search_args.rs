@@ -1,5 +1,4 @@
-//! What every command has that opens bursts and searches them: how they are searched, how they are opened, and what is
-//! said of it.
+//! Arguments of every command that opens and searches bursts: the search, the calibration and the output.
 
 use super::calibration_args::CalibrationArgs;
 use super::output_args::OutputArgs;

@@ -1,4 +1,4 @@
-//! How the values of files become light: the options of opening a burst.
+//! Options of opening a burst: how values in files become intensities.
 
 use super::choices::{RAW_COLOURS, words};
 use crate::burst::{OpenOptions, RawColour};
@@ -37,7 +37,7 @@ pub struct CalibrationArgs {
 }
 
 impl CalibrationArgs {
-    /// How to open bursts.
+    /// Options with which bursts are opened.
     pub fn options(&self) -> OpenOptions {
         OpenOptions {
             bias: self.bias.clone(),

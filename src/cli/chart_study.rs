@@ -1,4 +1,4 @@
-//! What `evaluate chart` and `evaluate frames` share: a study of charts from the arguments, and its figure.
+//! Parts that `evaluate chart` and `evaluate frames` share: the study of charts and its figure.
 
 use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
@@ -10,7 +10,7 @@ use crate::export::{OutputRules, write_whole};
 use std::io::Write;
 use std::path::Path;
 
-/// A study of charts at the ratios `snrs`.
+/// Makes a study of charts at the signal-to-noise ratios `snrs`.
 pub(super) fn chart_study(
     (charts, compared): (&ChartsArgs, &ComparedArgs),
     search: &SearchArgs,
@@ -36,7 +36,7 @@ pub(super) fn chart_study(
     })
 }
 
-/// Writes the figure if one was asked for.
+/// Writes the figure, if a path is given.
 pub(super) fn write_plot(
     console: &Console,
     path: Option<&Path>,
@@ -49,7 +49,7 @@ pub(super) fn write_plot(
     console.say(&format!("\nwrote {}\n", path.display()))
 }
 
-/// Refuses what is no file for an SVG figure.
+/// Checks that `path` can name an SVG figure: no folder, and an ending of `.svg`.
 pub(super) fn check_plot(path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return Err(Failure::usage(format!(

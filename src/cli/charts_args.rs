@@ -1,4 +1,4 @@
-//! The arguments of studies of charts: which charts, and what is compared on them.
+//! Arguments of the studies on charts: the charts, and the methods compared on them.
 
 use super::synth_values::{motions, parse_range, radius_laws};
 use crate::evaluate::{BurstMethod, Ranking};
@@ -32,7 +32,7 @@ pub struct DiscsArgs {
 }
 
 impl DiscsArgs {
-    /// `chart` with this size and these discs.
+    /// Returns `chart` with this size and these discs.
     pub fn put_on(&self, chart: ChartParams) -> ChartParams {
         let Self { width, height, discs, radius, radius_law } = self.clone();
         ChartParams { width, height, discs, radius, radius_law, ..chart }
@@ -58,7 +58,7 @@ pub struct ChartsArgs {
 }
 
 impl ChartsArgs {
-    /// The charts, of which a study sets ratio and seed.
+    /// Parameters of the charts; the study sets ratio and seed.
     pub fn params(&self, max_slope: f64) -> ChartParams {
         self.discs.put_on(ChartParams { motion: self.motion, max_slope, ..ChartParams::default() })
     }

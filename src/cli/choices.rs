@@ -1,13 +1,13 @@
-//! Arguments that are one word out of a few.
+//! Arguments that take one of a few words.
 
 use crate::detector::params::AUTO;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-/// A parser of words that `T` can be read from in a parameter file, so that file and command line share their words.
+/// Parser of words that `T` is read from in a parameter file, so that file and command line share their words.
 ///
-/// `words` must be words that `T` knows; a test below holds them against it.
+/// `words` must be words of `T`; a test below checks it.
 pub(super) fn words<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T>
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,
@@ -19,7 +19,7 @@ fn read_word<T: DeserializeOwned>(word: &str) -> Result<T, serde_json::Error> {
     serde_json::from_value(serde_json::Value::String(word.to_owned()))
 }
 
-/// The one word of `--slopes`.
+/// Word of `--slopes`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AutoWord {

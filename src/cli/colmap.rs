@@ -1,4 +1,4 @@
-//! `colmap`: from a dataset of bursts to what COLMAP's mapper takes.
+//! `colmap`: writes the input of COLMAP's mapper from a dataset of bursts.
 
 use super::colmap_args::ColmapArgs;
 use super::console::Console;
@@ -16,7 +16,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The JSON document.
+/// JSON document of `colmap`.
 #[derive(Serialize)]
 struct ColmapDocument<'a> {
     version: &'static str,
@@ -31,7 +31,7 @@ struct ColmapDocument<'a> {
     next: [String; 2],
 }
 
-/// Bursts that a line names.
+/// Maximum number of bursts that one line names.
 const NAMED: usize = 3;
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
@@ -99,7 +99,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     if failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
-/// What was not gathered and why, a line for each folder and reason.
+/// Lists what was not gathered and why: one line for each folder and reason.
 fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
     let mut lines: Vec<(&Path, String, Vec<&str>)> = Vec::new();
     for LeftOut { folder, burst, reason } in &report.left_out {
@@ -119,7 +119,7 @@ fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
     left.chain(strange.map(|folder| format!("--gather {}: it holds none of these bursts", folder.display()))).collect()
 }
 
-/// What to do next, as it is typed.
+/// Commands that continue the reconstruction, as typed in a shell.
 fn next_commands(out: &Path) -> [String; 2] {
     let at = |name: &str| {
         let path = out.join(name).display().to_string();

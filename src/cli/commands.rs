@@ -1,4 +1,4 @@
-//! All commands: the program's arguments are one of them, or what the window opens.
+//! All commands. The program's arguments are one of them, or what the window opens.
 
 use super::args::{DetectArgs, MergeArgs, SequenceArgs, StackArgs};
 use super::calibration_args::CalibrationArgs;

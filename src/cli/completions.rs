@@ -1,11 +1,11 @@
-//! `completions`: what a shell needs to complete commands and options.
+//! `completions`: writes a shell's completions of commands and options.
 
 use super::commands::{Cli, CompletionsArgs};
 use super::failure::Failure;
 use super::terminal::print;
 use clap::CommandFactory;
 
-/// The program's name as it is typed.
+/// Name of the program, as typed.
 const NAME: &str = "burstscope";
 
 pub(super) fn run(args: &CompletionsArgs) -> Result<(), Failure> {

@@ -1,5 +1,5 @@
-//! Where a command meets the terminal: results on the standard output, progress on the standard error, Ctrl-C and the
-//! like as a cancel.
+//! Terminal of a command: results on the standard output, progress on the standard error, and signals such as Ctrl-C,
+//! which cancel the work.
 
 use super::failure::Failure;
 use super::output_args::OutputArgs;
@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
 
-/// A command's terminal.
+/// Terminal of a command.
 pub(super) struct Console {
     /// Carries progress to the bar, and Ctrl-C to the work.
     pub monitor: Monitor,
@@ -20,15 +20,15 @@ pub(super) struct Console {
     output: OutputArgs,
 }
 
-/// Steps of the bar: a tenth of a percent.
+/// Steps of the progress bar: a tenth of a percent each.
 const STEPS: u64 = 1000;
 
 impl Console {
-    /// Sets up threads, the budget of memory, the progress bar (only where the standard error is a terminal), Ctrl-C and
-    /// what else asks the program to end: once cancels the work, twice leaves at once.
+    /// Sets up threads, the memory budget, the progress bar (only where the standard error is a terminal), and the
+    /// signals that ask the program to end: the first cancels the work, the second ends the program at once.
     ///
     /// # Errors
-    /// When threads cannot be started, or nobody can listen for Ctrl-C.
+    /// When threads cannot be started, or signals cannot be listened for.
     pub fn new(output: &OutputArgs) -> Result<Self, Failure> {
         if let Some(threads) = output.threads {
             rayon::ThreadPoolBuilder::new()
@@ -53,22 +53,22 @@ impl Console {
         Ok(Self { monitor, bar, output: *output })
     }
 
-    /// Says in front of the bar which piece of the work is being done.
+    /// Names the present piece of work in front of the bar, and sets the bar to 0.
     pub fn begin(&self, prefix: String) {
         self.bar.set_prefix(printable(&prefix).into_owned());
         self.bar.set_position(0);
     }
 
-    /// Says beside the bar how long the work will still take, and keeps counting over all its pieces.
+    /// Shows the remaining time beside the bar, counted over all pieces of work.
     pub fn show_time_left(&self) {
         let style = ProgressStyle::with_template("{prefix}{msg:22} {bar:30} {percent:>3} %, {eta} left")
             .expect("the template is a constant that parses");
         self.bar.set_style(style);
-        // The time left runs on while a piece of work says nothing.
+        // Keeps the remaining time counting while a piece of work reports no progress.
         self.bar.enable_steady_tick(Duration::from_secs(1));
     }
 
-    /// Says in front of the bar which piece of the work is being done; the bar goes on.
+    /// Names the present piece of work in front of the bar; the bar goes on.
     pub fn go_on(&self, prefix: String) {
         self.bar.set_prefix(prefix);
     }
@@ -92,12 +92,12 @@ impl Console {
         self.bar.suspend(|| print_json(&(text + "\n"))).map_err(Failure::output)
     }
 
-    /// Tells of something that failed, on the standard error.
+    /// Prints an error on the standard error.
     pub fn complain(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("error: {text}")));
     }
 
-    /// Says something beside the results that should not be overlooked, on the standard error.
+    /// Prints a note on the standard error.
     #[cfg(feature = "colmap")]
     pub fn note(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("note: {text}")));

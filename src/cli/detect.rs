@@ -17,19 +17,19 @@ use crate::monitor::Stage;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What is done with every burst: how its features are found and what is written of them.
+/// Settings for all bursts of a run: how features are found, and which files are written.
 pub(super) struct DetectJob<'a> {
     out: &'a Path,
     formats: Vec<ExportFormat>,
     params: &'a SearchParams,
-    /// The camera that took the bursts, where it is known: bursts of another size are not its.
+    /// Camera that took the bursts, where known. Bursts of another size are refused.
     camera: CameraChoice,
-    /// What may be written over.
+    /// Rules for overwriting files.
     pub rules: OutputRules,
 }
 
 impl<'a> DetectJob<'a> {
-    /// Features found with `params`, written into the folder `out` in `formats`.
+    /// Creates the job of finding features with `params` and writing them into the folder `out` in `formats`.
     ///
     /// # Errors
     /// When `out` is not a folder.
@@ -45,11 +45,11 @@ impl<'a> DetectJob<'a> {
         Ok(Self { out, formats, params, camera, rules })
     }
 
-    /// Takes the folder for this process, once it is sure that the features of `inputs` and the files `others` may be
+    /// Locks the folder for this process, after checking that the features of `inputs` and the files `others` may be
     /// written there.
     ///
     /// # Errors
-    /// A file that must stay, or a folder that another process has.
+    /// When a file there must not be overwritten, or another process has locked the folder.
     pub fn take_folder(&self, inputs: &[Input], others: &[PathBuf]) -> Result<FolderLock, Failure> {
         for file in inputs.iter().flat_map(|input| self.files(&input.name)).chain(others.iter().cloned()) {
             self.rules.check(&file)?;
@@ -57,12 +57,12 @@ impl<'a> DetectJob<'a> {
         Ok(FolderLock::take(self.out)?)
     }
 
-    /// The files that the features of the burst of this name go to.
+    /// Paths of the files for the features of the burst `name`.
     fn files(&self, name: &str) -> Vec<PathBuf> {
         detection_files(self.out, name, &self.formats)
     }
 
-    /// The same for bursts of this camera, where it is known.
+    /// Restricts the job to bursts of this camera, where known.
     pub fn of_camera(self, camera: Option<Camera>) -> Self {
         Self { camera: camera.map_or(self.camera, CameraChoice::Known), ..self }
     }
@@ -83,7 +83,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
         console.begin(if count > 1 { format!("[{}/{count}] {name}: ", index + 1) } else { format!("{name}: ") });
         match detect_burst(input, &options, (&job, &folder), &console) {
             Ok((burst, ..)) => report.bursts.push(burst),
-            // Whoever removed the folder wants none of the others.
+            // If the folder was removed during the run, the remaining bursts are not searched.
             Err(_) if folder.check().is_err() => break,
             Err(Failure::Interrupted) => return Err(Failure::Interrupted),
             Err(Failure::Failed(error) | Failure::Usage(error)) => {
@@ -103,11 +103,11 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
-/// Opens a burst, finds its features, writes them and says so.
+/// Opens a burst, finds its features, writes them and prints the summary.
 ///
 /// # Errors
-/// A burst that cannot be opened or is not of the camera, parameters that make no sense for it, files that cannot be or
-/// must not be written, or an interruption.
+/// When the burst cannot be opened or its size is not the camera's, when the parameters make no sense for it, when
+/// files cannot or must not be written, and when the work is interrupted.
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,
@@ -120,7 +120,7 @@ pub(super) fn detect_burst(
     job.camera.for_images(burst.size())?;
     let open_secs = start.elapsed().as_secs_f32();
     let Searched { detection, params, finding, slopes_secs } = search(&burst, job.params, &console.monitor)?;
-    // From here on the features are written for good; a Ctrl-C stops before the next burst.
+    // Past this point the features are written; Ctrl-C then stops before the next burst.
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     let start = Instant::now();

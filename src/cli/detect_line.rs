@@ -1,4 +1,4 @@
-//! The way back: from a burst and parameters to the command that finds its features.
+//! Writes the command that finds a burst's features with given parameters.
 
 use crate::burst::{OpenOptions, RawColour};
 use crate::detector::params::doc;
@@ -6,15 +6,14 @@ use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice};
 
 use std::path::PathBuf;
 
-/// The folder that the command writes to.
+/// Output folder named in the command.
 const OUT: &str = "features";
 
-/// The `burstscope detect …` line that finds features in `inputs` (paths, or one of the words for what is built in)
-/// with `params` where files are opened by `calibration`, as a shell takes it. Only what differs from the defaults is
-/// said.
+/// Writes the `burstscope detect …` line, quoted for a shell, that finds features in `inputs` (paths, or the names of
+/// built-in bursts) with `params`, with files opened by `calibration`. Values that are the default are left out.
 pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenOptions) -> String {
     let mut words = vec!["burstscope".to_owned(), "detect".to_owned()];
-    // What begins with a dash would be an option.
+    // A path that begins with a dash would be read as an option.
     let path = |input: &String| if input.starts_with('-') { format!("./{input}") } else { input.clone() };
     words.extend(inputs.iter().map(|input| quoted(&path(input))));
     words.extend(["--out".to_owned(), OUT.to_owned()]);
@@ -25,7 +24,7 @@ pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenO
     words.join(" ")
 }
 
-/// The same of how files are opened. A switch has no value.
+/// Names and values of the calibration options that are not the default. A switch has no value.
 fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<String>)> {
     let OpenOptions { bias, flat, full_scale, black_level, linearise, accept_damaged, raw_colour, limits: _ } =
         calibration;
@@ -44,7 +43,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
     all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
 }
 
-/// Names and values of the options that say what differs from the defaults.
+/// Names and values of the search options that are not the default.
 fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
     let mut options = Vec::new();
     let grid = &params.detector.slopes;
@@ -74,7 +73,7 @@ fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
     options.into_iter().map(|(name, value)| (name, Some(value))).collect()
 }
 
-/// A value as it is typed.
+/// Writes a value as typed on the command line.
 fn word(value: &serde_json::Value) -> String {
     match value {
         serde_json::Value::String(word) => word.clone(),
@@ -84,7 +83,7 @@ fn word(value: &serde_json::Value) -> String {
     }
 }
 
-/// `text` as a shell takes it for one word.
+/// Quotes `text` where a shell needs it, so that it is one word.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:+,=@%".contains(c);
     if !text.is_empty() && text.chars().all(plain) {
@@ -104,7 +103,7 @@ mod tests {
     };
     use clap::Parser;
 
-    /// The words of a line, as a shell sees them.
+    /// Splits a line into words as a shell does.
     fn split(line: &str) -> Vec<String> {
         let (mut words, mut word, mut inside, mut any) = (Vec::new(), String::new(), false, false);
         let mut letters = line.chars();
@@ -125,7 +124,7 @@ mod tests {
         words
     }
 
-    /// What the command understands of the line.
+    /// Inputs and parameters that the command parses from the line.
     fn understood(inputs: &[&str], params: &SearchParams) -> (Vec<PathBuf>, SearchParams) {
         let inputs: Vec<String> = inputs.iter().map(|input| (*input).to_owned()).collect();
         let line = detect_line(&inputs, params, &OpenOptions::default());

@@ -1,4 +1,4 @@
-//! `evaluate`: the detector measured against known truth.
+//! `evaluate`: measures the detector against known truth.
 
 use super::chart_study::{chart_study, check_plot, write_plot};
 use super::console::Console;
@@ -65,7 +65,7 @@ fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
     console.say_json(&Document::new("evaluate accuracy", &report))
 }
 
-/// What `evaluate accuracy` reports.
+/// JSON document of `evaluate accuracy`.
 #[derive(Serialize)]
 struct AccuracyDocument {
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! `evaluate frames`: what the number of frames of a burst is worth, on charts or in a burst that is given.
+//! `evaluate frames`: measures how results depend on the number of frames, on charts or in a given burst.
 
 use super::args::INPUT_HELP;
 use super::burst_search_args::BurstSearchArgs;
@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = FRAMES_HELP)]
 pub struct FramesArgs {
-    // A group that has another one in it has no arguments of its own for clap: those of ChartsArgs are named.
+    // clap gives no group to a struct that flattens another, so the arguments of ChartsArgs are named one by one.
     #[arg(value_name = "INPUT", help = INPUT_HELP, conflicts_with_all = ["seeds", "seed", "motion", "DiscsArgs", "ComparedArgs", "snr"])]
     #[allow(missing_docs)]
     pub input: Option<PathBuf>,

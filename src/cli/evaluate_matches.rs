@@ -1,4 +1,4 @@
-//! `evaluate matches`: how well the bursts of a dataset match, method by method.
+//! `evaluate matches`: counts the matches of a dataset's bursts, method by method.
 
 use super::args::SequenceArgs;
 use super::burst_search_args::BurstSearchArgs;
@@ -85,7 +85,7 @@ JSON (--json):
      \"by_pair\": [{\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"on_gold_geometry\"}]}]}
   frame_noise is that of a frame at the mean signal, a fraction of full scale.";
 
-/// The noise that was added.
+/// Noise that was added to the frames.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct AddedNoise {
     snr: f64,
@@ -172,13 +172,13 @@ fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<MatchMethod>, Failu
     Ok(gold.into_iter().chain(compared).collect())
 }
 
-/// The sharp images of each burst, where they are files of their own: cut as the bursts are, or one for each.
+/// Sharp images of the bursts, where `--gold` names them: cut as the bursts are, or one for each burst.
 fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input>>, Failure> {
     let Some(gold) = &args.gold else { return Ok(None) };
     let sharp = std::slice::from_ref(gold);
     let mut found = resolve_bursts(sharp, args.sequence)?;
     if found.len() != inputs.len() {
-        // A folder of as many pictures as there are bursts.
+        // A folder with one picture for each burst.
         let single = SequenceArgs { burst_length: Some(1), burst_step: None };
         found = resolve_bursts(sharp, single)?;
     }
@@ -193,7 +193,7 @@ fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input
     Ok(Some(found))
 }
 
-/// The noisy camera, if noise is asked for: one for all bursts.
+/// The noisy camera, one for all bursts; `None` without `--snr`.
 fn exposure(
     args: &MatchesArgs,
     inputs: &[Input],

@@ -1,4 +1,4 @@
-//! `evaluate poses`: a trajectory that was estimated beside the true one.
+//! `evaluate poses`: compares an estimated trajectory with the true one.
 
 use super::choices::{ASSOCIATIONS, words};
 use super::console::Console;

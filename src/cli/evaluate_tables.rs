@@ -1,4 +1,4 @@
-//! What `evaluate` prints for people.
+//! Tables that `evaluate` prints for people.
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
 use crate::evaluate::chart::{ChartReport, ChartSummary, MethodReport};
@@ -29,7 +29,7 @@ pub(super) fn burst_frames_table(report: &BurstFramesReport) -> String {
     text
 }
 
-/// The crowded charts, then those whose discs stand apart.
+/// Tables of the crowded charts, then of those with discs apart.
 pub(super) fn accuracy_tables(crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> String {
     let mut text = String::new();
     let _ = write_accuracy(&mut text, crowded, apart);
@@ -42,7 +42,7 @@ pub(super) fn noise_table(report: &NoiseReport) -> String {
     text
 }
 
-/// `frames` is a number of frames, or a range of them; `each` is what there are `seeds` charts for.
+/// `frames` is a number of frames, or a range of them; `each` names the setting that has `seeds` charts.
 fn write_charts(
     out: &mut String,
     chart: &ChartSummary,
@@ -93,10 +93,11 @@ fn write_frames(out: &mut String, report: &FramesReport) -> Result {
     write_found(out, judged, ("frames", &rows))
 }
 
-/// What a row is about, and the methods in it.
+/// Label of a row, and the methods in it.
 type Row<'a> = (String, &'a [MethodReport]);
 
-/// What the methods found, of so many discs, by this ranking, where this share is false.
+/// Writes the tables of discs found: `discs` is their number on a chart, `ranking` the score with the threshold, and
+/// `false_fraction` the share of false detections there.
 fn write_found(
     out: &mut String,
     (discs, ranking, false_fraction): (usize, Ranking, f64),

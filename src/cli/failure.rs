@@ -1,4 +1,4 @@
-//! How a command can end other than well, and the exit code of each way.
+//! Ways in which a command fails, and their exit codes.
 
 use super::terminal::complain;
 #[cfg(feature = "app")]
@@ -14,34 +14,34 @@ use crate::monitor::Cancelled;
 use crate::synth::{SynthError, WriteBurstError};
 use std::process::ExitCode;
 
-/// The exit code of a command that was interrupted.
+/// Exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;
 
-/// Why a command did not do all it was asked for.
+/// Reason why a command did not finish all of its work.
 #[derive(Debug)]
 pub enum Failure {
     /// The arguments make no sense: exit code 2.
     Usage(anyhow::Error),
     /// Something failed: exit code 1.
     Failed(anyhow::Error),
-    /// Everything that failed was reported already: exit code 1.
+    /// All failures were reported already: exit code 1.
     Reported,
     /// Interrupted from outside, as by Ctrl-C or a scheduler: exit code 130.
     Interrupted,
 }
 
 impl Failure {
-    /// Wrong use, with a message that says what would be right.
+    /// Creates the failure of wrong use, with a message that says what would be right.
     pub fn usage(message: impl Into<String>) -> Self {
         Self::Usage(anyhow::Error::msg(message.into()))
     }
 
-    /// The standard output cannot be written.
+    /// Creates the failure of a standard output that cannot be written.
     pub(super) fn output(error: std::io::Error) -> Self {
         Self::Failed(anyhow::Error::new(error).context("cannot write to the standard output"))
     }
 
-    /// The exit code.
+    /// Exit code of the failure.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Failed(_) | Self::Reported => 1,
@@ -50,7 +50,7 @@ impl Failure {
         })
     }
 
-    /// Says on the standard error what went wrong.
+    /// Prints the failure on the standard error.
     pub fn print(&self) {
         match self {
             Self::Failed(error) => complain(&format!("error: {error:#}")),

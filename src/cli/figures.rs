@@ -1,4 +1,4 @@
-//! `figures`: every figure and table of the paper, remade.
+//! `figures`: remakes every figure and table of the paper.
 
 use super::console::Console;
 use super::failure::Failure;

@@ -1,7 +1,7 @@
-//! From what was typed to the bursts it names.
+//! Resolves typed arguments to bursts.
 //!
-//! Each folder is looked at on its own, so that one that cannot be read does not stop the others. Files belong
-//! together: several pictures are the frames of one burst.
+//! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
+//! several pictures are the frames of one burst.
 
 use super::args::SequenceArgs;
 use super::calibration_args::CalibrationArgs;
@@ -18,38 +18,38 @@ use crate::monitor::Monitor;
 use crate::synth::{Example, demo_burst, later_demo_burst};
 use std::path::{Path, PathBuf};
 
-/// The word that names the built-in burst; a folder of that name is `./demo`.
+/// Name of the built-in burst; a folder of that name is given as `./demo`.
 pub(super) const DEMO: &str = "demo";
-/// The word that names the other built-in burst: the same street a little later.
+/// Name of the second built-in burst: the same street a little later.
 pub(super) const DEMO_LATER: &str = "demo-later";
 
-/// One burst that was asked for.
+/// One burst named by the arguments.
 #[derive(Debug)]
 pub(super) struct Input {
-    /// What its files are named after; no two inputs share one.
+    /// Name of the burst, after which its files are named; unique among the inputs.
     pub name: String,
-    /// Where it is.
+    /// Location of the burst.
     pub place: Place,
 }
 
-/// Where a burst is.
+/// Location of a burst.
 #[derive(Debug)]
 pub(super) enum Place {
-    /// Built into the program: the demo street.
+    /// Built-in demo street.
     Demo {
-        /// The one that is a little later.
+        /// Whether it is the later one of the two.
         later: bool,
     },
-    /// Built into the program: a failure to look at.
+    /// Built-in example of a failure case.
     Example(Example),
-    /// In files.
+    /// Files or folders.
     Paths(Vec<PathBuf>),
-    /// Nowhere: it could not even be looked for.
+    /// Not found; holds the error.
     Broken(OpenError),
 }
 
 impl Input {
-    /// The built-in burst that `word` names, if it names one.
+    /// The built-in burst of the name `word`, if there is one.
     fn built_in(word: &Path) -> Option<Self> {
         let named = |name: &str| word.as_os_str() == name;
         let place = match () {
@@ -60,7 +60,7 @@ impl Input {
         Some(Self { name: word.display().to_string(), place })
     }
 
-    /// Whether it is built into the program.
+    /// Whether the burst is built into the program.
     pub fn is_built_in(&self) -> bool {
         matches!(self.place, Place::Demo { .. } | Place::Example(_))
     }
@@ -68,7 +68,7 @@ impl Input {
     /// Opens the burst.
     ///
     /// # Errors
-    /// As [`Burst::open_with`], or why it was not found.
+    /// As [`Burst::open_with`], or when the burst was not found.
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, OpenError> {
         match &self.place {
             Place::Demo { later: false } => Ok(demo_burst()),
@@ -79,11 +79,11 @@ impl Input {
         }
     }
 
-    /// Opens the burst to search it with `params`. A search for which there is not enough memory is refused before a
+    /// Opens the burst to search it with `params`. A search that needs more memory than there is, is refused before any
     /// pixel is read.
     ///
     /// # Errors
-    /// As [`Input::open`]; how much memory the search needs.
+    /// As [`Input::open`]; also when the search needs too much memory.
     pub fn open_to_search(
         &self,
         options: &OpenOptions,
@@ -96,7 +96,7 @@ impl Input {
         Ok(self.open(options, monitor)?)
     }
 
-    /// The paths it is read from; none for the demo.
+    /// Paths that the burst is read from; none for a built-in burst.
     pub fn paths(&self) -> Vec<PathBuf> {
         match &self.place {
             Place::Paths(paths) => paths.clone(),
@@ -104,13 +104,13 @@ impl Input {
         }
     }
 
-    /// The same as text.
+    /// Paths that the burst is read from, as text.
     pub fn path_texts(&self) -> Vec<String> {
         self.paths().iter().map(|path| path_text(path)).collect()
     }
 }
 
-/// The bursts that `arguments` name, in their order; files come at the place of the first one.
+/// Resolves `arguments` to bursts, in their order; all files come at the place of the first file.
 pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
     let mut inputs = Vec::new();
     let mut files_done = false;
@@ -130,10 +130,10 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
     inputs
 }
 
-/// The bursts that `arguments` name, or those into which the sequences that they name are cut if `sequence` says so.
+/// Resolves `arguments` to bursts; with `sequence`, to the bursts into which their sequences are cut.
 ///
 /// # Errors
-/// A cut that makes no sense. A sequence that cannot be cut is an input that cannot be opened.
+/// When the cut makes no sense. A sequence that cannot be cut becomes an input that cannot be opened.
 pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Vec<Input>, Failure> {
     let inputs = resolve(arguments);
     let Some(length) = sequence.burst_length else {
@@ -163,8 +163,8 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     Ok(bursts)
 }
 
-/// Files and paths that do not exist. A missing file spoils the burst whose frame it may be, but not stacks, which are
-/// bursts of their own.
+/// Resolves files, including paths that do not exist. A missing file makes the burst of single pictures fail, whose
+/// frame it may be, but not stacks, which are bursts of their own.
 fn resolve_files(files: &[PathBuf]) -> Vec<Input> {
     let (present, missing): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(|f| f.exists());
     if missing.is_empty() || present.is_empty() {
@@ -200,7 +200,7 @@ fn name_of(path: &Path) -> String {
     path_text(Path::new(path.file_name().unwrap_or(path.as_os_str())))
 }
 
-/// The one burst that `arguments` name.
+/// Resolves `arguments` to one burst.
 ///
 /// # Errors
 /// When they name several.
@@ -218,7 +218,7 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
     }
 }
 
-/// The bursts A and B, one each, with different names.
+/// Resolves A and B to one burst each, with different names.
 ///
 /// # Errors
 /// When either argument names several.
@@ -229,10 +229,10 @@ pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
     Ok(inputs)
 }
 
-/// How to open `inputs` with this calibration.
+/// Options for opening `inputs` with this calibration.
 ///
 /// # Errors
-/// A calibration for the demo burst, which needs none.
+/// When a calibration is given for a built-in burst, which needs none.
 pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> Result<OpenOptions, Failure> {
     let options = calibration.options();
     let given = [

@@ -1,4 +1,4 @@
-//! `match`: two bursts, their features, and which of them belong together.
+//! `match`: finds the features of two bursts and matches them.
 
 use super::console::Console;
 use super::detect::{DetectJob, detect_burst};
@@ -18,7 +18,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The JSON document.
+/// JSON document of `match`.
 #[derive(Serialize)]
 struct MatchDocument<'a> {
     version: &'static str,

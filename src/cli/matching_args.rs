@@ -1,5 +1,4 @@
-//! The options of matching, shared by the commands that match: raw arguments on one side, checked parameters on the
-//! other.
+//! Matching options, shared by the commands that match: raw arguments and the parameters checked from them.
 //!
 //! Names and help texts are those of [`crate::matching::params::doc`].
 
@@ -39,10 +38,10 @@ pub struct MatchingArgs {
 }
 
 impl MatchingArgs {
-    /// The checked parameters. With a camera and no geometry matches are verified by the essential matrix.
+    /// Parameters, checked. With a camera and no geometry, matches are verified by the essential matrix.
     ///
     /// # Errors
-    /// A parameter that makes no sense.
+    /// When a parameter makes no sense.
     pub fn params(&self) -> Result<MatchParams, Failure> {
         let default = MatchParams::default();
         let geometry = if self.camera.is_some() { Geometry::Essential } else { default.geometry };
@@ -62,12 +61,12 @@ impl MatchingArgs {
     }
 }
 
-/// What `-h` says of a parameter: its meaning and default.
+/// Text of `-h` for a parameter: its meaning and default.
 fn short_help(doc: ParamDoc) -> String {
     format!("{} [default: {}]", doc.meaning.trim_end_matches('.'), default_of(doc))
 }
 
-/// What `--help` says of a parameter: all there is to say, and its default.
+/// Text of `--help` for a parameter: all of its description, and its default.
 fn long_help(doc: ParamDoc) -> String {
     format!("{} [default: {}]", doc.help(), default_of(doc))
 }
@@ -84,7 +83,7 @@ fn long_camera_help() -> String {
     format!("{} Or a TOML file with model, width, height and params.", doc::CAMERA.help())
 }
 
-/// A parameter's default, as it is written on the command line.
+/// Default of a parameter, as written on the command line.
 fn default_of(doc: ParamDoc) -> String {
     let params = serde_json::to_value(MatchParams::default()).ok();
     match params.as_ref().and_then(|v| v.get(doc.name.replace('-', "_"))) {
@@ -96,7 +95,7 @@ fn default_of(doc: ParamDoc) -> String {
     }
 }
 
-/// A camera in words, or in a file that ends in `.toml`.
+/// Reads a camera from words, or from a file whose name ends in `.toml`.
 fn parse_camera(text: &str) -> Result<Camera, String> {
     if text.to_lowercase().ends_with(".toml") {
         return read_camera(Path::new(text)).map_err(|e| format!("{}; {}", e.problem, e.remedy));

@@ -1,4 +1,4 @@
-//! `merge`: the burst-merge baseline's image, as 32-bit float TIFF.
+//! `merge`: writes the merged image of a burst, as 32-bit float TIFF.
 
 use super::args::MergeArgs;
 use super::console::Console;
@@ -24,7 +24,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     rules.check(&args.out)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
-    // Of the parameters of a search only the frames matter here: an image of any size is merged.
+    // Of the search parameters only the frames matter here: an image of any size is merged.
     params.validate_frames(burst.len())?;
     let used = params.used_frames(burst.len());
     let merged = merge_burst(&burst, used.clone(), &console.monitor)?;

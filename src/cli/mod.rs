@@ -1,8 +1,8 @@
-//! The commands: what the window can compute, a command can.
+//! Commands: everything that the window computes, a command computes too.
 //!
-//! Raw arguments are described in [`args`] and turned once into checked values (see [`search_options`]); each command
-//! is a module of its own that calls the same functions as the window. Results go to the standard output, progress and
-//! errors to the standard error.
+//! [`args`] and its sister modules describe raw arguments, which are turned once into checked values (see
+//! [`search_options`]); each command is a module of its own that calls the same functions as the window. Results go to
+//! the standard output, progress and errors to the standard error.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
@@ -70,10 +70,10 @@ use commands::{Cli, Command};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The first argument of a process that decodes one file for another: no command, and in no help.
+/// First argument of a process that decodes one file for another process; it is no command and in no help.
 pub const DECODE_WORKER: &str = "--decode-worker";
 
-/// Does what the program's arguments ask for, and answers with its exit code.
+/// Runs the command that the program's arguments name, and returns its exit code.
 pub fn run() -> ExitCode {
     let mut arguments = std::env::args_os().skip(1);
     if arguments.next().is_some_and(|first| first == DECODE_WORKER) {
@@ -103,14 +103,14 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// This program, to be started again.
+/// Path of this program, for starting it again.
 fn this_program() -> Option<PathBuf> {
-    // On Linux this is the program that runs, also after its file was replaced.
+    // On Linux this is the running program even after its file was replaced.
     let running = Path::new("/proc/self/exe");
     if running.exists() { Some(running.to_owned()) } else { std::env::current_exe().ok() }
 }
 
-/// Does it.
+/// Runs one command, or opens the window.
 fn done(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
         #[cfg(feature = "app")]

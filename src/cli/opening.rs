@@ -1,4 +1,4 @@
-//! What the window opens, from what was typed: one burst, two side by side, a dataset, or a session.
+//! Resolves typed arguments to what the window opens: one burst, two side by side, a dataset, or a session.
 
 use super::args::SequenceArgs;
 use super::failure::Failure;
@@ -8,8 +8,8 @@ use crate::burst::{OpenError, SequenceCut};
 use crate::dataset::DatasetSource;
 use std::path::PathBuf;
 
-/// The two bursts that two arguments name, one each; `None` for anything else: two files may be frames of one burst,
-/// and a folder of bursts is a dataset.
+/// The two bursts that two arguments name, one each. `None` otherwise: two files may be frames of one burst, and a
+/// folder of bursts is a dataset.
 pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
     let [first, second] = arguments else { return None };
     let inputs = resolve(arguments);
@@ -18,24 +18,24 @@ pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
     (each(first) && each(second)).then_some(two)
 }
 
-/// What the window opens.
+/// Content that the window opens.
 #[derive(Debug)]
 pub(super) enum Opening {
     /// One burst.
     Burst(Input),
     /// Two side by side.
     Two([Input; 2]),
-    /// Many.
+    /// Dataset of bursts.
     Dataset(DatasetSource),
-    /// What the window has kept in this file.
+    /// Session file that the window saved.
     Session(PathBuf),
 }
 
-/// What `arguments` name: a session file of the window, one burst, two if each argument is one, or a dataset if there
-/// are more or a sequence is cut.
+/// Resolves `arguments`: a session file, one burst, two bursts if each argument is one, or a dataset if there are more
+/// or a sequence is cut.
 ///
 /// # Errors
-/// A cut that makes no sense; the demo among others; several bursts of which one was not found.
+/// When a cut makes no sense, when a built-in burst is among others, and when one of several bursts was not found.
 pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
     let SequenceArgs { burst_length, burst_step } = sequence;
     if let [one] = arguments

@@ -1,4 +1,4 @@
-//! What commands print, and what of the machine they may take.
+//! Options of a command's output, and of the threads and memory that it may use.
 
 use crate::detector::memory;
 use clap::Args;
@@ -33,7 +33,7 @@ pub struct OverwriteArgs {
     pub force: bool,
 }
 
-/// Bytes from `8G`, `500M` (powers of 1000) or a part of the machine's memory in percent.
+/// Reads a number of bytes: `8G`, `500M` (powers of 1000), or a percentage of the machine's memory.
 fn parse_memory(text: &str) -> Result<u64, String> {
     let bad =
         || format!("'{text}' is neither a size such as 8G or 500M nor a part of the machine's memory such as 50%");

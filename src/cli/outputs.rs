@@ -1,4 +1,4 @@
-//! What a command may write over: see [`OutputRules`].
+//! Overwriting rules of a command: see [`OutputRules`].
 
 use super::failure::Failure;
 use super::inputs::{Input, Place};
@@ -8,7 +8,7 @@ use crate::export::{Inputs, OutputRules, Overwrite};
 use std::path::{Path, PathBuf};
 
 impl OverwriteArgs {
-    /// The rules of a command that opens `inputs` with this calibration, and reads these `settings` (a parameter file, a
+    /// Rules of a command that opens `inputs` with this calibration and reads these `settings` (a parameter file, a
     /// session).
     pub(super) fn rules(
         &self,
@@ -21,11 +21,11 @@ impl OverwriteArgs {
     }
 }
 
-/// All files that are opened.
+/// All files that the command opens.
 pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Option<&PathBuf>]) -> Inputs {
     let of_burst = |paths: Vec<PathBuf>| {
         let source = BurstSource { name: String::new(), paths };
-        // What cannot be listed cannot be opened either.
+        // Paths that cannot be listed cannot be opened either.
         source.files().unwrap_or(source.paths)
     };
     let bursts = inputs.iter().flat_map(|input| match &input.place {
@@ -38,10 +38,10 @@ pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Op
     Inputs::of(bursts.chain(frames).chain(settings))
 }
 
-/// Whether `path`, if there is one, may be written.
+/// Checks that `path`, if there is one, may be written.
 ///
 /// # Errors
-/// Why not.
+/// When it must not be overwritten.
 pub(super) fn check(rules: &OutputRules, path: Option<&Path>) -> Result<(), Failure> {
     Ok(path.map_or(Ok(()), |path| rules.check(path))?)
 }

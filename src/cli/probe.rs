@@ -1,4 +1,4 @@
-//! `probe`: the fate of a place.
+//! `probe`: reports why a place has a feature, or why not.
 
 use super::console::Console;
 use super::failure::Failure;
@@ -30,7 +30,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let (width, height) = burst.size();
     if let Some([u, v]) = args.at {
-        // Before the long search, not after it.
+        // Checked before the long search.
         let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
         if !(inside(u, width) && inside(v, height)) {
             return Err(ProbeError::Outside { u, v, width, height }.into());
@@ -83,7 +83,7 @@ impl From<ProbeError> for Failure {
     }
 }
 
-/// Whether a figure is named as SVG.
+/// Checks that a figure's name ends in `.svg`.
 ///
 /// # Errors
 /// When it is not.

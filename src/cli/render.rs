@@ -1,4 +1,4 @@
-//! `render`: the window, drawn into a PNG file without a display.
+//! `render`: draws the window into a PNG file, without a display.
 
 use super::console::Console;
 use super::failure::Failure;
@@ -50,7 +50,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         .say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": path_text(&args.out) }))
 }
 
-/// Draws the window into `file`. Should the driver of the graphics card bring the drawing down, that is said too.
+/// Draws the window into `file`. A panic of the graphics driver is returned as a failure.
 pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure> {
     let drawing =
         std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| memory::refusable(|| render_to_png(options, file))));
@@ -62,22 +62,22 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
     }
 }
 
-/// What the window opens: a burst, perhaps with a second one beside it, a dataset, or a session.
+/// Content that the window opens: a burst, perhaps with a second one beside it, a dataset, or a session.
 pub(super) struct Sources {
-    /// The burst.
+    /// First burst.
     pub source: Option<BurstSource>,
-    /// The second one.
+    /// Second burst, shown beside the first.
     pub second: Option<BurstSource>,
-    /// The dataset.
+    /// Dataset.
     pub dataset: Option<DatasetSource>,
-    /// A session, in place of all of these.
+    /// Session file, in place of all others.
     pub session: Option<PathBuf>,
 }
 
-/// Where what is to be opened is.
+/// Turns `opening` into the window's sources.
 ///
 /// # Errors
-/// Why a burst was not found.
+/// When a burst was not found.
 pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
     let none = Sources { source: None, second: None, dataset: None, session: None };
     match opening {
@@ -88,10 +88,10 @@ pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
     }
 }
 
-/// What the window opens for `input`.
+/// Turns `input` into a source for the window.
 ///
 /// # Errors
-/// Why the input was not found.
+/// When the input was not found.
 pub(super) fn source_of(input: Input) -> Result<BurstSource, Failure> {
     match input.place {
         Place::Demo { later: false } => Ok(BurstSource::Demo),

@@ -1,4 +1,4 @@
-//! What `detect` tells about each burst: as JSON, and as a summary for people.
+//! Reports of `detect` about each burst, as JSON and as a summary for people.
 
 use crate::burst::{Burst, Encoding, Note};
 use crate::detector::advice::grouped;
@@ -17,7 +17,7 @@ pub(super) struct DetectReport<'a> {
     version: &'static str,
     command: &'static str,
     params: &'a SearchParams,
-    /// Bursts that went well, in the order in which they were named.
+    /// Bursts that were searched, in the order of the arguments.
     pub bursts: Vec<BurstReport>,
     /// Bursts that failed.
     pub failures: Vec<FailureReport>,
@@ -29,14 +29,14 @@ impl<'a> DetectReport<'a> {
     }
 }
 
-/// A burst that failed.
+/// Burst that failed.
 #[derive(Debug, Serialize)]
 pub(super) struct FailureReport {
     pub name: String,
     pub error: String,
 }
 
-/// A burst that went well.
+/// Burst that was searched.
 #[derive(Debug, Serialize)]
 pub(super) struct BurstReport {
     name: String,
@@ -45,15 +45,15 @@ pub(super) struct BurstReport {
     frames_used: [usize; 2],
     width: usize,
     height: usize,
-    /// The files' value that became 1.0.
+    /// Value in the files that became 1.0.
     full_scale: f32,
     encoding: Encoding,
     /// Pixels of the sensor along a side of one pixel; places, scales and slopes are in pixels of the frames.
     binning: usize,
-    /// What a converter of fewer bits would have as its largest value; absent where the values do not look so.
+    /// Largest value of a converter with fewer bits, which the data suggest; absent where they suggest none.
     #[serde(skip_serializing_if = "Option::is_none")]
     suggested_full_scale: Option<f32>,
-    /// Names of the frames that are damaged and were accepted so; absent where all are whole.
+    /// Names of the damaged frames that were accepted; absent where all are whole.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     damaged_frames: Vec<String>,
     #[serde(skip)]
@@ -66,17 +66,17 @@ pub(super) struct BurstReport {
     noise_gate_factor: f32,
     octaves: [i32; 2],
     slope_grid: SlopeGrid,
-    /// What was found of the slopes; absent where they were given.
+    /// Result of finding the slopes; absent where they were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     slopes_found: Option<SlopeFinding>,
     slopes: Vec<SlopeCount>,
     tally: TallyReport,
     times: TimesReport,
-    /// Why there is nothing or little, or most of it at the slope limit; `None` (null) where all is well.
+    /// Advice where there are no or few features, or most lie at the slope limit; `None` (null) otherwise.
     advice: Option<AdviceReport>,
 }
 
-/// What is the matter, and the one option to change.
+/// Description of a problem, and the one option to change.
 #[derive(Debug, Serialize)]
 struct AdviceReport {
     message: String,
@@ -94,7 +94,7 @@ fn shared<S: Serializer>(noise: &Arc<NoiseModel>, serializer: S) -> Result<S::Ok
     noise.serialize(serializer)
 }
 
-/// How many features were found at a slope of the grid.
+/// Number of features found at a slope of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct SlopeCount {
     u: f32,
@@ -169,18 +169,18 @@ impl BurstReport {
         }
     }
 
-    /// With what was found of the slopes.
+    /// Adds the result of finding the slopes.
     pub fn with_slopes(self, slopes_found: Option<SlopeFinding>) -> Self {
         Self { slopes_found, ..self }
     }
 
-    /// The same with why there is nothing or little, and what to change.
+    /// Adds the advice.
     pub fn with_advice(self, advice: Option<Advice>) -> Self {
         Self { advice: advice.map(Into::into), ..self }
     }
 }
 
-/// Features by the grid's slope at which they were found, in the grid's order.
+/// Counts the features at each slope of the grid, in the grid's order.
 pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
     let mut counts = vec![0; detection.slopes.len()];
     for feature in &detection.features {
@@ -191,12 +191,12 @@ pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
     detection.slopes.slopes().zip(counts).map(|(s, features)| SlopeCount { u: s.u, v: s.v, features }).collect()
 }
 
-/// Slopes that the summary shows at most.
+/// Maximum number of slopes in the summary.
 const SLOPES_SHOWN: usize = 25;
 /// Width of the longest bar of the histogram, characters.
 const BAR_WIDTH: usize = 30;
 
-/// The summary for people; ends with an empty line.
+/// Summary for people; ends with an empty line.
 pub(super) fn summary(report: &BurstReport, params: &DetectorParams, detection: &Detection) -> String {
     let mut text = String::new();
     // Writing into a string cannot fail.

@@ -1,7 +1,7 @@
-//! The search options, shared by the commands: raw arguments on one side, checked parameters on the other.
+//! Search options, shared by the commands: raw arguments and the parameters checked from them.
 //!
-//! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file comes first, then the options
-//! that were given override it, one by one; the result is checked once.
+//! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file is read first, then each given
+//! option overrides its value; the result is checked once.
 
 use super::choices::{
     AUTO_WORDS, AutoWord, DESCRIBE_SLOPES, FLICKERS, INTERPOLATIONS, LOCALISATIONS, METHODS, NOISE_MODELS,
@@ -19,7 +19,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// The ids of the options that give ranges of slopes.
+/// Ids of the options that give ranges of slopes.
 const AXIS_U: &str = "slopes_u";
 const AXIS_V: &str = "slopes_v";
 
@@ -104,17 +104,17 @@ pub struct SearchArgs {
     pub describe_slope: Option<DescribeSlope>,
 }
 
-/// What `-h` says of a parameter: its meaning and default.
+/// Text of `-h` for a parameter: its meaning and default.
 fn short_help(doc: ParamDoc) -> String {
     format!("{} [default: {}]", doc.meaning.trim_end_matches('.'), default_of(doc))
 }
 
-/// What `--help` says of a parameter: all there is to say, and its default.
+/// Text of `--help` for a parameter: all of its description, and its default.
 fn long_help(doc: ParamDoc) -> String {
     format!("{} [default: {}]", doc.help(), default_of(doc))
 }
 
-/// A parameter's default, as it is written on the command line.
+/// Default of a parameter, as written on the command line.
 fn default_of(doc: ParamDoc) -> String {
     let params = DetectorParams::default();
     match doc.name {
@@ -134,10 +134,10 @@ fn default_of(doc: ParamDoc) -> String {
 }
 
 impl ParamsFileArg {
-    /// The file's parameters, or the defaults without a file.
+    /// Parameters in the file, or the defaults without a file.
     ///
     /// # Errors
-    /// An unreadable file fails; a file that makes no sense is wrong use. Both name the file.
+    /// When the file cannot be read (a failure) or makes no sense (wrong use). Both errors name the file.
     pub fn read(&self) -> Result<SearchParams, Failure> {
         self.params.as_deref().map_or_else(|| Ok(SearchParams::default()), read_params)
     }
@@ -154,13 +154,14 @@ fn read_params(path: &Path) -> Result<SearchParams, Failure> {
 }
 
 impl SearchArgs {
-    /// The checked parameters, and how the slopes are chosen.
+    /// Parameters, checked, with the choice of slopes.
     ///
-    /// Slopes are found from each burst unless ranges are given here or in the file; a direction alone says on which
-    /// line. An axis of slopes that is missing is the file's, or means 0 where the file has no ranges.
+    /// Slopes are found from each burst unless ranges are given here or in the file; a direction alone restricts the
+    /// search to a line in that direction. An axis of slopes that is missing is the file's, or 0 where the file has no
+    /// ranges.
     ///
     /// # Errors
-    /// A parameter file that cannot be read or makes no sense, or a combination that makes no sense.
+    /// When the parameter file cannot be read or makes no sense, or a combination of options makes no sense.
     pub fn params(&self) -> Result<SearchParams, Failure> {
         let mut params = self.file.read()?;
         self.choose_slopes(&mut params);

@@ -1,15 +1,15 @@
-//! What the system sends to end the program, and what would end it over a file that grows too large.
+//! Signals that end the program, and the one sent when a file grows too large.
 //!
-//! Ctrl-C, the signal by which schedulers and services end a program (SIGTERM), and that of a terminal that is closed
-//! (SIGHUP) all ask for the same. A program that was started so that it outlives its terminal (`nohup`) goes on.
+//! Ctrl-C (SIGINT), SIGTERM, which schedulers and services send, and SIGHUP, sent when the terminal closes, have the
+//! same effect. A program started to outlive its terminal (`nohup`) ignores SIGHUP.
 
 use super::failure::{Failure, INTERRUPTED};
 use anyhow::Context;
 
-/// Calls `end` when the program is asked to end. Asked a second time, it ends at once.
+/// Calls `end` at each signal that asks the program to end. A second signal ends the program at once.
 ///
 /// # Errors
-/// When the system lets nobody listen.
+/// When the system does not allow a signal handler.
 pub(super) fn on_end(end: impl Fn() + Send + 'static) -> Result<(), Failure> {
     listen(end).context("cannot listen for Ctrl-C and other requests to end").map_err(Failure::Failed)
 }
@@ -32,8 +32,8 @@ fn listen(end: impl Fn() + Send + 'static) -> std::io::Result<()> {
     std::thread::Builder::new().name("burstscope-signals".to_owned()).spawn(listener).map(drop)
 }
 
-/// Whether a closed terminal is to be heard of: not where whoever started the program had it ignored. Where the system
-/// does not tell, it ends programs as it does by itself.
+/// Whether to handle SIGHUP. False where the parent process has it ignored, and where the system does not say: SIGHUP
+/// then keeps its default action.
 #[cfg(unix)]
 fn hang_up_is_heard() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -53,8 +53,8 @@ fn listen(end: impl Fn() + Send + 'static) -> Result<(), ctrlc::Error> {
     })
 }
 
-/// Makes a file that grows beyond the limit of the process (`ulimit -f`) an error of its writing, in place of the end of
-/// the program. Where that cannot be had, it ends as it would have.
+/// Turns writing past the process's file size limit (`ulimit -f`) into a write error instead of the end of the program.
+/// Where that is impossible, the program still ends.
 pub(super) fn survive_file_size_limit() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());

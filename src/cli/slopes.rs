@@ -1,4 +1,4 @@
-//! `slopes`: which slopes a burst needs.
+//! `slopes`: reports which slopes a burst needs.
 
 use super::console::Console;
 use super::failure::Failure;
@@ -14,7 +14,7 @@ use crate::inspect::spectrum::spectrum;
 use crate::monitor::Stage;
 use serde_json::json;
 
-/// Part of the progress that the search takes.
+/// Share of the progress that the search takes.
 const SEARCH_SHARE: f32 = 0.8;
 
 pub(super) fn run(args: &SlopesArgs) -> Result<(), Failure> {

@@ -1,4 +1,4 @@
-//! `stack`: the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
+//! `stack`: writes the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
 
 use super::args::StackArgs;
 use super::console::Console;
@@ -15,7 +15,7 @@ use std::path::Path;
 
 pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let mut params = args.run.search.params()?.detector;
-    // Only this slope is looked at, so only this slope has to make sense.
+    // Only this slope is computed, so only this slope is checked.
     params.slopes = SlopeGrid::single(args.slope);
     check_tiff(&args.out)?;
     let console = Console::new(&args.run.output)?;
@@ -64,7 +64,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     }))
 }
 
-/// Whether a file is named as TIFF.
+/// Checks that a file's name ends in `.tif` or `.tiff`.
 ///
 /// # Errors
 /// When it is not.

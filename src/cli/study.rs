@@ -1,4 +1,4 @@
-//! What the studies of `evaluate` share: what they search with, and how their reports are written.
+//! Parts that the studies of `evaluate` share: their search parameters, and the form of their reports.
 
 use super::failure::Failure;
 use super::search_options::SearchArgs;
@@ -7,7 +7,7 @@ use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use crate::evaluate::BurstMethod;
 use serde::Serialize;
 
-/// A report as a JSON document that says what it is.
+/// JSON document of a report, with version and command.
 #[derive(Serialize)]
 pub(super) struct Document<'a, R> {
     version: &'static str,
@@ -22,23 +22,23 @@ impl<'a, R> Document<'a, R> {
     }
 }
 
-/// What a study searches with.
+/// Search parameters of a study.
 pub(super) struct Searched {
-    /// The detector's parameters.
+    /// Parameters of the detector.
     pub detector: DetectorParams,
-    /// The slopes, if any were given.
+    /// Slopes, if any are given.
     pub slopes: Option<SlopeGrid>,
-    /// The direction in which slopes are to be found, degrees from +u towards +v.
+    /// Direction in which slopes are found, degrees from +u towards +v.
     pub direction_deg: Option<f32>,
 }
 
-/// What a study searches with that compares searches of known ranges of slopes.
+/// Search parameters of a study that compares searches over given ranges of slopes.
 pub(super) fn searched(search: &SearchArgs) -> Result<Searched, Failure> {
     let remedy = "this command compares searches of known ranges; give them with --slopes-u and --slopes-v";
     checked_slopes(search, false, remedy)
 }
 
-/// What a study of `methods` searches with. One of them may find slopes by itself.
+/// Search parameters of a study of `methods`, of which `buff-auto` finds slopes by itself.
 pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<Searched, Failure> {
     let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
     checked_slopes(search, methods.contains(&BurstMethod::BuffAuto), remedy)
@@ -57,7 +57,7 @@ fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<S
     Ok(Searched { detector, slopes, direction_deg })
 }
 
-/// The list without repetitions, in its order.
+/// Removes repetitions from `list`; keeps its order.
 pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
     let mut once = Vec::with_capacity(list.len());
     for item in list {

@@ -1,4 +1,4 @@
-//! `synth`: bursts with exactly known truth, and noisy copies of real ones.
+//! `synth`: writes bursts with exactly known truth, and noisy copies of real ones.
 
 use super::console::Console;
 use super::failure::Failure;
@@ -34,7 +34,7 @@ pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
     }
 }
 
-/// Noisy copies of real frames: a first pass over the bursts for their levels, a second one that writes.
+/// Writes noisy copies of real frames: a first pass over the bursts measures their levels, a second one writes.
 fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let NoisyArgs { snr, read_noise, bits, seed, .. } = *args;
     let params = NoisyParams { snr, read_noise, bits, seed };
@@ -71,7 +71,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     }))
 }
 
-/// Bursts along a camera's way, with its poses.
+/// Writes bursts along a camera's trajectory, with its poses.
 fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let trajectory = Trajectory::new(&args.params(), &console.monitor)?;

@@ -1,4 +1,4 @@
-//! Values that only arguments of synthetic bursts have.
+//! Value parsers of the arguments for synthetic bursts.
 
 use crate::synth::{Motion, RadiusLaw};
 use std::ops::RangeInclusive;

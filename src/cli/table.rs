@@ -1,9 +1,9 @@
-//! The table of the strongest features, as text.
+//! Table of the strongest features, as text.
 
 use crate::detector::Detection;
 use std::fmt::Write;
 
-/// The `count` strongest features, one on each line, under a header with units.
+/// Lists the `count` strongest features, one on each line, under a header with units.
 pub(super) fn feature_table(detection: &Detection, count: usize) -> String {
     let mut text = String::from(
         "       u       v   sigma  orientation  slope u  slope v  response     snr  octave  level\n      px      px      px          deg     px/f     px/f             sigma              \n",

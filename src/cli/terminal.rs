@@ -1,18 +1,17 @@
-//! What reaches the terminal: results on the standard output, complaints on the standard error.
+//! Output to the terminal: results on the standard output, errors on the standard error.
 //!
-//! Names of files may hold anything, also what makes a terminal change its colours, its title or its keys. Such
-//! characters are written as what they are (`\u{1b}`), and take no effect. That nobody hears a complaint is no reason
-//! to stop: a standard error that is full or closed is passed over.
+//! File names may contain any characters, including those that change a terminal's colours, title or keys. Control
+//! characters are written as escapes (`\u{1b}`) and take no effect. A standard error that is full or closed is ignored.
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, Result, Write};
 
-/// Whether a terminal may take `c` for a command: every control character but the ends of lines and tabs.
+/// Whether a terminal may read `c` as a command: true for control characters except line feed and tab.
 fn is_command(c: char) -> bool {
     c.is_control() && c != '\n' && c != '\t'
 }
 
-/// The text with each control character but ends of lines and tabs written as an escape.
+/// Replaces each control character except line feeds and tabs by an escape.
 pub(super) fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_command) {
         return Cow::Borrowed(text);
@@ -24,15 +23,15 @@ pub(super) fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(clean)
 }
 
-/// Prints text for people on the standard output. A reader that has gone away, such as `head`, is no failure.
+/// Prints text for people on the standard output. A reader that closed the pipe, such as `head`, is no failure.
 ///
 /// # Errors
-/// When the standard output cannot be written for any other reason.
+/// When writing to the standard output fails for any other reason.
 pub(super) fn print(text: &str) -> Result<()> {
     print_bytes(&printable(text))
 }
 
-/// Prints a JSON document. What a terminal might take for a command stands in its strings alone, where `\u` escapes it.
+/// Prints a JSON document. Control characters occur only inside its strings, where they are written as `\u` escapes.
 ///
 /// # Errors
 /// As [`print`].
@@ -52,9 +51,9 @@ fn print_bytes(text: &str) -> Result<()> {
     }
 }
 
-/// Says something on the standard error, if it can be said.
+/// Prints a line on the standard error; a failed write is ignored.
 pub(super) fn complain(text: &str) {
-    // Whoever closed the standard error does not want to know.
+    // A standard error that cannot be written is no reason to fail.
     let _ = writeln!(std::io::stderr().lock(), "{}", printable(text));
 }
 

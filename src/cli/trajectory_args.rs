@@ -73,7 +73,7 @@ From there to camera poses and their errors:
   burstscope evaluate poses --estimate rec/sparse --truth way/poses.txt";
 
 impl TrajectoryArgs {
-    /// The parameters that were asked for.
+    /// Parameters of the trajectory.
     pub fn params(&self) -> TrajectoryParams {
         let Self { width, height, bursts, frames, planes, motion, max_slope, read_noise, bits, seed, .. } = *self;
         let light = match (self.snr, self.electrons) {

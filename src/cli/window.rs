@@ -1,4 +1,5 @@
-//! No command: the window. Where there is no display, the window as a picture and the table of features instead.
+//! Opens the window, when no command is given. Without a display it draws the window into a file and prints the
+//! features.
 
 use super::commands::Cli;
 use super::console::Console;
@@ -20,7 +21,7 @@ use crate::teach::{Lesson, built_in, built_in_names, lessons_at};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Features that the table shows.
+/// Number of features in the table.
 const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
@@ -44,7 +45,7 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     show(Startup { source, second, dataset, params, calibration, session, ..Startup::default() })
 }
 
-/// Shows the window until it is closed, or asked to end from outside.
+/// Shows the window until it is closed, or a signal ends the program.
 fn show(startup: Startup) -> Result<(), Failure> {
     let (asked, end) = (startup.end.clone(), startup.end.clone());
     signals::on_end(move || end.make())?;
@@ -52,7 +53,7 @@ fn show(startup: Startup) -> Result<(), Failure> {
     if asked.is_made() { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
-/// Opens the window with the lesson of this name, or at this path; without a display its first step is drawn.
+/// Opens the window with the lesson of this name, or at this path; without a display draws its first step.
 fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
     let (lesson, others) = lesson_named(name)?;
     let startup = Startup { lesson: Some(lesson.clone()), lessons: others, params, ..Startup::default() };
@@ -63,7 +64,8 @@ fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
     draw(&RenderOptions { lesson: Some(lesson), ..RenderOptions::default() }, &file, &console)
 }
 
-/// The lesson that is built in under this name, or the first one of the file or folder, with all of that folder.
+/// Finds the built-in lesson of this name, or reads the first one of the file or folder, with all others of that
+/// folder.
 fn lesson_named(name: &Path) -> Result<(Arc<Lesson>, Vec<Lesson>), Failure> {
     if let Some(lesson) = built_in().iter().find(|lesson| name.as_os_str() == lesson.name.as_str()) {
         return Ok((lesson.clone(), Vec::new()));
@@ -92,7 +94,7 @@ fn has_display() -> bool {
     !cfg!(all(unix, not(target_os = "macos"))) || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(set)
 }
 
-/// Says that the window becomes a picture, and what `else_is_done`. Answers the picture's file and the console.
+/// Prints that the window is drawn into a file, and `else_is_done`. Returns the file's path and the console.
 fn begin_without_display(name: &str, else_is_done: &str) -> Result<(PathBuf, Console), Failure> {
     let file = PathBuf::from(format!("burstscope-{}.png", safe_file_name(name)));
     if OutputRules::default().check(&file).is_err() {
@@ -140,7 +142,7 @@ fn session_without_display(session: PathBuf) -> Result<(), Failure> {
     draw(&RenderOptions { session: Some(session), ..RenderOptions::default() }, &file, &console)
 }
 
-/// The features listed are those of `input`; the picture shows `second` beside it, if there is one.
+/// Lists the features of `input`; the picture shows `second` beside it, if there is one.
 fn without_display(
     input: Input,
     second: Option<Input>,

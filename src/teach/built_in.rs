@@ -9,7 +9,7 @@ macro_rules! texts {
     };
 }
 
-/// Name and text of each, in the order in which they build on one another.
+/// Name and text of each lesson, in teaching order: each builds on those before it.
 pub(super) const TEXTS: &[(&str, &str)] = texts![
     "out-of-the-dark",
     "slope-is-depth",
@@ -19,7 +19,7 @@ pub(super) const TEXTS: &[(&str, &str)] = texts![
     "from-features-to-cameras"
 ];
 
-/// The lessons that are built into the program, in the order in which they build on one another.
+/// Built-in lessons, in teaching order: each builds on those before it.
 pub fn built_in() -> &'static [Arc<Lesson>] {
     static LESSONS: OnceLock<Vec<Arc<Lesson>>> = OnceLock::new();
     LESSONS.get_or_init(|| {
@@ -31,7 +31,7 @@ pub fn built_in() -> &'static [Arc<Lesson>] {
     })
 }
 
-/// Their names, as `--lesson` takes them.
+/// Names of the built-in lessons, as `--lesson` takes them.
 pub fn built_in_names() -> impl Iterator<Item = &'static str> {
     TEXTS.iter().map(|(name, _)| *name)
 }

@@ -1,4 +1,4 @@
-//! The words that the window uses, each with a sentence or two and the paper's symbol.
+//! Glossary: the terms that the window uses, each with an explanation in a sentence or two and the paper's symbol.
 
 use super::part::{field_of, parameters};
 use super::values::Text;
@@ -7,11 +7,11 @@ use std::sync::OnceLock;
 
 const TEXT: &str = include_str!("../../assets/glossary.toml");
 
-/// The kinds of picture, by the names that the glossary has for them.
+/// Kinds of picture, by their names in the glossary.
 pub const PICTURES: [&str; 9] =
     ["frame", "stack", "dog", "merge", "noise", "coverage", "motion", "slice", "difference"];
 
-/// One word.
+/// Entry in the glossary's file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WordTable {
@@ -25,24 +25,24 @@ struct WordTable {
     pictures: Vec<String>,
 }
 
-/// One word.
+/// Entry of the glossary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Word {
-    /// What links name it by: small letters and dashes.
+    /// Name in links: lower-case letters, digits and dashes.
     pub name: String,
-    /// The word as the window has it.
+    /// Term, as the window writes it.
     pub word: String,
-    /// The paper's symbol, where it has one.
+    /// Symbol in the paper, if there is one.
     pub symbol: Option<String>,
-    /// What it means, in CommonMark.
+    /// Explanation, in CommonMark.
     pub text: String,
-    /// The parameters that it explains, by their names in files.
+    /// Parameters that the entry explains, by their names in files.
     pub parameters: Vec<String>,
-    /// The kinds of picture that it explains; of [`PICTURES`].
+    /// Kinds of picture that the entry explains; of [`PICTURES`].
     pub pictures: Vec<String>,
 }
 
-/// All words, in alphabetical order.
+/// All entries, in alphabetical order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossary {
     words: Vec<Word>,
@@ -61,7 +61,7 @@ impl Glossary {
     /// Reads the text of a glossary.
     ///
     /// # Errors
-    /// What is wrong, with its place.
+    /// When the text is no valid glossary; the message names the entry or the place.
     pub fn read(text: &str) -> Result<Self, String> {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
@@ -85,29 +85,29 @@ impl Glossary {
         Ok(Self { words })
     }
 
-    /// All words, in alphabetical order.
+    /// All entries, in alphabetical order.
     pub fn words(&self) -> &[Word] {
         &self.words
     }
 
-    /// The word that links name so.
+    /// Finds an entry by its name in links.
     pub fn find(&self, name: &str) -> Option<&Word> {
         self.words.iter().find(|word| word.name == name)
     }
 
-    /// The word that explains a parameter, which is named as on the command line.
+    /// Finds the entry that explains a parameter, by the parameter's name on the command line.
     pub fn of_parameter(&self, name: &str) -> Option<&Word> {
         let field = field_of(name);
         self.words.iter().find(|word| word.parameters.contains(&field))
     }
 
-    /// The word that explains a kind of picture.
+    /// Finds the entry that explains a kind of picture.
     pub fn of_picture(&self, name: &str) -> Option<&Word> {
         self.words.iter().find(|word| word.pictures.iter().any(|picture| picture == name))
     }
 
-    /// The words in which `text` is found, those first that begin with it, then those that hold it, then those whose
-    /// explanation does. Everything for an empty text.
+    /// Finds the entries that match `text`: first those whose term begins with it or whose symbol it is, then those
+    /// whose term contains it, then those whose explanation does. All entries match an empty text.
     pub fn search(&self, text: &str) -> Vec<&Word> {
         let text = text.trim().to_lowercase();
         let rank = |word: &Word| {

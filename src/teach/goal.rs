@@ -1,4 +1,4 @@
-//! When what a step asks for is done: conditions that all have to hold.
+//! Goals of a lesson's tasks: conditions that all have to hold.
 
 use super::part::{field_of, parameters};
 use super::state::{Layout, Place, Shown, Tab};
@@ -8,55 +8,55 @@ use crate::matching::MatchParams;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What has to hold; what is not said does not matter.
+/// Conditions on the window; an absent one always holds.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Goal {
-    /// The horizontal part of the slope, px/frame.
+    /// Horizontal component of the slope, px/frame.
     pub slope_u: Option<Between>,
-    /// The vertical part of the slope, px/frame.
+    /// Vertical component of the slope, px/frame.
     pub slope_v: Option<Between>,
-    /// What the picture in focus shows.
+    /// Content of the focused picture.
     pub show: Option<Shown>,
-    /// How the pictures are laid out.
+    /// Layout of the pictures.
     pub layout: Option<Layout>,
-    /// The frame, from 0.
+    /// Frame index, from 0.
     pub frame: Option<Between>,
     /// The octave.
     pub octave: Option<Between>,
-    /// The level in it.
+    /// Level within the octave.
     pub level: Option<Between>,
-    /// How many frames are used.
+    /// Number of frames used.
     pub frames_used: Option<Between>,
-    /// How many features were found.
+    /// Number of features found.
     pub features: Option<Between>,
     /// Whether a feature is selected.
     pub selected: Option<bool>,
-    /// The place that is probed.
+    /// Probed place.
     pub probe: Option<Near>,
-    /// Parameters by their names, each in a range or with a value.
+    /// Required parameter values or ranges, by parameter name.
     pub params: BTreeMap<ParamName, Wanted>,
-    /// The range of slopes u that the search must have within its own.
+    /// Range of slopes u that the searched range must contain.
     pub searches_u: Option<Between>,
-    /// How many slopes are searched.
+    /// Number of slopes searched.
     pub slopes: Option<Between>,
     /// The open tab.
     pub tab: Option<Tab>,
     /// The workspace.
     pub workspace: Option<Place>,
-    /// How many inliers two bursts have.
+    /// Number of inliers of two bursts.
     pub inliers: Option<Between>,
     /// Whether a match is selected.
     pub selected_match: Option<bool>,
 }
 
-/// A place, and how near is near enough: `[u, v, radius]`, pixels at mid-burst.
+/// Place and tolerance: `[u, v, radius]`, pixels at mid-burst.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "[f32; 3]")]
 pub struct Near {
     /// Column and row.
     pub place: [f32; 2],
-    /// How far away is near enough, pixels.
+    /// Maximum distance from the place, pixels.
     pub radius: f32,
 }
 
@@ -73,13 +73,13 @@ impl TryFrom<[f32; 3]> for Near {
     }
 }
 
-/// The name of a parameter in a file.
+/// Name of a parameter in a file.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(try_from = "String")]
 pub struct ParamName(String);
 
 impl ParamName {
-    /// As in a file, with `_` between words.
+    /// Name with `_` between words, as in a file.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -97,7 +97,7 @@ impl TryFrom<String> for ParamName {
     }
 }
 
-/// What a parameter has to be.
+/// Required value of a parameter.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum Wanted {
@@ -111,36 +111,36 @@ pub enum Wanted {
     Word(String),
 }
 
-/// What is known of the window when a goal is looked at.
+/// State of the window that a goal is compared with.
 #[derive(Debug, Clone, Copy)]
 pub struct Holds<'a> {
-    /// The slope of the picture in focus.
+    /// Slope of the focused picture.
     pub slope: Slope,
-    /// What it shows, if a lesson has a word for it.
+    /// Content of the focused picture, if lessons have a word for it.
     pub show: Option<Shown>,
-    /// How the pictures are laid out, if a lesson has a word for it.
+    /// Layout of the pictures, if lessons have a word for it.
     pub layout: Option<Layout>,
-    /// Its frame, octave and level.
+    /// Frame index of the focused picture, from 0.
     pub frame: usize,
     #[allow(missing_docs)]
     pub octave: i32,
     #[allow(missing_docs)]
     pub level: i32,
-    /// How many frames are used.
+    /// Number of frames used.
     pub frames_used: usize,
-    /// How many features were found with the present parameters.
+    /// Number of features found with the present parameters.
     pub features: Option<usize>,
-    /// Whether one is selected.
+    /// Whether a feature is selected.
     pub selected: bool,
-    /// The place that is probed, once its answer is there.
+    /// Probed place, pixels at mid-burst, once its answer is there.
     pub probe: Option<[f32; 2]>,
     /// The detector's parameters.
     pub params: &'a DetectorParams,
     /// The parameters of matching.
     pub matching: &'a MatchParams,
-    /// The open tab, if a lesson has a word for it.
+    /// Open tab, if lessons have a word for it.
     pub tab: Option<Tab>,
-    /// The workspace, likewise.
+    /// Workspace, if lessons have a word for it.
     pub workspace: Option<Place>,
     /// Inliers of the present matches.
     pub inliers: Option<usize>,
@@ -149,12 +149,12 @@ pub struct Holds<'a> {
 }
 
 impl Goal {
-    /// Whether something is asked for at all.
+    /// Whether the goal has any condition.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Whether all of it holds.
+    /// Whether all conditions hold.
     pub fn is_met(&self, now: &Holds<'_>) -> bool {
         let within = |wanted: Option<Between>, value: f32| wanted.is_none_or(|wanted| wanted.contains(value));
         let counted = |wanted: Option<Between>, value: Option<usize>| {
@@ -208,7 +208,7 @@ impl Wanted {
     }
 }
 
-/// Parameters by their names in a file.
+/// Parameters as a table, by their names in a file.
 fn table_of(params: &impl Serialize) -> toml::Table {
     toml::Table::try_from(params).expect("parameters are plain values, which TOML can always hold")
 }

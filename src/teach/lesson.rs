@@ -1,4 +1,4 @@
-//! A lesson: steps that explain, one after the other.
+//! Lessons: explaining steps, in order.
 
 use super::goal::Goal;
 use super::part::Part;
@@ -7,36 +7,36 @@ use super::state::State;
 /// A lesson.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lesson {
-    /// What names it on the command line: its file's name without the ending.
+    /// Name on the command line: the file's name without its ending.
     pub name: String,
-    /// Its title.
+    /// Title of the lesson.
     pub title: String,
-    /// What one learns in it, in a sentence.
+    /// Learning goal, in a sentence.
     pub about: String,
-    /// Its steps; at least one.
+    /// Steps; at least one.
     pub steps: Vec<Step>,
 }
 
 /// One step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Its title.
+    /// Title of the step.
     pub title: String,
-    /// What it explains, in CommonMark. Links to `word:NAME` lead to the glossary.
+    /// Explanation, in CommonMark. Links to `word:NAME` lead to the glossary.
     pub caption: String,
-    /// What is pointed at.
+    /// Parts of the window to highlight.
     pub highlight: Vec<Part>,
-    /// What is to be tried.
+    /// Task, if the step has one.
     pub task: Option<Task>,
-    /// What is set up before.
+    /// State of the window to set up first.
     pub state: State,
 }
 
-/// Something to try.
+/// Task of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Task {
-    /// What to do, in CommonMark.
+    /// Instruction, in CommonMark.
     pub text: String,
-    /// When it is done.
+    /// Condition under which the task is done.
     pub goal: Goal,
 }

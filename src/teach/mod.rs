@@ -1,8 +1,8 @@
-//! What the program teaches: lessons over the live window, and the words that it uses.
+//! Teaching material: lessons over the live window, and the glossary.
 //!
 //! Both are data that a teacher can write without knowing the program: a [`Lesson`] is a TOML file whose steps say what
-//! is set up, what is pointed at, what is explained (in CommonMark) and what is to be tried; the [`glossary`] explains
-//! every word of the window in a sentence or two. Here they are read and checked; the window shows them.
+//! is set up, what is highlighted, what is explained (in CommonMark) and what is to be tried; the [`glossary`] explains
+//! every term of the window in a sentence or two. This module reads and checks them; the window shows them.
 
 mod built_in;
 pub mod glossary;

@@ -1,4 +1,4 @@
-//! The parts of the window that a lesson can point at, by name.
+//! Parts of the window that a lesson can highlight, by name.
 
 use crate::detector::params::{ParamDoc, doc};
 use crate::matching::params::doc as matching_doc;
@@ -28,7 +28,7 @@ pub enum Part {
     Detect,
     /// The tabs below the pictures.
     Tabs,
-    /// What the open tab shows.
+    /// Content of the open tab.
     Below,
     /// The panel of the probe.
     Probe,
@@ -36,16 +36,16 @@ pub enum Part {
     Response,
     /// The probe's share of each frame.
     Shares,
-    /// How many frames are added, in the lesson itself.
+    /// Number of frames that are added, in the lesson's panel.
     FramesAdded,
-    /// The signal-to-noise ratio that is measured, in the lesson itself.
+    /// Measured signal-to-noise ratio, in the lesson's panel.
     Snr,
-    /// The row of a parameter of the detector or of matching; its name on the command line.
+    /// Row of a parameter of the detector or of matching, by the parameter's name on the command line.
     Parameter(&'static str),
 }
 
 impl Part {
-    /// All that are no parameters.
+    /// All parts except parameters.
     pub const NAMED: [Self; 16] = [
         Self::Pictures,
         Self::Frame,
@@ -65,12 +65,12 @@ impl Part {
         Self::Snr,
     ];
 
-    /// The row of the parameter that `doc` describes.
+    /// Row of the parameter that `doc` describes.
     pub fn parameter(doc: &ParamDoc) -> Self {
         Self::Parameter(doc.name)
     }
 
-    /// Its name in a lesson's file.
+    /// Name in a lesson's file.
     pub fn name(self) -> String {
         match self {
             Self::Pictures => "pictures",
@@ -95,12 +95,12 @@ impl Part {
     }
 }
 
-/// The parameters that have a row in the window: of the detector, then of matching.
+/// All parameters that have a row in the window: the detector's, then those of matching.
 pub(super) fn parameters() -> impl Iterator<Item = ParamDoc> {
     doc::ALL.into_iter().chain(matching_doc::ALL)
 }
 
-/// A parameter's name in a file.
+/// Name of a parameter in a file.
 pub(super) fn field_of(name: &str) -> String {
     name.replace('-', "_")
 }

@@ -1,4 +1,4 @@
-//! Reading lessons: from the text of a file, and from a folder of files.
+//! Reads lessons from the text of a file, and from a folder of files.
 
 use super::goal::Goal;
 use super::lesson::{Lesson, Step, Task};
@@ -10,18 +10,18 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// A file longer than this is no lesson, bytes.
+/// Maximum size of a lesson's file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// What is wrong with a lesson.
+/// Mistake in a lesson.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{}: {problem}", line.map_or_else(String::new, |line| format!(", line {line}")))]
 pub struct LessonError {
-    /// The file, or the name of the lesson.
+    /// File, or name of the lesson.
     pub file: String,
-    /// The line, from 1, where one is to blame.
+    /// Line of the mistake, from 1, if it has one.
     pub line: Option<usize>,
-    /// What is wrong, and what would be right.
+    /// Description of the mistake, and of what would be right.
     pub problem: String,
 }
 
@@ -49,7 +49,7 @@ struct StepTable {
 }
 
 impl Lesson {
-    /// Reads the text of a lesson's file; `file` names it in errors, and the lesson by its stem.
+    /// Reads the text of a lesson's file. `file` is named in errors, and its stem is the lesson's name.
     ///
     /// # Errors
     /// The first mistake, with its line.
@@ -99,10 +99,10 @@ impl StepTable {
     }
 }
 
-/// The lessons at `path`: of one file, or of all files `*.toml` of a folder, in the order of their names.
+/// Reads the lessons at `path`: one file, or all files `*.toml` of a folder, in the order of their names.
 ///
 /// # Errors
-/// Every mistake, one for each file that has one: then none of the lessons is taken.
+/// All mistakes, one for each file that has any; no lesson is returned then.
 pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<LessonError>> {
     let whole = |problem: String| LessonError { file: path.display().to_string(), line: None, problem };
     let files = if path.is_dir() {
@@ -182,7 +182,7 @@ slope = [2, 0]
 
     #[test]
     fn a_mistake_is_said_with_its_line() {
-        // What is put in the place of what, the line, and a word of the message.
+        // Text that is replaced, its replacement, the line of the mistake, and a word of the message.
         for (from, to, line, word) in [
             ("title = \"One\"", "titel = \"One\"", 1, "titel"),
             ("\"slope_u\"", "\"slope_x\"", 10, "slope_x"),

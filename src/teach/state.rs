@@ -1,7 +1,7 @@
-//! What the window shows in a step of a lesson: everything that is set up before the step begins.
+//! State of the window in a step of a lesson: everything set up before the step begins.
 //!
-//! A lesson's file says it in the table `set` for all of its steps, and in a step's own `set` for that step; what
-//! neither says is as in a window that has just been opened.
+//! A lesson's file gives it in the table `set` for all of its steps, and in a step's own `set` for that step. Values
+//! absent from both are those of a newly opened window.
 
 use super::part::field_of;
 use super::values::finite;
@@ -10,7 +10,7 @@ use crate::matching::MatchParams;
 use crate::requests::BurstSource;
 use serde::{Deserialize, Deserializer, de};
 
-/// Which workspace is open.
+/// Workspace of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Place {
@@ -22,7 +22,7 @@ pub enum Place {
     Methods,
 }
 
-/// What a picture shows.
+/// Content of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shown {
@@ -42,11 +42,11 @@ pub enum Shown {
     Motion,
 }
 
-/// How pictures are laid out.
+/// Layout of the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
-    /// One alone.
+    /// One picture.
     Single,
     /// A frame beside the motion stack.
     FrameAndStack,
@@ -68,28 +68,28 @@ pub enum Layout {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tab {
-    /// One row a feature.
+    /// Features, one row each.
     Table,
-    /// What each test rejected.
+    /// Numbers of candidates that each test rejected.
     Tally,
     /// The noise.
     Noise,
-    /// Which slopes are needed.
+    /// Slopes that the burst needs.
     Slopes,
-    /// The features beside others.
+    /// Features compared with others.
     Compared,
 }
 
-/// A flat spot on flat ground, where the signal-to-noise ratio can be measured: written
-/// `[u, v, inner, from, to]`, pixels of the image at mid-burst.
+/// Flat spot on a flat background, where the signal-to-noise ratio is measured. Written `[u, v, inner, from, to]`,
+/// pixels of the image at mid-burst.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "[f32; 5]")]
 pub struct Spot {
-    /// Its middle, column and row at mid-burst.
+    /// Centre: column and row at mid-burst.
     pub place: [f32; 2],
-    /// Pixels nearer than this belong to the spot.
+    /// Radius of the spot, pixels.
     pub inner: f32,
-    /// Pixels that are between these two away from the middle belong to the ground.
+    /// Inner and outer radius of the background ring, pixels from the centre.
     pub ground: [f32; 2],
 }
 
@@ -108,11 +108,11 @@ impl TryFrom<[f32; 5]> for Spot {
     }
 }
 
-/// What a step sets up.
+/// State that a step sets up.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct State {
-    /// The burst; the demo unless something else is said.
+    /// Burst; the demo by default.
     #[serde(deserialize_with = "built_in_burst")]
     pub burst: Option<BurstSource>,
     /// The second burst.
@@ -120,46 +120,45 @@ pub struct State {
     pub second: Option<BurstSource>,
     /// The workspace.
     pub workspace: Option<Place>,
-    /// What the picture shows.
+    /// Content of the picture.
     pub show: Option<Shown>,
-    /// How pictures are laid out, beginning with that one.
+    /// Layout of the pictures, beginning with that one.
     pub layout: Option<Layout>,
-    /// The frame, from 0.
+    /// Frame index, from 0.
     pub frame: Option<usize>,
-    /// The slope, px/frame.
+    /// Slope, px/frame.
     #[serde(deserialize_with = "slope")]
     pub slope: Option<Slope>,
     /// The octave.
     pub octave: Option<i32>,
-    /// The level in it.
+    /// Level within the octave.
     pub level: Option<i32>,
-    /// The middle of the picture and its zoom (points for a pixel of the image): `[u, v, zoom]`. The whole picture
-    /// unless it is said.
+    /// Centre of the view and its zoom (points for a pixel of the image): `[u, v, zoom]`; the whole picture by default.
     #[serde(deserialize_with = "view")]
     pub view: Option<[f32; 3]>,
-    /// The detector's parameters, as a parameter file has them: what they leave out has its default.
+    /// Detector's parameters, as in a parameter file: absent ones have their defaults.
     #[serde(deserialize_with = "params")]
     pub params: Option<SearchParams>,
-    /// The parameters of matching, likewise.
+    /// Parameters of matching; absent ones have their defaults.
     #[serde(deserialize_with = "matching")]
     pub matching: Option<MatchParams>,
-    /// Whether features are found.
+    /// Whether features are searched.
     pub detect: Option<bool>,
     /// Whether features are drawn over the pictures.
     pub features: Option<bool>,
-    /// The open tab below the pictures, which are hidden where none is said.
+    /// Open tab below the pictures; the tabs are hidden without it.
     pub tab: Option<Tab>,
-    /// The place that is probed, pixels at mid-burst.
+    /// Probed place, pixels at mid-burst.
     #[serde(deserialize_with = "place")]
     pub probe: Option<[f32; 2]>,
     /// Whether the strongest feature (or, of two bursts, the best match) is selected.
     pub select: Option<bool>,
-    /// Where the signal-to-noise ratio is measured.
+    /// Spot where the signal-to-noise ratio is measured.
     pub spot: Option<Spot>,
 }
 
 impl State {
-    /// What this says, and where it says nothing what `default` says.
+    /// These values, and those of `default` where a value is absent.
     #[must_use]
     pub(super) fn over(self, default: &Self) -> Self {
         let d = default.clone();
@@ -185,7 +184,7 @@ impl State {
         }
     }
 
-    /// The burst that is opened.
+    /// Burst to open.
     pub fn burst(&self) -> BurstSource {
         self.burst.clone().unwrap_or(BurstSource::Demo)
     }

@@ -1,24 +1,24 @@
-//! Values of a lesson's file that are checked as they are read, so that a mistake is reported where it stands.
+//! Values of a lesson's file that are checked as they are read, so that a mistake is reported with its line.
 
 use serde::Deserialize;
 
-/// Everything from `min` to `max`, both included; written `[min, max]`.
+/// Range from `min` to `max`, both included; written `[min, max]`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "[f32; 2]")]
 pub struct Between {
-    /// The least value that is meant.
+    /// Minimum.
     pub min: f32,
-    /// The greatest.
+    /// Maximum.
     pub max: f32,
 }
 
 impl Between {
-    /// Whether `value` is meant.
+    /// Whether `value` lies in the range.
     pub fn contains(self, value: f32) -> bool {
         (self.min..=self.max).contains(&value)
     }
 
-    /// The value in the middle.
+    /// Centre of the range.
     pub fn middle(self) -> f32 {
         0.5 * (self.min + self.max)
     }
@@ -36,7 +36,7 @@ impl TryFrom<[f32; 2]> for Between {
     }
 }
 
-/// A text that says something.
+/// Text that is not empty; surrounding blanks are removed.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub(super) struct Text(pub String);
@@ -50,7 +50,10 @@ impl TryFrom<String> for Text {
     }
 }
 
-/// `numbers`, if all of them are finite.
+/// Returns `numbers`.
+///
+/// # Errors
+/// When one of them is not finite.
 pub(super) fn finite<const N: usize>(numbers: [f32; N]) -> Result<[f32; N], String> {
     match numbers.iter().find(|x| !x.is_finite()) {
         Some(x) => Err(format!("{x} is not a number that can be meant here")),

@@ -53,7 +53,7 @@ fn a_bias_counts_in_whatever_file_it_comes() {
     assert_eq!(burst["suggested_full_scale"], 1023.0, "{burst}");
     let (with, _) = features(home.path(), &["--bias", "bias.png"]);
     assert!(without > 20 && with < without / 10, "{with} of {without} spots are left");
-    // What `stack` writes of the bias: fractions of full scale, as float.
+    // The bias as written by `stack`: fractions of full scale, as float.
     run_well(home.path(), &["stack", "bias.png", "--method", "sift", "--slope", "0,0", "--out", "bias.tiff"]);
     let (float, _) = features(home.path(), &["--bias", "bias.tiff"]);
     assert_eq!(float, with);

@@ -1,4 +1,4 @@
-//! `detect`, and what all commands share.
+//! `detect`, and options that all commands share.
 
 use super::support::{features, names, run, run_badly, run_well, stderr};
 use burstscope::synth::demo_truth;

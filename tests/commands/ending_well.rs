@@ -1,4 +1,4 @@
-//! Odd names, odd files, a terminal that is gone, and interruptions: nothing aborts, hangs, or loses what was done.
+//! Odd names, odd files, a closed terminal, and interruptions: nothing aborts, hangs, or loses finished work.
 
 use super::support::{at_work, ended, names, program, run, run_badly, run_well, stderr};
 use std::ffi::{OsStr, OsString};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-/// A small chart of four frames in the folder `home/name`.
+/// Makes a small chart of four frames in the folder `home/name`.
 fn chart(home: &Path, name: &OsStr) {
     let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
     let mut making = program(home, &["synth", "chart", "--quiet", "--out"]);
@@ -47,7 +47,7 @@ fn a_full_or_closed_standard_error_stops_nothing() {
     shell.current_dir(home.path()).args(["-c", &line, env!("CARGO_BIN_EXE_burstscope")]).stdout(Stdio::null());
     assert_eq!(shell.status().expect("a shell").code(), Some(1));
     assert_eq!(names(&home.path().join("closed")), ["a.csv", "c.csv"]);
-    // Wrong use and what cannot be opened, too.
+    // Wrong use, and inputs that cannot be opened, too.
     for (wrong, code) in [
         (&["detect", "nights", "--out", "x", "--levels", "0"][..], 2),
         (&["stack", "gone", "--slope", "0,0", "--out", "x.tiff"], 1),
@@ -94,7 +94,7 @@ fn names_that_are_no_text_work_everywhere() {
     }
     let rec = home.path().join(OsStr::from_bytes(b"rec\xff"));
     assert!(rec.join("database.db").is_file() && names(&rec.join("features")).len() == 2);
-    // What is finished is found again.
+    // Finished features are found again.
     let output = run_os(
         home.path(),
         &[&[os("colmap"), &folder, os("--out"), OsStr::from_bytes(b"rec\xff")][..], &search].concat(),
@@ -112,7 +112,7 @@ fn one_stray_or_unreadable_entry_does_not_stop_the_others() {
     fs::copy(nights.join("a/frame_000.png"), nights.join("preview.png")).expect("copied");
     fs::write(nights.join("notes.txt"), "about the nights").expect("written");
     fs::create_dir(nights.join("plots")).expect("made");
-    // Whoever may read everything does not see what others are refused: then the program runs as somebody else.
+    // A user who may read everything, such as root, is refused nothing: then the program runs as another user.
     let closed = nights.join("b");
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o000)).expect("closed");
     let reads_all = fs::read_dir(&closed).is_ok();
@@ -188,7 +188,7 @@ fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
         assert!(words.contains(file) && words.contains(word), "{words}");
         let words = refused(&["match", "a", "a", "--out", "out", "--camera", file], 2);
         assert!(words.contains(file) && words.contains(word), "{words}");
-        // As a session the window refuses them as well.
+        // The window refuses them as sessions, too.
         let words = refused(&["evaluate", "poses", "--estimate", file, "--truth", file], 1);
         assert!(words.contains(file), "{words}");
     }
@@ -250,7 +250,7 @@ fn what_killed_runs_left_is_cleared_by_the_next() {
     making.kill().expect("it is ours");
     making.wait().expect("it ends");
     assert_eq!(hidden(".synth-").len(), 1, "it was killed while it wrote");
-    // As a killed run leaves the file that it was writing.
+    // A temporary file as a killed run leaves it.
     fs::write(home.path().join(".burstscope-abc.tmp"), "half").expect("written");
     chart(home.path(), os("a"));
     run_well(home.path(), &["stack", "a", "--slope", "0,0", "--out", "a.tiff"]);
@@ -260,7 +260,7 @@ fn what_killed_runs_left_is_cleared_by_the_next() {
 #[test]
 fn an_interrupted_render_ends_cleanly() {
     let home = tempfile::tempdir().expect("a folder");
-    // A search that takes long beside what is waited for here.
+    // A search that takes long, compared with the waits in this test.
     chart(home.path(), os("a"));
     let arguments =
         ["render", "a", "--out", "x.png", "--slopes-u", "-3:3:61", "--slopes-v", "-3:3:61", "--first-octave", "-1"];
@@ -271,7 +271,7 @@ fn an_interrupted_render_ends_cleanly() {
     assert!(killed.success());
     let output = ended(drawing);
     assert_eq!((output.status.code(), output.status.signal()), (Some(130), None), "{}", stderr(&output));
-    // Libraries of the desktop may say something before.
+    // Libraries of the desktop may print something before.
     assert!(
         stderr(&output).trim().ends_with("interrupted") && !stderr(&output).contains("panicked"),
         "{}",
@@ -313,7 +313,7 @@ fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_nu
     let words = run_badly(home.path(), &[&search[..], &["--memory", "lots"]].concat(), 2);
     assert!(words.contains("8G or 500M"), "{words}");
 
-    // What is held for all of these slopes is about 2 MB, and one thread's window 6 MB.
+    // All of these slopes take about 2 MB, and one thread's window 6 MB.
     let some = ["detect", "a", "--threads", "1", "--slopes-u", "-2:2:16", "--slopes-v", "-2:2:16", "--out"];
     run_well(home.path(), &[&some[..], &["whole"]].concat());
     run_well(home.path(), &[&some[..], &["grouped", "--memory", "8M"]].concat());
@@ -349,7 +349,7 @@ fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
         assert!(words.contains(named) && words.contains("ulimit -f"), "{arguments}: {words}");
         assert_eq!(names(home.path()), ["nights"], "{arguments}");
     }
-    // Pictures and features fit, and the database does not.
+    // Pictures and features fit, but the database does not.
     assert!(limited(64, &format!("colmap nights --out rec {search}")).contains("database.db"));
     let rec = names(&home.path().join("rec"));
     assert_eq!(rec, ["features", "images", "manifest.json", "records"], "the database is whole or not there");
@@ -369,13 +369,13 @@ fn unknown_keys_are_errors_and_a_newer_programs_are_said_to_be_that() {
     assert!(words.contains("written by Burstscope 99.0.0") && words.contains("wavelets"), "{words}");
 }
 
-/// A program that may address little memory: what is refused is said with its size, and nothing is aborted.
+/// In a program with little address space, a refused allocation is reported with its size, and nothing is aborted.
 #[cfg_attr(not(target_os = "linux"), ignore = "needs `ulimit -v`, which other systems do not keep")]
 #[test]
 fn memory_that_is_refused_is_said() {
     use std::io::Write;
     let home = tempfile::tempdir().expect("a folder");
-    // A stack of two frames of 1 GiB each, none of which is on the disk.
+    // A stack of two frames of 1 GiB each, as a sparse file.
     let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 16384, 16384), }";
     let header = format!("{header:117}\n");
     let mut file = std::fs::File::create(home.path().join("large.npy")).expect("made");

@@ -79,7 +79,7 @@ fn slopes_tells_what_is_there_and_what_to_change() {
     let narrow = json(home.path(), &["slopes", "demo", "--slopes-u", "-1:1:5", "--json"]);
     let advice = narrow["spectrum"]["advice"].as_array().expect("advice");
     assert!(advice.iter().any(|a| a["subject"] == "range" || a["subject"] == "direction"), "{advice:#?}");
-    // What is found by itself needs none.
+    // Slopes that were found need no advice.
     let found = json(home.path(), &["slopes", "demo", "--json"]);
     assert_eq!(found["spectrum"]["advice"], Value::Array(Vec::new()));
     let bars = found["spectrum"]["bars"].as_array().expect("bars");

@@ -1,4 +1,4 @@
-//! Ctrl-C, and what schedulers and closed terminals send: exit code 130, and nothing half-written.
+//! Ctrl-C and the signals that schedulers and closed terminals send: exit code 130, and nothing half-written.
 #![cfg(unix)]
 
 use super::support::{at_work, ended, names, program, run_well};
@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// What asks a program to end. Where the tests themselves were started so that they outlive their terminal, the program
-/// does not hear that either, and a line says so.
+/// Signals that ask a program to end. Where the tests themselves were started with SIGHUP ignored, the program ignores
+/// it too; a line says so.
 fn signals() -> Vec<&'static str> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
@@ -24,8 +24,7 @@ fn send(signal: &str, process: u32) {
     assert!(sent.success());
 }
 
-/// Starts a command whose work takes many minutes, interrupts it by `signal` while it is at work, and returns its exit
-/// code.
+/// Starts a command whose work takes many minutes, sends `signal` while it works, and returns its exit code.
 fn interrupt(home: &Path, arguments: &[&str], signal: &str) -> Option<i32> {
     let mut child =
         program(home, arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
@@ -120,7 +119,7 @@ fn a_second_request_ends_it_at_once() {
     assert_eq!(ended(child).status.code(), Some(130));
 }
 
-/// Started by `nohup`, a run outlives its terminal.
+/// A run started by `nohup` outlives its terminal.
 #[cfg(target_os = "linux")]
 #[test]
 fn where_a_closed_terminal_is_to_be_ignored_it_is() {

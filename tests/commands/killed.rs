@@ -1,5 +1,5 @@
-//! A run that is killed at any moment goes on where it was, and never takes features of other parameters or frames for
-//! its own.
+//! A run that is killed at any moment continues where it was, and never takes features of other parameters or frames
+//! for its own.
 
 use super::support::{names, program, run, run_badly, run_well, stderr};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, SystemTime};
 
-/// Twenty small bursts, one film.
+/// Makes one film of twenty small bursts.
 fn film(home: &Path) {
     let size = ["--width", "96", "--height", "72", "--frames", "60", "--max-slope", "1", "--snr", "10"];
     run_well(home, &[&["synth", "scene", "--out", "film"][..], &size].concat());
@@ -19,7 +19,7 @@ fn arguments<'a>(out: &'a str, edge_threshold: &'a str) -> Vec<&'a str> {
     [&["colmap", "film", "--burst-length", "3", "--pairs", "sequential:1", "--out", out][..], &search].concat()
 }
 
-/// Pictures and features by their names, and the rows of the database.
+/// Pictures and features by name, and the rows of the database.
 fn made(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut made = BTreeMap::new();
     for part in ["images", "features"] {
@@ -56,11 +56,11 @@ fn same(folder: &Path, expected: &BTreeMap<String, Vec<u8>>, what: &str) {
     }
 }
 
-/// The files in `folder` and its parts, with the times at which they were written last.
+/// Files in `folder` and its parts, with the times of their last writing.
 fn written(folder: &Path) -> BTreeSet<(String, SystemTime)> {
     let mut written = BTreeSet::new();
     for part in ["", "images", "features", "records"] {
-        // A file may go away between the two looks at it.
+        // A file may disappear between listing and reading it.
         for entry in fs::read_dir(folder.join(part)).into_iter().flatten().flatten() {
             if let Some(at) = entry.metadata().ok().filter(|data| data.is_file()).and_then(|data| data.modified().ok())
             {
@@ -71,8 +71,8 @@ fn written(folder: &Path) -> BTreeSet<(String, SystemTime)> {
     written
 }
 
-/// Starts a run into `out`, and kills it once it has written `count` files, and `later` after that. Returns whether it
-/// was killed before it ended.
+/// Starts a run into `out`, and kills it `later` after it has written `count` files. Returns whether it was killed
+/// before it ended.
 fn kill_after(home: &Path, line: &[&str], out: &Path, count: usize, later: Duration, is_asked: bool) -> bool {
     let before = written(out);
     let mut running = program(home, line);
@@ -101,13 +101,13 @@ fn killed_at_any_moment_it_goes_on_to_the_same_end() {
     let expected = made(&whole);
     assert!(expected["keypoints"].len() > 1000 && expected.len() == 46, "twenty bursts with features");
     let files = written(&whole).len();
-    // From before the first file to the last ones, which are written when all bursts are done.
+    // From before the first file to the last ones, which are written when all bursts are finished.
     let mut killed = 0;
     for round in 0..4 {
         let out = format!("killed {round}");
         let folder = home.path().join(&out);
         for kill in 0..3 {
-            // Every other run looks for other features.
+            // Every other run searches other features.
             let line = arguments(&out, if kill % 2 == 0 { "12" } else { "3" });
             let moment = 3 * round + kill;
             let later = Duration::from_millis(moment as u64 % 4);
@@ -133,7 +133,7 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     let folder = home.path().join("rec");
     let expected = made(&folder);
     let first = folder.join("features").join(&names(&folder.join("features"))[0]);
-    // As many features and as long a file, but other numbers.
+    // The same number of features and length of file, but other numbers.
     let text = fs::read_to_string(&first).expect("text");
     let digit = text.char_indices().filter(|(_, c)| c.is_ascii_digit()).nth(40).expect("numbers").0;
     let other = if text[digit..].starts_with('7') { "8" } else { "7" };
@@ -146,7 +146,7 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     assert_eq!(resumed(home.path()), 19);
     same(&folder, &expected, "altered");
     assert_eq!(resumed(home.path()), 20);
-    // A folder in the way of a record: the burst is said to fail, and its features are not taken for finished.
+    // A folder in the way of a record: the burst is reported as failed, and its features do not count as finished.
     let record = folder.join("records").join(&names(&folder.join("records"))[0]);
     fs::remove_file(&record).expect("removed");
     fs::create_dir(&record).expect("made");
@@ -157,7 +157,7 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     same(&folder, &expected, "in the way");
 }
 
-/// Two bursts of three frames whose files are of one length whatever they show.
+/// Makes two bursts of three frames whose files all have one length.
 fn nights(home: &Path) {
     for (night, seed) in [("a", "1"), ("b", "2")] {
         let size = ["--width", "96", "--height", "72", "--frames", "3", "--discs", "4", "--radius", "3:6"];
@@ -170,7 +170,7 @@ fn nights(home: &Path) {
     }
 }
 
-/// Which of the bursts of `nights` were taken from an earlier run into the folder `rec`.
+/// For each burst of `nights`, whether it was taken from an earlier run into the folder `rec`.
 fn resumed(home: &Path, more: &[&str]) -> Vec<bool> {
     let arguments = ["colmap", "nights", "--out", "rec", "--slopes-u", "-1:1:3", "--octaves", "2", "--json"];
     let json: serde_json::Value = serde_json::from_str(&run_well(home, &[&arguments, more].concat())).expect("JSON");
@@ -220,12 +220,12 @@ fn the_content_decides_when_it_is_asked_for_and_records_of_before_are_believed()
         change(&mut json);
         fs::write(&record, json.to_string()).expect("written");
     };
-    // As if the frame had changed, and length and times with nothing to tell it.
+    // As if the frame had changed, with length and times unchanged.
     change(|json| json["files"][1]["crc32"] = serde_json::json!(1));
     assert_eq!(resumed(home.path(), &[]), [true, true]);
     assert_eq!(resumed(home.path(), &["--check-content"]), [false, true]);
     assert_eq!(resumed(home.path(), &["--check-content"]), [true, true]);
-    // As programs wrote it that had no checksums of frames and pictures.
+    // As written by earlier programs, without checksums of frames and pictures.
     change(|json| {
         let json = json.as_object_mut().expect("an object");
         json.remove("picture_content").expect("it was there");
@@ -295,7 +295,7 @@ fn what_several_runs_have_found_is_gathered() {
     assert!(text.contains("gathered the features of 3 of 4 bursts"), "{text}");
     assert_eq!(text.matches("from an earlier run").count(), 3, "{text}");
     same(&home.path().join("all"), &made(&home.path().join("whole")), "gathered");
-    // What is not taken is named with the reason, where nobody overlooks it and in the JSON.
+    // A burst that is not taken is named with the reason, on the standard error and in the JSON.
     let gather = |more: &[&str]| run(home.path(), &[&["colmap", "nights"][..], &search, more].concat());
     let output = gather(&["--out", "again", "--gather", "one", "--gather", "two"]);
     assert!(

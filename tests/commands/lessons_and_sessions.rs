@@ -1,6 +1,6 @@
-//! Lessons and sessions, damaged at random: the answer is a value that makes sense or an error with words.
+//! Lessons and sessions, damaged at random: reading returns a valid value or an error with a message.
 //!
-//! Everything else that is read is in `core/tests/files/parsers.rs`; docs/FUZZING.md says what was run.
+//! Other readers are tested in `core/tests/files/parsers.rs`; docs/FUZZING.md says which tests were run.
 
 use crate::damage::{damage, damaged_text, says_something};
 use burstscope::app::project::Model;
@@ -25,7 +25,7 @@ fn sound_session() -> &'static str {
     SOUND.get_or_init(|| Session::of(&model()).expect("a burst is open").to_toml())
 }
 
-/// Without damage both are read: the tests below begin with what is sound.
+/// Undamaged ones are read: the tests below begin with valid files.
 #[test]
 fn sound_ones_are_read() {
     assert!(Lesson::read("one.toml", LESSON).is_ok());

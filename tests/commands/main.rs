@@ -1,4 +1,4 @@
-//! The real program, run as people run it: its output, its files, its exit codes.
+//! The real program, run as users run it: its output, its files, its exit codes.
 
 #[path = "../../core/tests/common/damage.rs"]
 mod damage;

@@ -118,12 +118,12 @@ fn noisy_copies_keep_names_and_bursts_apart() {
         (&json["truth"]["snr"], json["truth"]["frames"][3].as_str()),
         (&0.5.into(), Some("night 2/frame_000.png"))
     );
-    // The same seed makes the same bits, for any number of threads; another one others.
+    // A seed makes equal bits for any number of threads; another seed makes others.
     let frame = |out: &str| std::fs::read(home.path().join(out).join("night 1/frame_001.png")).expect("a frame");
     copy("again", &["--snr", "0.5", "--seed", "7", "--threads", "3"]);
     copy("other", &["--snr", "0.5", "--seed", "8"]);
     assert!(frame("dark") == frame("again") && frame("dark") != frame("other"));
-    // The copies are a dataset, and nobody else's files are replaced.
+    // The copies are a dataset, and files of others are not replaced.
     assert!(run_well(home.path(), &["detect", "dark", "--out", "found"]).contains("2 of 2 bursts done"));
     assert!(run_badly(home.path(), &["synth", "noisy", "dark", "--out", "clean"], 1).contains("clean"));
     assert!(run_badly(home.path(), &["synth", "noisy", "clean", "--out", "x", "--snr", "0"], 2).contains("--snr"));

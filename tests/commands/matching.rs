@@ -3,7 +3,7 @@
 use super::support::{features, names, run_badly, run_well};
 use std::path::Path;
 
-/// Two noisy bursts of one scene: the same layers, other noise, and the second one begins three frames later.
+/// Makes two noisy bursts of one scene: equal layers, other noise, and the second one begins three frames later.
 fn two_bursts(home: &Path) {
     run_well(
         home,
@@ -87,7 +87,7 @@ fn two_bursts_are_matched_verified_and_drawn() {
     let picture = image::open(out("a_b.matches.png")).expect("a picture").to_rgb8();
     assert_eq!(picture.dimensions(), (320 + 8 + 320, 240));
     assert!(picture.pixels().any(|p| p.0 == burstscope::export::INLIER_COLOR));
-    // The number of threads changes nothing, and the picture shows something else than the middle frames.
+    // The number of threads changes nothing; --images changes the picture.
     let read = |folder: &str, file: &str| std::fs::read(home.path().join(folder).join(file)).expect("a file");
     assert_eq!(read("m", "a_b.matches.csv"), read("n", "a_b.matches.csv"));
     assert_ne!(read("m", "a_b.matches.png"), read("n", "a_b.matches.png"));
@@ -102,7 +102,7 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
     );
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert!(json["inliers"].is_null() && json["match_score"].is_null() && json["model"].is_null());
-    // A burst matched with itself: every feature finds itself, but those that look alike.
+    // A burst matched with itself: nearly every feature matches itself, except those that look alike.
     assert!(json["match_ratio"].as_f64().is_some_and(|x| x > 0.9), "{}", json["match_ratio"]);
     assert_eq!(
         names(&home.path().join("m")),
@@ -139,8 +139,7 @@ fn the_merged_image_is_what_the_method_merge_searches() {
     assert!(image.len() > 50, "{}", image.len());
     assert_eq!(image.len(), burst.len());
     for (a, b) in image.iter().zip(&burst) {
-        // The file does not say how finely its values are rounded, so that its noise, and with it the snr, is nearly
-        // the same.
+        // The file does not say how finely its values are rounded, so its noise, and with it the SNR, differs slightly.
         let near = |(column, (a, b)): (usize, (&f64, &f64))| (a - b).abs() < if column == 7 { 0.01 * b } else { 1e-4 };
         assert!(a.iter().zip(b).enumerate().all(near), "{a:?} {b:?}");
     }

@@ -1,10 +1,10 @@
-//! What a search may take: with fewer threads where that fits, and refused before anything is read where nothing does.
+//! Memory budget of a search: fewer threads where that fits, and a refusal before reading where nothing does.
 
 use super::support::{run_badly, run_well};
 use std::fs;
 use std::path::Path;
 
-/// A `.npy` stack of frames of `size` (columns, rows) that cannot be opened: its first value is no number.
+/// Writes a `.npy` stack of frames of `size` (columns, rows) that cannot be opened: its first value is no number.
 fn write_stack_of_nan(path: &Path, frames: usize, (width, height): (usize, usize)) {
     let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({frames}, {height}, {width}), }}");
     let header = format!("{header:117}\n");

@@ -1,4 +1,4 @@
-//! What was opened is never written to, and what others wrote is replaced only when that is asked for.
+//! Opened files are never written to, and files of others are replaced only with `--force`.
 
 use super::support::{names, program, run, run_badly, run_well, stderr};
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// A chart of four small frames in the folder `home/name`.
+/// Makes a chart of four small frames in the folder `home/name`.
 fn chart(home: &Path, name: &str) {
     let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
     run_well(home, &[&["synth", "chart", "--quiet", "--out", name][..], &size].concat());
@@ -32,7 +32,8 @@ fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     found
 }
 
-/// The command is refused with this word, with and without `--force`, before it begins, and changes nothing.
+/// Checks that the command is refused with this word, with and without `--force`, before it begins, and changes
+/// nothing.
 fn refused_always(home: &Path, arguments: &[&str], word: &str) {
     let before = contents(home);
     for more in [&[][..], &["--force"]] {
@@ -47,7 +48,7 @@ fn no_command_writes_over_what_it_opens() {
     let home = tempfile::tempdir().expect("a folder");
     chart(home.path(), "pb");
     let at = |name: &str| home.path().join(name);
-    // Frames whose names are those of outputs.
+    // Frames with the names of outputs.
     fs::create_dir(at("tb")).expect("made");
     for t in 0..4 {
         let frame = image::open(at(&format!("pb/frame_00{t}.png"))).expect("a frame");
@@ -62,7 +63,7 @@ fn no_command_writes_over_what_it_opens() {
         refused_always(home.path(), &["stack", "tb", "--slope", "0,0", "--out", out], opened);
         refused_always(home.path(), &["merge", "tb", "--out", out], opened);
     }
-    // Files one by one, what Burstscope wrote itself, and calibration.
+    // Files one by one, files that Burstscope wrote itself, and calibration frames.
     refused_always(home.path(), &["merge", "tb/f0.tiff", "tb/f1.tiff", "--out", "tb/f1.tiff"], opened);
     refused_always(home.path(), &["stack", "ours.tiff", "--slope", "0,0", "--out", "ours.tiff"], opened);
     refused_always(home.path(), &["merge", "tb", "--bias", "bias.tiff", "--out", "bias.tiff"], opened);
@@ -70,7 +71,7 @@ fn no_command_writes_over_what_it_opens() {
     let render = |input: &'static str, out: &'static str| [&["render", input, "--out", out][..], &SMALL].concat();
     refused_always(home.path(), &render("pb", "pb/frame_000.png"), opened);
     refused_always(home.path(), &[&render("pb", "bias.tiff")[..], &["--bias", "bias.tiff"]].concat(), opened);
-    // Parameters and sessions are opened too, whatever they are called.
+    // Parameters and sessions are opened too, whatever their names are.
     fs::write(at("p.tiff"), "levels = 4\n").expect("written");
     fs::write(at("p.svg"), "levels = 4\n").expect("written");
     refused_always(home.path(), &["stack", "tb", "--slope", "0,0", "--params", "p.tiff", "--out", "p.tiff"], opened);
@@ -81,7 +82,7 @@ fn no_command_writes_over_what_it_opens() {
     let session = format!("version = 3\nburst = {{ paths = [{:?}] }}\n", at("pb"));
     fs::write(at("night.toml"), session).expect("written");
     refused_always(home.path(), &render("night.toml", "night.toml"), opened);
-    // What a session opens is known once it is open; a frame that Burstscope did not write is refused before.
+    // The files of a session are known once it is open; a frame that Burstscope did not write is refused before.
     let over = render("night.toml", "pb/frame_001.png");
     let before = contents(home.path());
     run_badly(home.path(), &over, 1);
@@ -120,7 +121,7 @@ fn a_folder_of_features_keeps_what_others_wrote_there() {
     run_well(home.path(), &[&detect[..], &["--force"]].concat());
     assert_eq!(names(&at("out")), ["c0.csv", "c0.npz", "c0.txt", "c1.csv", "c1.npz", "c1.txt", "notes.txt"]);
     assert_eq!(fs::read_to_string(at("out/notes.txt")).expect("there"), "about the nights");
-    // The same command once more replaces its own, and others write there too.
+    // The command may replace its own files when run again, and others may write there too.
     run_well(home.path(), &detect);
     let matching = [&["match", "nights/c0", "nights/c1", "--out", "out"][..], &SEARCH].concat();
     run_well(home.path(), &matching);
@@ -131,7 +132,7 @@ fn a_folder_of_features_keeps_what_others_wrote_there() {
         assert!(words.contains(name) && words.contains("did not write"), "{words}");
         fs::remove_file(at("out").join(name)).expect("removed");
     }
-    // A burst whose own file of features would be where its frames are.
+    // A burst whose file of features would be in the folder of its frames.
     fs::create_dir(at("flat")).expect("made");
     for t in 0..3 {
         fs::copy(at(&format!("nights/c0/frame_00{t}.png")), at(&format!("flat/{t}.png"))).expect("copied");
@@ -160,7 +161,7 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
         (&render, "x.png"),
     ];
     for (command, file) in commands {
-        // Made, made again, and an empty file is nothing that could be lost.
+        // Made, made again, and made over an empty file, with which nothing can be lost.
         run_well(home.path(), command);
         run_well(home.path(), command);
         fs::write(at(file), "").expect("emptied");
@@ -172,7 +173,7 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
         run_well(home.path(), &[command, &["--force"]].concat());
         assert!(fs::metadata(at(file)).expect("there").len() > 100, "{file}");
     }
-    // Without a display the window is drawn into a file that has this name.
+    // Without a display the window is drawn into a file of this name.
     fs::write(at("burstscope-a.png"), "somebody's").expect("written");
     let words = run_badly(home.path(), &["a"], 1);
     assert!(words.contains("burstscope-a.png") && words.contains("render --out"), "{words}");
@@ -206,14 +207,15 @@ fn links_are_not_followed() {
     assert!(run_badly(home.path(), &detect, 1).contains("out/a.csv"));
     run_well(home.path(), &[&detect[..], &["--force"]].concat());
     assert_eq!(fs::read_to_string(at("thesis.tiff")).expect("there"), "precious");
-    // A link to a folder is a way to it, for files that go into it; a folder that is replaced as a whole is named itself.
+    // A link to a folder is followed, for files that go into it; a folder that is replaced as a whole must be named
+    // itself.
     fs::create_dir(at("elsewhere")).expect("made");
     link("elsewhere", "there");
     run_well(home.path(), &[&["detect", "a", "--out", "there"][..], &SEARCH].concat());
     assert_eq!(names(&at("elsewhere")), ["a.csv"]);
     let words = run_badly(home.path(), &["synth", "chart", "--out", "there"], 1);
     assert!(words.contains("links are not followed"), "{words}");
-    // What is no file stays what it is.
+    // Devices stay as they are.
     for out in ["/dev/stdout", "/dev/null"] {
         let output = run(home.path(), &["render", "a", "--out", out, "--no-detect", "--force"]);
         assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0), "{}", stderr(&output));
@@ -251,12 +253,12 @@ fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
         if code == 0 { run_well(home.path(), &arguments) } else { run_badly(home.path(), &arguments, code) }
     };
     run_colmap(&["nights"], 0);
-    // Pictures of the dataset taken for bursts of the same names, one frame each.
+    // Pictures of the dataset, given as bursts of the same names, one frame each.
     let before = contents(home.path());
     let words = run_colmap(&["rec/images/a.png", "nights/b"], 1);
     assert!(words.contains("files that were opened are never written to"), "{words}");
     assert!(contents(home.path()) == before);
-    // A link among its files, and a folder of somebody's own.
+    // A link among its files, and a folder with a user's own file.
     fs::remove_file(at("rec/database.db")).expect("removed");
     fs::write(at("precious.db"), "precious").expect("written");
     std::os::unix::fs::symlink(at("precious.db"), at("rec/database.db")).expect("linked");
@@ -292,7 +294,7 @@ fn two_processes_do_not_write_into_one_folder() {
     drop(file);
     run_well(home.path(), &matching);
     assert_eq!(names(&out), ["a.csv", "a_b.matches.csv", "a_b.matches.png", "b.csv"], "the lock is not left");
-    // A folder that is made as a whole is locked from beside.
+    // A folder that is made as a whole is locked by a file beside it.
     let lock = home.path().join(".burstscope-a.lock");
     fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
     let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
@@ -303,7 +305,7 @@ fn two_processes_do_not_write_into_one_folder() {
     drop(file);
     chart(home.path(), "a");
     assert_eq!(names(home.path()), ["a", "b", "c", "out"]);
-    // What killed runs leave makes no folder one of somebody's own.
+    // Leftovers of killed runs do not make a folder a user's own.
     for command in
         [&["figures", "--out", "left", "--only", "fig9", "--quick"][..], &["synth", "chart", "--out", "left2"]]
     {
@@ -315,7 +317,7 @@ fn two_processes_do_not_write_into_one_folder() {
     }
 }
 
-/// Two runs at once: one of them is refused, and what is there in the end is what one of them made.
+/// Of two runs at once one is refused, and the result is that of one of them.
 #[test]
 fn of_two_runs_into_one_folder_one_is_refused() {
     let home = tempfile::tempdir().expect("a folder");

@@ -1,10 +1,10 @@
-//! `detect` on real pictures, where they are; see the folder's own notes for what is known about them.
+//! `detect` on real pictures, where they are installed; the folder's own notes describe them.
 
 use super::support::{features, run_well};
 use crate::shared::shared;
 
-/// The joint rule of the paper, whose features at a wrong slope are few: at each slope for itself, bright blobs also
-/// leave smears at slopes that are not theirs.
+/// Options of the paper's joint rule, which leaves few features at wrong slopes: with each slope for itself, bright
+/// blobs also leave smeared features at other slopes.
 const JOINT: [&str; 12] = [
     "--slope-extrema",
     "joint",
@@ -88,7 +88,7 @@ fn a_real_cameras_features_pile_up_at_its_motion() {
     arguments.extend(frames[20..29].iter().map(String::as_str));
     run_well(home.path(), &arguments);
     let rows = features(&home.path().join("found/slider-far.csv"));
-    // The densest half pixel per frame of slopes.
+    // The densest interval of slopes, half a pixel per frame wide.
     let near = |centre: f64| rows.iter().filter(|r| (r[4] - centre).abs() < 0.25).count();
     let (peak, count) =
         (-60..=60).map(|k| f64::from(k) * 0.1).map(|c| (c, near(c))).max_by_key(|x| x.1).expect("some slope");

@@ -1,16 +1,16 @@
-//! On to COLMAP, and back from it.
+//! Export to COLMAP, and evaluation of its models.
 
 use super::support::{names, run, run_badly, run_well, stderr};
 use std::fs;
 use std::path::Path;
 
-/// A reconstruction of four of five images: twice as large as the truth and moved, one camera 0.1 (of the truth's unit)
-/// too high.
+/// Writes a reconstruction of four of five images: twice as large as the truth and shifted, with one camera 0.1 (of the
+/// truth's unit) too high.
 fn model(folder: &Path) {
     fs::create_dir_all(folder).expect("made");
     let mut images = String::from("# images\n");
     for (id, centre) in [(1, [0.0, 0.0, 5.0]), (2, [2.0, 0.0, 5.0]), (4, [2.0, 2.0, 5.2]), (5, [0.0, 2.0, 5.0])] {
-        // Cameras that are not turned: the translation is the centre's opposite.
+        // Cameras without rotation: the translation is the negative of the centre.
         let [x, y, z] = centre;
         images += &format!("{id} 1 0 0 0 {} {} {} 1 image.{:04}.png\n1 1 1 2 2 -1 3 3 2\n", -x, -y, -z, 10 * id);
     }
@@ -45,7 +45,7 @@ fn a_models_poses_are_compared_with_the_truth() {
     let rmse = number("/absolute/translation/rmse");
     assert!((rmse - 0.025).abs() < 0.001, "{rmse}");
     assert_eq!((number("/relative/count"), json["pairs"][2]["label"].as_str()), (2.0, Some("image.0040.png")));
-    // A model is a truth too: the gold standard. Against itself nothing is left over.
+    // A model can be the truth too: the gold standard. Against itself there are no errors.
     let json = run_well(home.path(), &["evaluate", "poses", "--estimate", "sparse", "--truth", "sparse/0", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["associated"], "name");
@@ -123,7 +123,7 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     assert_eq!((&json["known_camera"], &json["cameras"][0]["model"]), (&true.into(), &"PINHOLE".into()));
     assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
     assert!(json["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == true)));
-    // What another revision of the detector kept is not mixed with what this one finds.
+    // Features of another revision of the detector are not mixed with those of this one.
     for name in names(&home.path().join("my rec/records")) {
         let record = home.path().join("my rec/records").join(name);
         let mut kept: serde_json::Value =
@@ -134,7 +134,7 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     let again = run_well(home.path(), &[&arguments[..], &["--json"]].concat());
     let again: serde_json::Value = serde_json::from_str(&again).expect("JSON");
     assert!(again["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == false)));
-    // A burst that cannot be opened is told, and the rest is written.
+    // A burst that cannot be opened is reported, and the rest is written.
     fs::write(home.path().join("film/frame_001.png"), "broken").expect("written");
     let output = run(home.path(), &arguments);
     assert_eq!(output.status.code(), Some(1));

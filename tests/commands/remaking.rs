@@ -7,12 +7,12 @@ use std::path::Path;
 const ALL: [&str; 12] =
     ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "fig7", "fig8", "fig9", "table1", "table2", "table3"];
 
-/// A picture that is valid and readable alone, and numbers: a head and rows as long as it.
+/// Checks that a picture is valid and readable alone, and that its table's rows are as long as its head.
 fn assert_whole(folder: &Path, name: &str) {
     let text = std::fs::read_to_string(folder.join(format!("{name}.svg"))).expect("a picture");
     let document = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
     assert!(document.root_element().has_tag_name("svg"), "{name}");
-    // Pictures in it are letters at random.
+    // Embedded pictures are random letters.
     let numbers = text.split("data:image/png;base64,").enumerate().map(|(part, text)| match part {
         0 => text,
         _ => text.split_once('"').map_or("", |(_, after)| after),
@@ -57,7 +57,7 @@ fn all_figures_are_made_once_and_kept() {
     let table = std::fs::read_to_string(folder.join("table1.csv")).expect("a table");
     assert!(table.contains("1D,BuFF 1D,,,") && table.contains("2D,gold standard,,,"), "{table}");
 
-    // Again: all of it is kept, but for what was altered.
+    // Again: all files are kept, except the altered one.
     let dates = || names(&folder).iter().map(|n| folder.join(n).metadata().and_then(|m| m.modified()).ok()).collect();
     let before: Vec<_> = dates();
     let seconds = made["figures"][4]["seconds"].clone();
@@ -96,7 +96,7 @@ fn only_some_and_only_in_a_folder_of_figures() {
     assert_eq!(names(&home.path().join("own")), ["fig3.svg"]);
 }
 
-/// Stands for COLMAP: its mapper answers with the true poses, in a model of text.
+/// Stand-in for COLMAP: its mapper returns the true poses, in a text model.
 #[cfg(all(unix, feature = "colmap"))]
 const MAPPER: &str = r#"#!/bin/sh
 set -e
@@ -141,6 +141,6 @@ fn where_colmap_is_installed_it_fills_the_columns() {
     }
     assert!(csv("table3.csv").iter().all(|row| row[3].parse::<f64>().is_ok_and(|secs| secs > 0.0)));
     assert!(csv("fig8.csv").iter().any(|row| row[1] == "buff-2d"));
-    // What was needed on the way is gone.
+    // Intermediate files are gone.
     assert!(names(&folder.join("records/pieces")).iter().all(|name| name.ends_with(".json")));
 }

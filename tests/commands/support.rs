@@ -1,14 +1,14 @@
-//! Running the program.
+//! Helpers that run the program.
 
 use std::path::Path;
 use std::process::{Child, Command, Output};
 use std::sync::mpsc;
 use std::time::Duration;
 
-/// What has not ended after this will not end: tests of hanging give up then.
+/// Timeout of a process, for tests of hanging.
 const GUARD: Duration = Duration::from_secs(120);
 
-/// The program with `arguments`, in the folder `home`, without a display.
+/// Command that runs the program with `arguments`, in the folder `home`, without a display.
 pub fn program(home: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_burstscope"));
     command.current_dir(home).args(arguments);
@@ -18,7 +18,7 @@ pub fn program(home: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs it to its end.
+/// Runs the program to its end.
 pub fn run(home: &Path, arguments: &[&str]) -> Output {
     program(home, arguments).output().expect("the program starts")
 }
@@ -26,7 +26,7 @@ pub fn run(home: &Path, arguments: &[&str]) -> Output {
 /// Waits for the end of a process that may hang.
 ///
 /// # Panics
-/// It did not end; it is killed then.
+/// When the process did not end; it is killed then.
 pub fn ended(running: Child) -> Output {
     let id = running.id().to_string();
     let (ending, end) = mpsc::channel();
@@ -38,7 +38,7 @@ pub fn ended(running: Child) -> Output {
     output.expect("an end")
 }
 
-/// Waits until a process that was started just now has taken over Ctrl-C, and is at work a little.
+/// Waits until a process that was just started has its handler of Ctrl-C, and then a short time more.
 pub fn at_work(running: &Child) {
     let status = format!("/proc/{}/status", running.id());
     // Bit 1 of the mask stands for SIGINT, which is signal 2.
@@ -56,14 +56,14 @@ pub fn at_work(running: &Child) {
     }
 }
 
-/// Runs it and expects exit code 0; answers the standard output.
+/// Runs the program and expects exit code 0; returns the standard output.
 pub fn run_well(home: &Path, arguments: &[&str]) -> String {
     let output = run(home, arguments);
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// Runs it and expects exit code `code`; answers the standard error.
+/// Runs the program and expects exit code `code`; returns the standard error.
 pub fn run_badly(home: &Path, arguments: &[&str], code: i32) -> String {
     let output = run(home, arguments);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", stderr(&output));
@@ -74,7 +74,7 @@ pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Names in a folder, sorted, hidden ones too.
+/// Names in a folder, sorted, including hidden ones.
 pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .expect("a folder")
@@ -84,7 +84,7 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The lines of a CSV file of features as numbers, without the header.
+/// Lines of a CSV file of features as numbers, without the header.
 pub fn features(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("a file");
     let mut lines = text.lines();

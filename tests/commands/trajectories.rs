@@ -56,7 +56,7 @@ fn a_trajectory_is_bursts_gold_poses_and_a_lens() {
 fn its_poses_and_its_lens_are_read_back() {
     let home = tempfile::tempdir().expect("a folder");
     run_well(home.path(), &[&SMALL[..], &["--snr", "5"]].concat());
-    // The truth against itself: every pose is paired, and nothing is left over.
+    // The truth against itself: every pose is paired, and there are no errors.
     let poses = ["evaluate", "poses", "--estimate", "way/poses.txt", "--truth", "way/poses.txt", "--json"];
     let report: Value = serde_json::from_str(&run_well(home.path(), &poses)).expect("JSON");
     assert_eq!(report["pairs"].as_array().map(Vec::len), Some(3));
@@ -66,7 +66,7 @@ fn its_poses_and_its_lens_are_read_back() {
     let mut images = String::new();
     for (id, line) in lines.lines().filter(|line| !line.starts_with('#')).enumerate() {
         let n: Vec<f64> = line.split(' ').map(|word| word.parse().expect("a number")).collect();
-        // COLMAP writes the world in the camera. Here only the centres count, so no camera is turned.
+        // COLMAP writes the transform from world to camera. Only the centres count here, so no camera is rotated.
         images +=
             &format!("{} 1 0 0 0 {} {} {} 1 burst_{:03}.png\n1 1 -1\n", id + 1, -n[1], -n[2], -n[3], n[0] as usize);
     }

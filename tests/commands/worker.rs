@@ -1,5 +1,5 @@
-//! Raw files decoded by a process of their own: the same values and the same words as without one, and whatever ends
-//! that process is an error about the file.
+//! Raw files decoded by a process of their own: values and messages equal those without one, and any end of that
+//! process is an error about the file.
 //!
 //! The process is set for the whole program of these tests.
 
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Once, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Has the program that these tests belong to decode.
+/// Sets the tested program as the decoder.
 fn with_worker() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -35,7 +35,7 @@ fn open(path: &Path) -> Result<Burst, OpenError> {
     Burst::open(path)
 }
 
-/// Whether a child of this process decodes at the moment; `false` where the system does not say.
+/// Whether a child of this process is decoding; `false` where the system does not say.
 fn is_decoding() -> bool {
     let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
     let mut lists = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
@@ -58,7 +58,7 @@ fn values_come_through_as_they_are() {
     for (t, frame) in burst.frames.iter().enumerate() {
         for v in 0..8 {
             for u in 0..12 {
-                // The mean of the square, whose middle is half a pixel to the right and down.
+                // Mean of the square, whose centre is half a pixel to the right and down.
                 let value = (31 * t + 14 * u + 6 * v) as f32 + 5.0;
                 let found = frame.at(u, v) * (1023.0 - 64.0);
                 assert!((found - value).abs() < 1e-2, "{t} {u} {v}: {found} instead of {value}");
@@ -78,7 +78,7 @@ fn errors_say_what_they_say_without_a_process() {
     std::fs::write(&path, b"FUJIFILM and nothing more").expect("written");
     let error = open(&path.with_extension("raf")).expect_err("missing");
     assert!(matches!(error, OpenError::NotFound { .. }), "{error}");
-    // Levels that do not go together: what the decoder's own caller says.
+    // Contradictory levels: the error of the decoder's caller.
     std::fs::write(&path, &sound).expect("written");
     let options = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
     let error =
@@ -115,7 +115,7 @@ fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
 #[test]
 fn cancelling_ends_the_process() {
     let folder = tempfile::tempdir().expect("a folder");
-    // Enough pixels for a decoder to be busy with.
+    // Enough pixels to keep a decoder busy.
     let path = folder.path().join("large.dng");
     std::fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
     with_worker();
@@ -136,7 +136,7 @@ fn cancelling_ends_the_process() {
 
 #[test]
 fn a_program_that_decodes_nothing_is_an_error_about_the_file() {
-    // Not the program of this process's setting, but what it would say: no answer at all.
+    // The decoding process alone, on a missing file: no answer at all.
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_burstscope"))
         .args([burstscope::cli::DECODE_WORKER, "nowhere.dng"])
         .stdin(std::process::Stdio::null())
@@ -180,12 +180,12 @@ fn damaged_jpegs_are_taken_on_demand_and_named_in_the_report() {
     assert_eq!(json["bursts"][0]["damaged_frames"], serde_json::json!(["2.jpg"]));
 }
 
-/// A program that is ended at once cannot end its children: they hear it from the pipe.
+/// A killed program cannot end its children: they notice the closed pipe.
 #[cfg(target_os = "linux")]
 #[test]
 fn no_process_is_left_when_the_program_is_killed() {
     let home = tempfile::tempdir().expect("a folder");
-    // Enough pixels for a decoder to be busy with.
+    // Enough pixels to keep a decoder busy.
     let large = Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes();
     std::fs::write(home.path().join("large.dng"), large).expect("written");
     let mut running = program(home.path(), &["stack", "large.dng", "--slope", "0,0", "--out", "a.tiff", "--quiet"])
@@ -213,7 +213,7 @@ fn no_process_is_left_when_the_program_is_killed() {
     }
 }
 
-/// Raw files to be damaged.
+/// Raw files to damage.
 fn samples() -> &'static [(&'static str, Vec<u8>)] {
     static SAMPLES: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
     SAMPLES.get_or_init(|| {
@@ -228,7 +228,7 @@ fn samples() -> &'static [(&'static str, Vec<u8>)] {
 }
 
 proptest! {
-    // Each input is a process; `PROPTEST_CASES` asks for more.
+    // Each input starts a process; `PROPTEST_CASES` runs more cases.
     #![proptest_config(ProptestConfig { cases: if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 48 }, ..ProptestConfig::default() })]
 
     #[test]

@@ -1,4 +1,4 @@
-//! Bias and flat frames in the window: chosen, dropped, applied, kept in the session.
+//! Bias and flat frames in the window: chosen, dropped, applied, saved in the session.
 
 use crate::support::Start;
 use egui::accesskit::Role;
@@ -6,7 +6,8 @@ use egui_kittest::kittest::Queryable;
 use image::{ImageBuffer, Luma};
 use std::path::Path;
 
-/// Frames of an even light of 1200 behind a lens that lets half of it through at the right, on stripes of 100 and 300.
+/// Writes frames of an even light of 1200 behind a lens that dims the right half by one half, on stripes of 100 and
+/// 300.
 fn frames(home: &Path) {
     let bias = |v: u32| if v.is_multiple_of(2) { 100u16 } else { 300 };
     let light = |u: u32| if u < 48 { 1200u16 } else { 600 };
@@ -30,12 +31,12 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
         window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
     };
     assert!((value(&window, 0, 0) - 1300.0).abs() < 3.0 && (value(&window, 90, 1) - 900.0).abs() < 3.0);
-    // What the values look like was said when it was opened.
+    // The suggestion about the values was noted when the burst was opened.
     assert!(
         window.app().model.slots.a.burst.as_ref().unwrap().burst.notes().iter().any(|note| note.option == Some("full-scale"))
     );
     window.run_action("calibration");
-    // The first file that is dropped is the bias; the flat is chosen.
+    // The first dropped file is the bias; the flat is chosen.
     window.drop_file(home.path().join("bias.png"));
     window.dialogs.will_choose(home.path().join("flat.png"));
     window.click("Choose flat frame…");
@@ -60,7 +61,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     assert!((value(&other, 90, 1) - 900.0).abs() < 4.0);
     let kept = other.app().model.calibration.clone();
     assert!(kept.bias.is_some_and(|path| path.ends_with("bias.png")) && kept.flat.is_some());
-    // Taken off again, files are as they are.
+    // Without calibration, values are as in the files.
     other.run_action("calibration");
     other.click("Reset");
     other.click("Apply");

@@ -1,4 +1,4 @@
-//! Where the candidates went: rows of the tally are switches.
+//! Places of the rejected candidates: rows of the tally are switches.
 
 use crate::maps::lamp;
 use crate::support::{Start, Window};
@@ -32,7 +32,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     window.settle();
     let model = &window.app().model;
     let shown = model.survey().unwrap().clone();
-    // It is what the library answers.
+    // The marks are those of the library.
     let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let cache = ProbeCache::new(burst, &model.asked(), &Monitor::default()).unwrap();
     let options = SurveyOptions { test: Some(Test::NoiseGate), ..SurveyOptions::default() };
@@ -40,7 +40,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     assert!(!shown.marks.is_empty() && shown.marks.iter().all(|m| m.first_failed == Some(Test::NoiseGate)));
     let count = shown.counts[Test::NoiseGate as usize];
     assert!(count.candidates < count.samples && window.shows("candidates: below the noise gate"));
-    // Hovering says by how much, a click keeps the numbers.
+    // Hovering shows by how much the test failed, a click keeps the numbers.
     window.run_action("fit picture");
     let mark = *shown.marks.iter().find(|m| m.pos_image[0] > 20.0 && m.pos_image[1] > 40.0).expect("one");
     let at = window.app().ui_from_image(pos2(mark.pos_image[0], mark.pos_image[1])).unwrap();
@@ -56,7 +56,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     window.settle();
     let cursor = *window.app().model.cursor();
     assert_eq!((cursor.octave, cursor.level), (chosen.octave, chosen.level));
-    // Another row takes its place; the same row again puts them away.
+    // Another row replaces it; the same row again hides them.
     switch(&mut window, Test::Edge);
     let edge = window.app().model.survey().unwrap().clone();
     assert!(edge.marks.iter().all(|m| m.first_failed == Some(Test::Edge)));
@@ -65,7 +65,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     assert!(window.app().model.survey().is_none() && !window.shows("candidates: on an edge"));
 }
 
-/// Switches a row of the tally, which may have to be scrolled to.
+/// Clicks a row of the tally, which may have to be scrolled to.
 fn switch(window: &mut Window, test: Test) {
     window.harness.get_by_role_and_label(Role::Button, test.reason()).click_accesskit();
     window.harness.run_steps(2);

@@ -35,7 +35,7 @@ struct Window {
     ui_from_image: Option<RectTransform>,
 }
 
-/// A dark picture with blobs of several sizes, and the features that belong to them.
+/// A dark picture with blobs of several sizes, and their features.
 fn blobs() -> (Plane, Vec<Feature>) {
     const BLOBS: [(f32, f32, f32, f32, f32); 7] = [
         (60.0, 50.0, 4.0, 2.0, 0.0),
@@ -183,7 +183,7 @@ fn the_wheel_zooms_at_the_pointer_and_a_double_click_fits_again() {
         let (place, zoom) = (under(&harness), harness.state().view.points_per_pixel());
         wheel(&mut harness, pointer, 6.0, modifiers);
         assert!(harness.state().view.points_per_pixel() > 1.5 * zoom, "{modifiers:?}");
-        // At whole multiples pixels are laid on the screen's, which may move them by half a pixel.
+        // At whole multiples pixels are aligned with the screen's, which may move them by half a pixel.
         assert!((under(&harness) - place).length() < 0.5, "{modifiers:?}: {:?} became {:?}", place, under(&harness));
         for _ in 0..2 {
             harness.drag_at(pointer);
@@ -302,7 +302,7 @@ fn without_a_picture_or_a_card_the_canvas_says_so() {
     let mut empty = harness(egui::Theme::Light, w);
     empty.run();
     assert!(empty.get_by_label("Picture").rect().width() > 100.0);
-    // No `install`: the window lives on.
+    // Without `install` the window still runs.
     let mut bare = common::builder([900.0, 560.0]).build_ui_state(window_ui, window());
     bare.run();
 }
@@ -351,7 +351,7 @@ fn stale_features_and_picture_dark() {
 
 #[test]
 fn thousands_of_features_draw_with_few_triangles() {
-    // A crowd as from a real picture, in a widget without a card, so that only the overlay is measured.
+    // As many features as in a real picture, in a widget without a card, so that only the overlay is measured.
     let (_, template) = blobs();
     let features: Vec<Feature> = (0..5000)
         .map(|i| Feature {
@@ -369,7 +369,7 @@ fn thousands_of_features_draw_with_few_triangles() {
         ..Default::default()
     };
     let mut triangles = 0;
-    // In the second pass everything is laid out.
+    // In the second pass the layout is complete.
     for _ in 0..2 {
         let mut output = ctx.run_ui(input(), |ui| {
             let output = Canvas::new("Picture").picture(Some(&picture)).show(ui, &mut View::fit());

@@ -1,4 +1,4 @@
-//! The window is closed while files are written: what was begun is finished, what was cancelled leaves nothing half
+//! The window is closed while files are written: files that were begun are finished, cancelled ones leave nothing half
 //! done.
 
 use crate::lab::run_small_study;
@@ -38,8 +38,8 @@ fn assert_nothing_half_written(folder: &Path) {
     }
 }
 
-/// Keeps files from being written until the window is being closed: then, and only then, the work is cancelled that
-/// this lets the first file wait for.
+/// Holds back the writing of files until the window is being closed: a task before them waits for a search job, which
+/// releases it when it is cancelled.
 fn hold_files_until_closing(window: &Window) -> Jobs<(), ()> {
     let engine = &window.app().engine;
     let (release, held) = mpsc::channel::<()>();
@@ -54,14 +54,14 @@ fn hold_files_until_closing(window: &Window) -> Jobs<(), ()> {
     let closing = Jobs::new(engine.queue(), Priority::Search, Duration::ZERO, until_closing);
     closing.submit(());
     engine.task("Hold", move || {
-        // It ends when the other end is dropped.
+        // Returns when the sender is dropped.
         let _ = held.recv();
         Ok(String::new())
     });
     closing
 }
 
-/// Begins these exports, by their actions and files in `folder`, and none is written yet.
+/// Begins these exports, by their actions and files in `folder`; none is written yet.
 fn begin(window: &mut Window, folder: &Path, exports: &[(&str, &str)]) {
     for (action, name) in exports {
         window.dialogs.will_choose(folder.join(name));
@@ -71,7 +71,7 @@ fn begin(window: &mut Window, folder: &Path, exports: &[(&str, &str)]) {
     assert_eq!(files(folder), Vec::<PathBuf>::new());
 }
 
-/// All of them are there, whole, and nothing else is.
+/// Checks that all of these files are there, whole, and no others.
 fn assert_written(folder: &Path, exports: &[(&str, &str)]) {
     let mut wanted: Vec<PathBuf> = exports.iter().map(|(_, name)| folder.join(name)).collect();
     wanted.sort();

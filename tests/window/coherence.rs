@@ -1,4 +1,4 @@
-//! Colours that tell how evenly the frames answer along each feature's way.
+//! Colours by coherence: how evenly the frames respond along each feature's motion.
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
@@ -22,7 +22,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     window.settle();
     colour_by_coherence(&mut window);
     window.settle();
-    // They are what the library says.
+    // The values are those of the library.
     let model = &window.app().model;
     let detection = model.slots.a.found.as_ref().unwrap().detection.clone();
     let values = model.coherence.of(&detection).unwrap().clone();
@@ -30,7 +30,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     assert_eq!(*values, coherences(&cache.trail, &Monitor::default()).unwrap());
     assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not known yet"));
     assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(Option::is_none));
-    // The selected feature and the one under the pointer have theirs in numbers.
+    // The selected feature and the one under the pointer show their values.
     let index = (0..values.len()).find(|&i| values[i].is_some_and(|c| c < 0.995)).expect("one is not quite even");
     let text = format!("{:.2}", values[index].unwrap());
     window.app_mut().model.selected = Some(index);
@@ -43,7 +43,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     window.harness.run_steps(3);
     assert!(window.shows("\ncoherence "), "the pointer says it");
     window.snapshot("coherence");
-    // The figure has the same colours, and says what they mean.
+    // The figure has these colours too, with a legend.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("coherence.svg");
     window.app_mut().model.figure.legend = true;
@@ -57,8 +57,8 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
         .filter_map(|line| line.split("stroke=\"").nth(1)?.split('"').next())
         .collect();
     assert!(colours.len() > 5 && svg.contains(">0.75"), "{colours:?}");
-    // Another detection has others; what is not known is grey, and a cancelled computation is begun anew by choosing
-    // it.
+    // Another detection has other values; unknown ones are grey, and choosing the quantity again restarts a cancelled
+    // computation.
     window.app_mut().model.params.octaves = 2;
     window.run_action("detect");
     window.settle();

@@ -1,4 +1,4 @@
-//! What a change did, somebody else's features, and the command that finds what is seen.
+//! Comparison with earlier features and with those of others, and the command that finds the present ones.
 
 use crate::support::Start;
 use burstscope::app::project::against::{Kind, With};
@@ -44,7 +44,7 @@ fn pinning_a_result_and_changing_nothing_shows_no_change() {
     window.settle();
     let shown = window.app().model.shown_comparison().expect("a comparison");
     assert!([Kind::Theirs, Kind::Ours, Kind::Moved].into_iter().all(|kind| shown.count(kind) == 0));
-    // The orientations of one keypoint count as one.
+    // All orientations of one keypoint count as one.
     assert!(shown.count(Kind::Same) > 0 && shown.count(Kind::Same) <= count);
 }
 
@@ -53,7 +53,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let mut detection = (*window.app().model.slots.a.found.as_ref().unwrap().detection).clone();
-    // Theirs lacks the strongest, and has one where we have none.
+    // The other features lack our strongest one, and have one where we have none.
     let lonely = burstscope::Feature { u: 5.0, v: 352.0, sigma: 1.7, ..detection.features[0] };
     detection.features.remove(0);
     detection.descriptors.remove(0);
@@ -120,14 +120,14 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
         window.click("Pinned result");
         window.settle();
         let shown = window.app().model.shown_comparison().expect("a comparison");
-        // It was found again, with the same bits.
+        // The features were found again, with equal bits.
         assert_eq!((&shown.rows, &shown.summary), (&pinned.rows, &pinned.summary));
     };
     let mut window = reopen();
     let shown = window.app().model.shown_comparison().expect("a comparison");
     assert_eq!((shown.with, &shown.summary), (With::File, &laid_over));
     shows_pinned(&mut window);
-    // A file that is gone is missed in its place, and nothing else is.
+    // A missing file is reported where it belongs, and nothing else is lost.
     std::fs::remove_file(&theirs).unwrap();
     let mut window = reopen();
     assert!(window.app().model.shown_comparison().is_none() && window.shows("theirs.csv"));

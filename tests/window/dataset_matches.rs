@@ -1,4 +1,4 @@
-//! The matches of all pairs of a dataset: the matrix, the list, one pair.
+//! Matches of all pairs of a dataset: the matrix, the list, one pair.
 
 use crate::datasets::{click_burst, dataset, few_slopes, start, walk};
 use crate::support::Window;
@@ -12,7 +12,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
 
-/// A window on three bursts whose features are found, in the workspace of their matches.
+/// Window on three bursts whose features are found, in the workspace of their matches.
 fn detected(home: &Path) -> Window {
     let mut window = start(walk(home)).open();
     window.click("Detect all");
@@ -50,7 +50,7 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
         assert_eq!(dataset(&window).matches.get(pair), Some(&expected(home.path(), pair)), "{pair:?}");
     }
     assert!(window.shows("3 pairs matched"));
-    // The list and the matrix choose the same pair, which is A and B of the filmstrip.
+    // The list and the matrix select one common pair, which is A and B of the filmstrip.
     window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_012").click();
     window.harness.run_steps(3);
     assert_eq!(dataset(&window).pair, [Some(0), Some(2)]);
@@ -82,7 +82,7 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     window.settle();
     let matched = |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.get(pair).is_some());
     assert_eq!(matched(&window), [true, false, true]);
-    // Other parameters: what was matched with the earlier ones is forgotten as soon as it is matched again.
+    // With other parameters, earlier matches are dropped as soon as pairs are matched again.
     window.app_mut().model.pair.params.ratio = 0.7;
     window.harness.run_steps(3);
     assert!(window.shows("The parameters of matching changed since"));
@@ -120,7 +120,7 @@ fn trajectory_matrix() {
     window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_007").click();
     let model = &mut window.app_mut().model;
     let open = model.datasets.open.as_mut().unwrap();
-    // More bursts than a test has time for: the same film again and again, the more in common the nearer they are.
+    // More bursts than a test has time for: copies of one film, the more matches the nearer they are.
     let many = 20;
     let (bursts, states) = (open.bursts.clone(), open.states.clone());
     open.bursts = std::sync::Arc::new(

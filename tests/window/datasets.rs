@@ -12,7 +12,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::path::{Path, PathBuf};
 
-/// Fifteen frames of a walk past a layered scene, in a folder of `home`.
+/// Writes fifteen frames of a trajectory past a layered scene, in a folder of `home`.
 pub fn film(home: &Path) -> PathBuf {
     let params = SceneParams {
         width: 200,
@@ -29,7 +29,7 @@ pub fn film(home: &Path) -> PathBuf {
     film
 }
 
-/// The same, cut into three bursts of five frames.
+/// The film cut into three bursts of five frames.
 pub fn walk(home: &Path) -> DatasetSource {
     DatasetSource { paths: vec![film(home)], burst_length: Some(5), burst_step: None }
 }
@@ -38,7 +38,7 @@ pub fn few_slopes() -> DetectorParams {
     DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }
 }
 
-/// A window on a dataset, with few slopes.
+/// Settings of a window on a dataset, with few slopes.
 pub fn start(dataset: DatasetSource) -> Start {
     let startup = Startup { source: None, dataset: Some(dataset), params: few_slopes().into(), ..Startup::default() };
     let settings = Start::without_auto_detect().startup.settings;
@@ -54,7 +54,7 @@ fn features(window: &Window) -> Vec<Option<usize>> {
     dataset(window).states.iter().map(count).collect()
 }
 
-/// Clicks on what is called so, whole or in part.
+/// Clicks the widget whose label contains this text.
 pub fn click_burst(window: &mut Window, label: &str) {
     window.harness.get_by_label_contains(label).click();
     window.harness.run_steps(2);
@@ -110,7 +110,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     assert!(window.shows("3 bursts, 3 done") && window.shows("3 bursts done in"));
     assert!(home.path().join("film-burstscope-5/features/frame_007.png.txt").is_file());
 
-    // After a restart everything is there, and what is gone is done again.
+    // After a restart everything is there, and what was deleted is searched again.
     std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_007.png.txt")).unwrap();
     let mut next = start(source.clone()).open();
     assert_eq!(features(&next), [found[0], None, found[2]]);
@@ -118,7 +118,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     next.settle();
     assert_eq!(features(&next), found);
 
-    // With other parameters nothing is done, and the folder's own can be had.
+    // Other parameters find nothing done, and the folder's own parameters can be taken.
     let mut other = start(source);
     other.startup.params.detector.edge_threshold *= 1.5;
     let mut other = other.open();
@@ -186,7 +186,7 @@ fn what_is_done_stays_when_it_is_cancelled() {
         app.model.datasets.open.as_ref().is_some_and(|d| matches!(d.states[0], BurstState::Done(_)))
     });
     assert!(window.app().model.datasets.work.is_some(), "it must still run for this test to mean something");
-    // The inspector is alive meanwhile.
+    // The inspector works meanwhile.
     window.slide("Slope u", 1.0);
     window.wait("the picture of the new slope", |app| app.model.picture_is_current());
     window.click("Cancel all");
@@ -212,7 +212,7 @@ fn a_long_sequence_is_cut_as_one_says() {
     window.settle();
     let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
     assert_eq!((names, window.app().model.frame_count()), (vec!["frame_003", "frame_009"], 6));
-    // The burst that is open can be cut further.
+    // The open burst can be cut further.
     window.run_action("cut into bursts");
     assert!(window.shows("6 frames"));
     window.key(Key::Escape);
@@ -235,7 +235,7 @@ fn a_and_b_are_chosen_in_the_strip_or_by_action() {
 fn folders_that_will_not_do_are_named() {
     let home = tempfile::tempdir().unwrap();
     let mut window = start(walk(home.path())).open();
-    // A folder with something else in it.
+    // A folder that holds something else.
     let own = home.path().join("own");
     std::fs::create_dir(&own).unwrap();
     std::fs::write(own.join("thesis.txt"), "precious").unwrap();
@@ -253,7 +253,7 @@ fn folders_that_will_not_do_are_named() {
     window.click("Detect all");
     window.settle();
     assert!(home.path().join("new/manifest.json").is_file());
-    // A dataset without pictures, dropped; what is open stays.
+    // A dropped dataset without pictures leaves the open one unchanged.
     window.drop_file(own);
     window.settle();
     assert!(window.shows("holds no pictures") && dataset(&window).bursts.len() == 3);

@@ -33,7 +33,7 @@ fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
         window.harness.run_steps(3);
         assert_eq!(window.app().model.hovered.is_some(), wanted, "{pos}");
     }
-    // A table that is not seen has no row under the pointer.
+    // A hidden table has no row under the pointer.
     window.harness.hover_at(in_table);
     window.harness.run_steps(3);
     assert_eq!(window.app().model.hovered, Some(1));
@@ -46,7 +46,7 @@ fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
 fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let mut window = Start::default().open();
     let features = window.app().model.features().to_vec();
-    // Close enough to tell features apart, and one that no other comes near, so that the click can mean no other.
+    // Zoomed in enough to tell features apart, on one with no other nearby, so that the click is unambiguous.
     const POINTS_PER_PX: f32 = 8.0;
     let alone = |i: usize| {
         features.iter().enumerate().all(|(j, g)| {
@@ -66,7 +66,7 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     assert!(window.shows(&format!("{:.2}, {:.2} px", feature.u, feature.v)), "the panel shows its numbers");
     assert!(window.harness.query_by_role_and_label(Role::Image, "Descriptor").is_some());
     assert!(window.harness.query_by_role_and_label(Role::Image, "Patch in the motion stack").is_some());
-    // The table goes to the feature, so that the row above is seen too. Rows count from 1.
+    // The table scrolls to the feature with the row above visible. Rows count from 1.
     window.harness.get_by_role_and_label(Role::Row, &format!("Feature {index}")).click();
     window.harness.run_steps(2);
     assert_eq!(window.app().model.selected, Some(index - 1));
@@ -87,7 +87,7 @@ fn nothing_found_says_which_setting_to_change() {
     window.settle();
     assert!(window.app().model.features().is_empty());
     assert!(window.shows("No feature was found") && window.shows("; try Peak threshold 0"));
-    // It is said as long as it is so.
+    // The advice is shown only while it holds.
     window.app_mut().model.params.peak_threshold = 0.0;
     window.harness.run_steps(2);
     assert!(!window.shows("; try Peak threshold 0"));
@@ -101,7 +101,7 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     let mut window = start.open();
     window.click("Detect");
     window.wait("the detection runs", |app| app.model.busy.detecting.is_some());
-    // Scrubbing is live while it runs.
+    // Scrubbing works while the detection runs.
     window.slide("Slope u", 1.0);
     window.wait("the picture of the new slope", |app| app.model.picture_is_current());
     assert!(

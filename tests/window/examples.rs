@@ -1,4 +1,4 @@
-//! The two failures of the Help menu: each opens with the probe on the place that shows it.
+//! The two failure cases of the Help menu: each opens with the probe on the place that shows it.
 
 use crate::probe::answer;
 use crate::support::{Start, Window};
@@ -10,7 +10,7 @@ use burstscope::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD};
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 
-/// As the program starts with an example of the Help menu: slopes are found unless the example has its own.
+/// Window with an example of the Help menu: slopes are found unless the example has its own.
 fn example(example: Example) -> Window {
     let mut start = Start { size: [1280.0, 800.0], ..Start::automatic() };
     start.startup.source = Some(BurstSource::Example(example));
@@ -54,7 +54,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     window.settle();
     assert_eq!(window.app().model.params, before);
     assert_eq!(window.app().model.slots.a.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
-    // Another burst is searched at the slopes that are found in it again.
+    // Another burst is searched at slopes that are found in it.
     window.run_action("open demo burst");
     window.settle();
     assert!(window.app().model.slopes.is_auto() && window.app().model.probe.place().is_none());
@@ -68,20 +68,20 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
     let fate = probed.subject_fate().expect("a candidate").clone();
     assert!(fate.is_kept() && (fate.slope.u - Example::Aliasing.slope_u()).abs() < 0.5, "{fate:?}");
     let alias = probed.suspicions.iter().find(|s| s.kind == Kind::Alias).expect("an alias").clone();
-    // What really moves there answers more strongly, a whole period of the texture away.
+    // The object that really moves there responds more strongly, one period of the texture away.
     let other = alias.other_slope.expect("another slope");
     assert!((other.u - ALIASING_SLOPE).abs() < 0.2 && alias.number > 1.0, "{alias:?}");
     assert!(window.shows("An alias?") && window.shows("repeats itself every 8 px"), "it is said at once");
-    // The picture is that of the slope at which nothing moves, and yet the garlands are sharp.
+    // The picture is that of a slope at which nothing moves, and yet the garlands are sharp.
     let slope = window.app().model.cursor().slope;
     assert_eq!((slope.u, slope.v), (ALIASING_SLOPE - GARLAND_PERIOD, 0.0));
     assert_eq!(Example::Aliasing.slope_u(), slope.u);
     window.snapshot("probe_aliasing");
-    // With other parameters the place is asked about still.
+    // With other parameters the place is probed again.
     window.app_mut().model.params.edge_threshold = 10.0;
     window.settle();
     assert_eq!(answer(&window).probe.pos_image, Example::Aliasing.place());
-    // With slopes and octaves of one's own there is an answer too.
+    // With other slopes and octaves the probe answers too.
     let mut start = Start::default();
     start.startup.params.detector.first_octave = 1;
     start.startup.source = Some(BurstSource::Example(Example::Aliasing));

@@ -1,4 +1,4 @@
-//! The strip of a dataset's bursts: what each cell says, and how it looks.
+//! Filmstrip of a dataset: the text and look of each cell.
 
 use crate::datasets::{click_burst, start, walk};
 use crate::support::{Start, Window};
@@ -17,7 +17,7 @@ fn filmstrip() {
     click_burst(&mut window, "Use frame_007 as B");
     let model = &mut window.app_mut().model;
     let dataset = model.datasets.open.as_mut().unwrap();
-    // How long it took, and where this test's files lie, differ from run to run.
+    // Times, and the place of this test's files, differ from run to run.
     for state in &mut dataset.states {
         if let BurstState::Done(finished) = state {
             finished.seconds = Some(0.3);
@@ -28,7 +28,7 @@ fn filmstrip() {
     window.snapshot("filmstrip");
 }
 
-/// Whether the line below the picture of the burst called so has a green mark.
+/// Whether the line below the picture of the burst with this label has a green mark.
 fn has_green_mark(window: &mut Window, label: &str) -> bool {
     let cell = window.harness.get_by_label_contains(label).rect();
     let image = window.harness.render().expect("a picture");

@@ -23,7 +23,7 @@ fn the_question_mark_shows_every_action_that_has_keys_without_scrolling() {
     for size in [[1280.0, 800.0], [1024.0, 700.0]] {
         let mut window = Start { size, ..Start::without_auto_detect() }.open();
         window.key(Key::Questionmark);
-        // In its first pass it is not in its place yet.
+        // In its first pass it is not yet at its final place.
         window.settle();
         assert!(window.shows("Keyboard shortcuts"));
         let close = window.harness.get_by_label("Close").rect();
@@ -124,7 +124,7 @@ fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
         window.key(Key::Backspace);
     }
     window.harness.run_steps(3);
-    // As many rows as before can be seen again.
+    // As many rows as before are visible again.
     let seen = ACTIONS.iter().filter(|a| row(&window, a.label).is_some()).count();
     assert!(seen > 8, "{seen} rows");
     window.key(Key::Enter);

@@ -1,4 +1,4 @@
-//! The glossary: opened from the menu, from a caption, from a parameter's tooltip, and searched.
+//! Glossary: opened from the menu, from a caption, from a parameter's tooltip, and searched.
 
 use crate::support::{Start, Window};
 use burstscope::teach::built_in;
@@ -29,7 +29,7 @@ fn a_link_of_a_caption_leads_to_its_word() {
     assert!(window.app().lessons.open.is_some(), "the lesson stays");
 }
 
-/// Points at a widget until its tooltip is there, and follows the link in it.
+/// Hovers over a widget until its tooltip appears, and follows the link in it.
 fn follow_the_tooltip(window: &mut Window, role: Role, label: &str, word: &str) {
     let rect = window.harness.get_all_by_role_and_label(role, label).next().expect("its row").rect();
     window.harness.hover_at(rect.center());

@@ -1,4 +1,4 @@
-//! Saving and loading parameters and sessions, exporting, remembering.
+//! Saving and loading parameters and sessions, exporting, settings.
 
 use crate::support::{Memory, Start, noisy_stack};
 use burstscope::app::Startup;
@@ -99,7 +99,7 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     other.settle();
     let saved = |window: &crate::support::Window| {
         let mut saved = SavedPanes::of(&window.app().model.panes, Workspace::Inspect);
-        // What a fitted view calls its middle is found anew.
+        // The centre of a fitted view is computed anew.
         saved.panes.iter_mut().for_each(|pane| pane.view = View::default());
         saved
     };
@@ -141,7 +141,7 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
     assert_eq!((other.app().model.slots.a.burst.as_ref().unwrap().id, other.app().model.params.clone()), before);
 }
 
-/// Files that a decoder would end the program over, and a picture that is no more whole.
+/// Files that would make a decoder end the program, and a picture that is no longer whole.
 #[cfg(feature = "raw")]
 fn harmful_files() -> [(&'static str, Vec<u8>); 3] {
     let png = crate::crafted::packed_chunks_png(1 << 16);
@@ -227,7 +227,7 @@ fn figures_show_what_the_panes_show() {
     window.settle();
     let listed = window.app().model.listed.len();
     assert!(listed > 0 && listed < window.app().model.features().len());
-    // Zoomed in, so that a part of the picture is seen.
+    // Zoomed in, so that a part of the picture is visible.
     window.run_action("zoom in");
     window.run_action("zoom in");
     window.settle();
@@ -248,7 +248,7 @@ fn figures_show_what_the_panes_show() {
     let image = image::open(&png).unwrap().to_rgb8();
     let model = &window.app().model;
     let seen = window.app().widgets.get(model.focus()).unwrap().picture.visible_image.unwrap();
-    // Two pictures of what is seen, three pixels for each of theirs, and what is around them.
+    // Two pictures of the visible part, three pixels for each of its pixels, and their margins.
     let wide = 2.0 * 3.0 * seen.width();
     assert!((wide..wide + 60.0).contains(&(image.width() as f32)), "{} {wide}", image.width());
     let coloured = image.pixels().filter(|p| p.0.iter().max().unwrap() - p.0.iter().min().unwrap() > 60).count();
@@ -284,7 +284,7 @@ fn theme_panels_and_recent_bursts_are_remembered() {
 fn typing_gives_a_file_another_name_and_a_new_folder_is_announced() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::default().open();
-    // Nobody answers for the system's dialog, so the field opens with a name whose first part is selected.
+    // The system shows no dialog, so the field opens with a name whose first part is selected.
     window.run_action("export features as csv");
     window.wait("the field opens", |app| !app.choice().is_empty() || app.is_settled());
     window.harness.run_steps(3);
@@ -303,7 +303,7 @@ fn a_typed_name_of_a_file_that_is_there_is_asked_about() {
     let file = folder.path().join("params.toml");
     let mut window = Start::without_auto_detect().open();
     let type_name = |window: &mut crate::support::Window, file: &std::path::Path| {
-        // Nobody answers for the system's dialog, so the field opens.
+        // The system shows no dialog, so the field opens.
         window.run_action("save parameters");
         window.wait("the field opens", |app| app.is_settled());
         window.harness.run_steps(3);
@@ -360,7 +360,7 @@ fn what_is_open_is_never_written_over() {
     let mut window = start.open();
     for file in [&stack, &gold] {
         let before = std::fs::read(file).unwrap();
-        // The system's dialog has asked whether it may be replaced, and somebody said yes.
+        // The system's dialog has asked whether the file may be replaced, and the user agreed.
         window.dialogs.will_choose(file);
         window.run_action("picture as png");
         window.wait("a message", |app| !app.model.messages.errors().is_empty());

@@ -1,4 +1,4 @@
-//! The Lab: studies of charts, their curves, and the chart behind a point.
+//! Lab: studies of charts, their curves, and the chart behind a point.
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
@@ -15,7 +15,7 @@ fn small_chart() -> ChartParams {
     ChartParams { width: 240, height: 180, discs: 12, radius: 3.6..=11.0, max_slope: 2.0, ..ChartParams::default() }
 }
 
-/// The Lab with small charts, and SNRs as a person types them.
+/// The Lab with small charts, and SNRs as typed.
 fn lab(size: [f32; 2]) -> Window {
     let mut window = Start { size, ..Start::automatic() }.open();
     go_to(&mut window);
@@ -30,7 +30,7 @@ fn go_to(window: &mut Window) {
     type_snrs(window, "0.5, 0.9, 1.8");
 }
 
-/// Goes to the Lab and runs a study of a second or two.
+/// Opens the Lab and runs a study of a second or two.
 pub fn run_small_study(window: &mut Window) {
     go_to(window);
     run(window);
@@ -53,7 +53,7 @@ fn run(window: &mut Window) {
     window.settle();
 }
 
-/// What the command computes with the same settings.
+/// Study that the command runs with these settings.
 fn expected() -> ChartStudy {
     ChartStudy {
         chart: small_chart(),
@@ -76,7 +76,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
         let name = format!("Plot: {}, 3 curves", plot.title);
         assert!(window.harness.query_by_role_and_label(Role::Image, &name).is_some(), "{name}");
     }
-    // A point is chosen, and its chart made again: what is marked is what was counted.
+    // A point is chosen, and its chart made again: the marks are those that were counted.
     window.harness.get_by_role_and_label(Role::ComboBox, "Point").click();
     window.harness.run_steps(2);
     window.click("SIFT, one frame, SNR 0.5");
@@ -85,7 +85,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     let score = &report.rows[0].methods[0].charts[1];
     let shown = window.app().model.lab.current_chart().expect("a chart");
     assert_eq!((shown.of.seed, shown.looked.truth.features.len()), (score.seed, 12));
-    // At the threshold of the curves, and all that was detected.
+    // At the threshold of the curves, and for everything detected.
     assert!(window.shows(&format!("{} found", score.true_positives)));
     assert!(window.shows(&format!("{} missed", 12 - score.true_positives)));
     window.harness.get_by_role_and_label(Role::CheckBox, "All that was detected").click();
@@ -95,7 +95,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     window.harness.get_by_role_and_label(Role::CheckBox, "All that was detected").click();
     window.settle();
     window.snapshot("lab");
-    // It opens as a burst that knows its truth.
+    // The chart opens as a burst with known truth.
     window.click("Look at chart as burst");
     window.settle();
     assert_eq!(window.app().model.workspace, Workspace::Inspect);

@@ -1,4 +1,4 @@
-//! Lessons: every step of every one, played by its own data; leaving and coming back; lessons from files.
+//! Lessons: every step of each, played by its own data; leaving and coming back; lessons from files.
 
 use crate::support::{Memory, Start, Window};
 use burstscope::app::dialogs::Purpose;
@@ -14,7 +14,7 @@ use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
 
-/// The step of each lesson that its picture shows, from 1.
+/// Step of each lesson that its picture shows, from 1.
 const KEY_STEPS: [(&str, usize); 6] = [
     ("out-of-the-dark", 5),
     ("slope-is-depth", 4),
@@ -37,7 +37,7 @@ fn key(window: &mut Window, modifiers: Modifiers, key: Key) {
     window.harness.run_steps(2);
 }
 
-/// Does what the goal asks for, as a person does it.
+/// Fulfils the goal as a user would.
 fn fulfil(window: &mut Window, goal: &Goal) {
     let Goal { slope_u, slope_v, show, layout, frame, octave, level, frames_used, .. } = goal.clone();
     if let Some(layout) = layout {
@@ -120,13 +120,13 @@ fn fulfil(window: &mut Window, goal: &Goal) {
 }
 
 fn probe(window: &mut Window, near: Near) {
-    // Features that are drawn would be probed in place of the places beside them.
+    // Shown features would be probed instead of the places beside them.
     let [u, v] = near.place;
     let pos = window.app().ui_from_image(pos2(u, v)).expect("drawn");
     window.shift_click_at(pos);
 }
 
-/// The number fields of a parameter, by their place.
+/// Number fields of a parameter, in the order of their places.
 fn fields(window: &Window, label: &str) -> Vec<egui::accesskit::NodeId> {
     let nodes = window.harness.query_all_by_role_and_label(Role::SpinButton, label);
     nodes.map(|node| node.accesskit_node().locate().0).collect()
@@ -288,7 +288,7 @@ fn nothing_is_lost_of_what_was_open() {
     assert!(!window.app().model.in_lesson);
     assert!(state(&window) == before, "everything is as it was");
     assert!(window.app().model.history.can_undo(), "what was done before can be undone");
-    // Coming back begins where it was left, with what was done.
+    // Coming back continues at the step that was left, with the tasks done.
     window.run_action("lessons");
     window.harness.run_steps(5);
     assert!(window.shows("step 2 of"));
@@ -300,7 +300,7 @@ fn nothing_is_lost_of_what_was_open() {
     window.click("Step back");
     window.settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| (open.step, open.is_done())), Some((0, true)));
-    // What the window remembers is what was set outside the lesson, and how far one came in it.
+    // Settings are those made outside the lesson, and the progress in it.
     let mut memory = Memory::default();
     eframe::App::save(window.app_mut(), &mut memory);
     let settings = Settings::load(&memory);

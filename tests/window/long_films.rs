@@ -1,4 +1,4 @@
-//! A film that is opened as one burst, features of other parameters, and the database that COLMAP takes.
+//! A film opened as one burst, features of other parameters, and COLMAP's database.
 
 use crate::datasets::{dataset, few_slopes, start, walk};
 use crate::support::{Start, noisy_stack};
@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 #[test]
 fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
     let folder = tempfile::tempdir().unwrap();
-    // A few frames more than any burst has.
+    // A few frames more than a usual burst has.
     let film = folder.path().join("film");
     std::fs::create_dir_all(&film).unwrap();
     let (burst, truth) = burstscope::synth::synth_scene(
@@ -27,7 +27,7 @@ fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
     assert_eq!(dataset(&window).bursts.len(), length);
     assert!(!window.shows("frames are long for one burst"));
     window.settle();
-    // A burst of the usual length is not talked about.
+    // A burst of usual length has no note.
     let stack = noisy_stack(folder.path(), 10, 40, 40);
     let short = Start::of(&stack).open();
     assert!(!short.shows("are long for one burst"));
@@ -57,7 +57,7 @@ fn features_of_other_parameters_are_replaced_only_after_a_question() {
     window.click("Replace");
     window.settle();
     assert_eq!(features(&window), [2; 3]);
-    // The same parameters go on without a question.
+    // With unchanged parameters work continues without a question.
     window.click("Detect all");
     window.settle();
     assert!(!window.shows("Replace features?"));

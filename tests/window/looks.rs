@@ -1,4 +1,4 @@
-//! How the window looks. Each picture was looked at; a change of one has to be looked at again.
+//! Pictures of the window. Each was looked at; a changed one has to be looked at again.
 
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
@@ -29,7 +29,7 @@ fn single_frame() {
 fn dog_response() {
     let mut window = open();
     window.key(Key::Num3);
-    // The axis of the histogram keeps what it has shown, so each picture is waited for.
+    // The axis of the histogram depends on earlier pictures, so each picture is waited for.
     window.settle();
     window.slide("Octave", 1.0);
     window.app_mut().model.bottom_tab = BottomTab::Tally;
@@ -115,7 +115,7 @@ fn open_pair(size: [f32; 2]) -> Window {
     let mut start = Start { size, ..Start::default() };
     start.startup.second = Some(burstscope::requests::BurstSource::DemoLater);
     let mut window = start.open();
-    // The range of values is that of the picture that came first, which may be one before or after A's slope was found.
+    // The range of values depends on which picture came first: one before or after A's slope was found.
     let model = &mut window.app_mut().model;
     let picture = model.picture().cloned().expect("A is on show");
     model.look.ranges.forget();

@@ -1,4 +1,4 @@
-//! Why a feature has no match, and what was lost where.
+//! Reasons why features have no match, and the numbers lost at each stage.
 
 use crate::support::{Start, Window, given};
 use burstscope::Monitor;
@@ -48,7 +48,7 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let mut window = two_bursts();
     let found = window.app().model.losses().expect("the losses are known").clone();
     let a = found.request.request.a.clone();
-    // One far from the others, so that the click can mean no other.
+    // A feature far from the others, so that the click is unambiguous.
     let apart = |i: usize, j: usize| (a.features[i].u - a.features[j].u).hypot(a.features[i].v - a.features[j].v);
     let alone = |i: usize| (0..a.features.len()).filter(|&j| j != i).map(|j| apart(i, j)).fold(f32::MAX, f32::min);
     let lost = (0..a.features.len()).filter(|&i| matches!(found.lost[i], Lost::RatioTest | Lost::NoKeypoint));
@@ -92,7 +92,7 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     let answer = probe.answer.as_ref().unwrap();
     assert_eq!(answer.probe.pos_image, place);
     assert_eq!(answer.request.traced.cache.burst.name, "demo-later");
-    // Back again the place is not taken for one of the other burst.
+    // After swapping back, the place is not taken for one of the other burst.
     window.run_action("swap a and b");
     window.settle();
     assert_eq!(names(&window), ["demo", "demo-later"]);

@@ -1,4 +1,4 @@
-//! The window, driven as a person drives it: by what is written on its buttons, and by keys.
+//! The window, driven as a user drives it: by the labels of its buttons, and by keys.
 #![allow(clippy::unwrap_used)] // A test may panic; so may its helpers.
 
 #[cfg(feature = "raw")]

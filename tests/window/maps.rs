@@ -14,8 +14,8 @@ use egui_kittest::kittest::Queryable;
 use ndarray::Array3;
 use std::path::{Path, PathBuf};
 
-/// A dark room with a bright lamp on the right, as a `.npy` stack: the noise grows with the light. Discs move by (1,
-/// 0).
+/// Writes a dark room with a bright lamp on the right, as a `.npy` stack: the noise grows with the light. Discs move by
+/// (1, 0).
 pub fn lamp(folder: &Path) -> PathBuf {
     let (frames, height, width) = (8, 160, 240);
     let mut stream = Stream::new(5, 0);
@@ -62,7 +62,7 @@ fn the_local_noise_is_a_picture_of_its_own() {
     let map = model.picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert!(map.at(180, 80) > 2.0 * map.at(30, 30), "it is stronger in the light");
-    // Its range is not the frames'.
+    // Its range differs from that of the frames.
     let (own, frames) = (model.display_of(model.focus()), model.look.ranges.intensity);
     assert!(own.max < 0.1 * frames.max && own.map != frames.map, "{own:?} {frames:?}");
     assert!(window.shows("One range for all maps of the noise") && window.shows("Local noise"));
@@ -125,7 +125,7 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     let model = &window.app().model;
     let second = model.panes.shown()[1];
     assert_eq!(model.panes.get(second).unwrap().content, Content::Map(MapKind::Noise));
-    // The other pane shows the stack still.
+    // The other pane still shows the stack.
     assert_eq!(model.panes.get(model.panes.shown()[0]).unwrap().content, Content::Cursor);
     let session = Session::of(model).unwrap();
     let text = toml::to_string(&session).unwrap();

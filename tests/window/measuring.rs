@@ -16,7 +16,7 @@ fn open() -> Window {
     window
 }
 
-/// Drags from one place of the image of the pane in focus to another.
+/// Drags from one place of the focused pane's image to another.
 fn drag(window: &mut Window, from: Pos2, to: Pos2) {
     let [from, to] = [from, to].map(|pos| window.app().ui_from_image(pos).unwrap());
     window.harness.hover_at(from);
@@ -61,7 +61,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     assert_eq!(value, expected[10].value);
     let u = |row: &str| row.rsplit(',').nth(2).unwrap().parse::<f32>().unwrap();
     assert!((u(rows[0]) - u(of_stack[0]) + 1.0).abs() < 1e-3, "{} {}", rows[0], of_stack[0]);
-    // Escape puts the tool away, and then the pointer pans again.
+    // Escape deselects the tool, and the pointer pans again.
     window.key(Key::Escape);
     assert_eq!(window.app().model.measure.tool, Tool::Pan);
     window.click("Clear line");

@@ -1,4 +1,4 @@
-//! Several methods on the same burst.
+//! Several methods on one burst.
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
@@ -66,7 +66,7 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     window.harness.run_steps(2);
     let over = window.app().model.panes.over(left);
     assert!(matches!(over, Some(Over::Wipe { other, at }) if other == right && at > 0.55), "{over:?}");
-    // Which two they are is chosen beside the picture.
+    // The two methods are chosen beside the picture.
     let methods = |window: &Window| [left, right].map(|id| window.app().model.panes.get(id).unwrap().method.unwrap());
     assert_eq!(methods(&window), [Contender::Sift, Contender::Buff1d]);
     window.harness.get_by_role_and_label(Role::ComboBox, "Right").click();
@@ -103,7 +103,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     assert_eq!(*plane(dog), dog_view(burst, &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap());
     let name = format!("A: BuFF 1D, pane {}", model.panes.number(dog).unwrap());
     assert!(window.harness.query_by_role_and_label(Role::Canvas, &name).is_some(), "{name}");
-    // The others went along to the DoG of what they look at.
+    // The other panes switched to the DoG of their inputs.
     let [sift] = pane(&window, Contender::Sift)[..] else { panic!("one pane") };
     let model = &window.app().model;
     let params = Contender::Sift.params(&model.params);
@@ -172,7 +172,7 @@ fn the_comparison_is_kept_in_a_session() {
     let [before, after] = [&window, &other].map(|window| window.app().model.panes.arrangement().clone());
     assert_eq!((after.panes().len(), &after), (3, &before));
     assert!(other.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
-    // Before methods had panes a session said which two were in one place.
+    // Older sessions, without panes of methods, named the two methods in one place.
     let old = "version = 2\nburst = \"demo\"\ndetected = true\nworkspace = \"methods\"\n[methods]\n\
                methods = [\"sift\", \"merge\", \"buff1d\"]\nlayout = \"wipe\"\ntwo = [\"merge\", \"buff1d\"]\nwipe = 0.25\n";
     std::fs::write(&file, old).unwrap();

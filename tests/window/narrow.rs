@@ -1,4 +1,4 @@
-//! What a small window still shows.
+//! Contents that a small window still shows.
 
 use crate::support::{Start, Window};
 use burstscope::app::project::pair::Side;
@@ -41,7 +41,7 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     let wide = |role: Role, name: &str| {
         let named = window.harness.query_all_by_label_contains(name);
         let rects = named.filter(|node| node.accesskit_node().role() == role).map(|node| node.rect());
-        // A line of numbers has the name alone too, and the name with its value.
+        // The numbers' line contains the name alone too, and the name with its value.
         rects.max_by(|a, b| a.width().total_cmp(&b.width())).unwrap_or_else(|| panic!("{name} is missing"))
     };
     let numbers = ["Keypoints", "Putative", "Inliers", "Match ratio", "Match score", "Precision"];

@@ -1,4 +1,4 @@
-//! The tab that says what is known of the noise.
+//! The tab of the noise.
 
 use crate::maps::lamp;
 use crate::support::{Start, Window};

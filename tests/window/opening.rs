@@ -1,4 +1,4 @@
-//! Opening bursts, and what happens when that fails.
+//! Opening bursts, and failures of it.
 
 use crate::support::{Start, noisy_stack};
 use burstscope::requests::BurstSource;
@@ -65,7 +65,7 @@ fn where_the_system_has_no_dialog_a_path_can_be_typed() {
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 3, 40, 40);
     let mut window = Start::without_auto_detect().open();
-    // The script is empty, so the dialog answers "nothing" at once, as rfd does without a portal.
+    // The script is empty, so the dialog returns "nothing" at once, as rfd does without a portal.
     window.click("Open…");
     window.wait("the dialog's answer", |app| app.is_settled());
     assert!(window.shows("This system shows no file dialog"));

@@ -20,7 +20,7 @@ fn pair() -> Window {
     start.open()
 }
 
-/// Where the middle of the line of match `index` is, in points.
+/// Midpoint of the line of match `index`, in points.
 fn middle_of(window: &Window, index: usize) -> egui::Pos2 {
     let app = window.app();
     let row = app.model.pair.matches.as_ref().unwrap().row(index).unwrap();
@@ -60,7 +60,7 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
 #[test]
 fn a_match_is_pointed_at_chosen_and_seen_alone() {
     let mut window = pair();
-    // Zoomed in on one match that the others leave room.
+    // Zoomed in on one match with no others nearby.
     window.click("Sort by σ A");
     window.click("Sort by σ A");
     window.settle();
@@ -79,7 +79,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     assert_eq!(patches.a.request.kind, PictureKind::Stack { slope: row.a.slope }, "from its own motion stack");
     assert_eq!(patches.b.request.kind, PictureKind::Stack { slope: row.b.slope });
     assert!(window.shows(&format!("{:.3}", row.found.ratio)) && window.shows("Epipolar error"));
-    // Rows and keys choose too.
+    // Rows and keys select too.
     window.harness.get_by_role_and_label(Role::Row, &format!("Match {}", chosen + 1)).click();
     window.harness.run_steps(2);
     assert_eq!(window.app().model.pair.selected, None, "a click on the selected row takes the selection back");
@@ -294,23 +294,23 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     assert_eq!((picture.width(), picture.height()), (480 + gap + 480, 360));
 }
 
-/// The panes on the screen.
+/// Panes on the screen.
 fn shown(window: &Window) -> Vec<PaneId> {
     window.app().model.panes.shown()
 }
 
-/// Where a place of pane `id` is, in points.
+/// Position of a feature in pane `id`, in points.
 fn pos_in(window: &Window, id: PaneId, feature: &burstscope::detector::Feature) -> egui::Pos2 {
     window.app().widgets.pos_ui(id, egui::pos2(feature.u, feature.v)).unwrap()
 }
 
-/// Points at the middle of the line of the selected match between two panes; answers which match is found there.
+/// Hovers over the line of the selected match between two panes; returns the hovered match.
 fn match_between(window: &mut Window, a: PaneId, b: PaneId) -> Option<usize> {
     let model = &window.app().model;
     let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
     let (from, to) = (pos_in(window, a, row.a), pos_in(window, b, row.b));
     let mut found = None;
-    // A part of the line is in the gap between the two pictures, where nothing is pointed at.
+    // Part of the line is in the gap between the two pictures, where nothing is hovered.
     for part in [0.2, 0.4, 0.6, 0.8] {
         window.harness.hover_at(from + part * (to - from));
         window.harness.run_steps(2);
@@ -329,7 +329,7 @@ fn a_pane_that_is_split_has_its_part_of_the_matches() {
     let selected = window.app().model.pair.selected;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     assert_eq!(match_between(&mut window, a, b), selected);
-    // A twice: the lines begin where B's neighbour is, the other one keeps the ends.
+    // A twice: the lines begin at the pane beside B, the other one keeps the ends.
     window.click("Split right 1");
     window.key(Key::Num3);
     window.settle();
@@ -356,7 +356,7 @@ fn matches_go_to_where_a_person_puts_the_panes() {
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     let middle = |window: &Window, id: PaneId| window.app().widgets.rect_ui(id).unwrap().center();
     assert!(middle(&window, a).x < middle(&window, b).x);
-    // B is taken by its name and dropped below A.
+    // B is dragged by its name and dropped below A.
     let grip = window.app().widgets.rect_ui(b).unwrap().left_top() + egui::vec2(40.0, 12.0);
     let target = window.app().widgets.rect_ui(a).unwrap().center_bottom() - egui::vec2(0.0, 30.0);
     window.harness.hover_at(grip);
@@ -390,7 +390,7 @@ fn both_bursts_their_difference_a_wipe_and_a_flip() {
     let plane = |id: PaneId| model.panes.get(id).unwrap().picture.clone().unwrap().plane;
     assert_eq!(plane(difference).at(90, 70), plane(a).at(90, 70) - plane(b).at(90, 70));
     window.snapshot("two_bursts_difference");
-    // The pane of A with that of B over it.
+    // The pane of A with the picture of B over it.
     window.app_mut().model.panes.set_focus(a);
     window.key(Key::W);
     assert_eq!(window.app().model.panes.over(a), Some(Over::Wipe { other: b, at: 0.5 }));

@@ -38,7 +38,7 @@ fn slopes(window: &Window) -> Vec<f32> {
     panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
 }
 
-/// The middle of the canvas of pane `number`, in points.
+/// Centre of the canvas of pane `number`, in points.
 fn middle(window: &Window, number: usize) -> Pos2 {
     window.harness.get_by_role_and_label(Role::Canvas, &format!("Picture {number}")).rect().center()
 }
@@ -82,7 +82,7 @@ fn panes_are_split_by_buttons_and_keys_and_closed() {
     window.harness.run_steps(2);
     window.settle();
     assert_eq!(shown(&window).len(), 3);
-    // The same buttons on each pane, by its number.
+    // Each pane has these buttons, named by its number.
     window.click("Close pane 2");
     window.settle();
     assert_eq!(shown(&window).len(), 2);
@@ -266,7 +266,7 @@ fn a_pane_shows_the_other_burst() {
     let pane = model.panes.get(shown(&window)[1]).unwrap();
     assert_eq!(pane.side, Side::B);
     assert_eq!(pane.picture.as_ref().unwrap().request.burst.id, model.burst_of(Side::B).unwrap().id);
-    // Closing B takes the pane with it.
+    // Closing B also closes the pane.
     window.run_action("close b");
     window.settle();
     assert_eq!(shown(&window), [PaneId::of(Side::A)]);

@@ -18,7 +18,7 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
     };
     window.wait("they are cancelled", said("cancelled"));
     assert!(window.app().model.busy.figures.is_none() && !out.join("index.html").exists());
-    // One of them, with little material: the way to it is shown.
+    // One figure, with little material: the path to it is shown.
     let job = FiguresJob { out: out.clone(), only: vec![PaperFigure::Fig9], size: FigureSize::Quick, colmap: None };
     window.app().engine.figures.start(job);
     window.wait("it is there", said("index.html"));

@@ -1,11 +1,11 @@
 //! Comparing the window with its pictures in `screenshots/`.
 //!
-//! Beside `NAME.png` stands `NAME.txt`: the roles, texts and places of everything that is drawn, as screen readers
-//! are told. This structure does not depend on the graphics driver, and is compared everywhere. Pixels are compared
-//! where the driver is the one that made them, which `driver.txt` names; other drivers round edges differently.
+//! Beside `NAME.png` is `NAME.txt`: the roles, texts and places of all drawn elements, as given to screen readers. This
+//! structure does not depend on the graphics driver, and is always compared. Pixels are compared on the driver that
+//! made them, named in `driver.txt`; other drivers round edges differently.
 //!
-//! With `UPDATE_SNAPSHOTS=1` both files of what has changed are written anew; `UPDATE_SNAPSHOTS=force` writes all, and
-//! the name of the driver.
+//! `UPDATE_SNAPSHOTS=1` rewrites both files of changed pictures; `UPDATE_SNAPSHOTS=force` rewrites all, and the name of
+//! the driver.
 
 use egui::Rect;
 use egui::accesskit::Role;
@@ -16,21 +16,21 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// How far a place may be from the one in the file, points.
+/// Maximum difference of a place from that in the file, points.
 const TOLERANCE: f32 = 4.0;
 
-/// The driver on which this program draws.
+/// Driver on which this program draws.
 static DRIVER: OnceLock<String> = OnceLock::new();
 
-/// Notes on which driver the program draws.
+/// Notes the driver on which the program draws.
 pub fn drawn_on(adapter: &wgpu::AdapterInfo) {
     DRIVER.get_or_init(|| format!("{}, {} {}", adapter.name, adapter.driver, adapter.driver_info));
 }
 
-/// Compares what `harness` shows with the picture `name`.
+/// Compares the window of `harness` with the picture `name`.
 ///
 /// # Panics
-/// It differs; or pictures of another driver were to be updated one by one.
+/// When it differs, or when pictures of another driver were to be updated one by one.
 #[track_caller]
 pub fn compare<State>(harness: &mut Harness<'_, State>, name: &str) {
     let folder = &harness.options().output_path;
@@ -61,7 +61,7 @@ pub fn compare<State>(harness: &mut Harness<'_, State>, name: &str) {
         harness.snapshot(name);
     } else {
         println!("'{name}' is compared by its structure: it was made on '{}', and this is '{here}'", made_on.trim());
-        // That it can be drawn shows here, too.
+        // Also checks that the window can be drawn.
         harness.render().expect("it can be drawn");
     }
 }
@@ -70,7 +70,7 @@ fn write(path: &Path, text: &str) {
     std::fs::write(path, text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }
 
-/// The structure in the file, which is empty where there is none.
+/// Structure in the file; empty where there is none.
 fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
@@ -89,15 +89,15 @@ fn check_structure(path: &Path, shown: &str) {
     }
 }
 
-/// A line for each element that lies in the window and says something: its left, top, width and height in points, its
-/// role, its text, and its value or state.
+/// Writes a line for each element in the window that has a text: its left, top, width and height in points, its role,
+/// its text, and its value or state.
 fn structure_of(root: &Node<'_>, window: Rect) -> String {
     let mut text = String::new();
     for node in root.children_recursive() {
         let element = node.accesskit_node();
         let (label, value) = (element.label().unwrap_or_default(), element.value().unwrap_or_default());
         let silent = label.is_empty() && value.is_empty() && element.toggled().is_none();
-        // Runs of text repeat what their label says.
+        // Runs of text repeat their labels.
         let is_part = element.role() == Role::TextRun;
         if silent || is_part || element.is_hidden() || element.bounding_box().is_none() {
             continue;
@@ -125,7 +125,7 @@ fn structure_of(root: &Node<'_>, window: Rect) -> String {
     text
 }
 
-/// Left, top, width and height, and what is there.
+/// Left, top, width and height, and the rest of the line.
 fn placed(line: &str) -> Option<([f32; 4], &str)> {
     let mut parts = line.splitn(5, ' ');
     let mut number = || parts.next()?.parse().ok();
@@ -133,7 +133,7 @@ fn placed(line: &str) -> Option<([f32; 4], &str)> {
     Some((place, parts.next()?))
 }
 
-/// The lines that are in one of two structures alone, or in both but at other places; `None` where there are none.
+/// Lines that only one of two structures has, or both at different places; `None` where there are none.
 fn differences(expected: &str, shown: &str) -> Option<String> {
     let is_same = |a: &str, b: &str| match (placed(a), placed(b)) {
         (Some((a, what_a)), Some((b, what_b))) => {

@@ -1,4 +1,4 @@
-//! The probe: asked by click, key and menu; what its panel says and does; slices through the frames.
+//! Probe: asked by click, key and menu; the content and buttons of its panel; slices through the frames.
 
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
@@ -26,7 +26,7 @@ fn shift(window: &mut Window, key: Key) {
     window.harness.run_steps(2);
 }
 
-/// The middle of an image of the panel.
+/// Rectangle of an image in the panel.
 fn rect_of(window: &Window, label: &str) -> egui::Rect {
     window.harness.get_by_role_and_label(Role::Image, label).rect()
 }
@@ -48,7 +48,7 @@ fn a_feature_says_why_it_was_kept() {
     let traced = answer(&window).request.traced.cache.clone();
     assert_eq!(traced.detection().features, window.app().model.features(), "one search, or the same bits");
     window.snapshot("probe_feature");
-    // A click in the map goes to that slope and scale.
+    // A click in the map sets that slope and scale.
     let rect = rect_of(&window, "Response over slope and scale");
     window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height()));
     window.settle();
@@ -61,7 +61,7 @@ fn a_feature_says_why_it_was_kept() {
 #[test]
 fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     let mut window = demo();
-    // Features that are drawn would be probed in place of the places beside them.
+    // Shown features would be probed instead of the places beside them.
     window.app_mut().model.look.overlay = false;
     let ui = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).unwrap();
     let near = |window: &Window, u: f32, v: f32| {
@@ -96,7 +96,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     window.harness.run_steps(2);
     window.settle();
     near(&window, 180.0, 60.0);
-    // In a frame the place under the pointer has moved on since mid-burst.
+    // In a frame the place under the pointer has moved since mid-burst.
     window.key(Key::Num1);
     window.settle();
     let (cursor, used) = (*window.app().model.cursor(), window.app().model.frame_count());
@@ -134,7 +134,7 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     window.settle();
     let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
     assert_eq!(fate.first_failed, Some(Test::PeakThreshold));
-    // Without detecting after each change the answer waits, and says so.
+    // Without automatic detection the answer is marked as stale.
     let change = fate.remedy.expect("a lower threshold").change;
     window.click(&format!("Apply {}", change.label()));
     window.settle();
@@ -147,7 +147,7 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
 #[test]
 fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     let mut window = demo();
-    // The moon, which stands still.
+    // The moon, which does not move.
     let pos = window.app().ui_from_image(pos2(92.0, 58.0)).unwrap();
     window.shift_click_at(pos);
     window.settle();
@@ -164,7 +164,7 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     );
     window.snapshot("probe_slice");
     let rect = rect_of(&window, "Slice along the motion");
-    // The first drag gives the pane the focus; the pointer then is where the line goes in the last row.
+    // The first drag focuses the pane; the pointer is then where the line crosses the last row.
     window.click_at(rect.center());
     assert_eq!(window.app().model.panes.focus(), shown[1]);
     let slopes = |window: &Window| -> Vec<Slope> {

@@ -1,5 +1,5 @@
-//! What a burst that moves both ways shows of its motion: the probe's map of both slopes, slices along and across the
-//! motion, and the map of winning slopes.
+//! Burst that moves along both axes: the probe's map of both slopes, slices along and across the motion, and the map of
+//! winning slopes.
 
 use crate::support::{Start, Window};
 use burstscope::app::pane::{Content, SliceAxis};
@@ -15,7 +15,7 @@ use egui_kittest::kittest::Queryable;
 use ndarray::Array3;
 use std::path::{Path, PathBuf};
 
-/// Discs on the left move by (1, −1), those on the right by (−1, 0.5); as a `.npy` stack.
+/// Discs on the left move by (1, −1), those on the right by (−1, 0.5); a `.npy` stack.
 const LEFT: Slope = Slope { u: 1.0, v: -1.0 };
 const RIGHT: Slope = Slope { u: -1.0, v: 0.5 };
 const SIZE: (usize, usize) = (240, 160);
@@ -54,7 +54,7 @@ fn open(folder: &Path) -> Window {
     window
 }
 
-/// Selects the strongest feature and asks why it is one.
+/// Selects the strongest feature and probes it.
 fn probe_strongest(window: &mut Window) -> Feature {
     window.key(Key::Home);
     window.click("Why?");
@@ -74,7 +74,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
     let feature = probe_strongest(&mut window);
-    // Room for what stands below.
+    // Makes space for the widgets below.
     window.harness.get_by_label("Candidates here").click();
     window.settle();
     let rect = rect_of(&window, "Response over both slopes");
@@ -87,7 +87,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     let peak = (plane.u.values[column], plane.v.values[row]);
     assert!((peak.0 - feature.slope.u).abs() < 0.5 && (peak.1 - feature.slope.v).abs() < 0.5, "{peak:?} {feature:?}");
     window.snapshot("probe_both_slopes");
-    // A click goes to that slope, at the scale of the map. The middle of the range is slope 0.
+    // A click sets that slope, at the scale of the map. The centre of the range is slope 0.
     window.click_at(rect.center());
     window.settle();
     let (model, scale) = (&window.app().model, plane.scale);
@@ -96,7 +96,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     assert!(near_zero(cursor.slope.u) && near_zero(cursor.slope.v), "{:?}", cursor.slope);
     assert!(model.focused().shows(ViewKind::Dog));
     assert_eq!((cursor.octave, cursor.level), (scale.octave, scale.level));
-    // A row of the map above chooses the scale of the map below.
+    // A click in a row of the upper map sets the scale of the lower one.
     let above = rect_of(&window, "Response over slope and scale");
     window.click_at(pos2(above.center().x, above.top() + 0.7 * above.height()));
     window.settle();
@@ -121,12 +121,12 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     let on = |direction: [f32; 2], slope: Slope| slope.u * direction[0] + slope.v * direction[1];
     assert!(on(across, feature.slope).abs() < 0.02, "along its own motion nothing moves across");
     window.snapshot("probe_slice_across");
-    // The line of the slope is dragged to the side: the slope changes across the motion alone.
+    // The line of the slope is dragged sideways: only the slope's component across the motion changes.
     let rect = rect_of(&window, "Slice across the motion");
     window.click_at(rect.center());
     let slope = |window: &Window| window.app().model.panes.get(shown[2]).unwrap().cursor.slope;
     let before = slope(&window);
-    // The slice has room for numbers on its left.
+    // The slice has space for numbers on its left.
     let from = rect.center() + vec2(13.0, 45.0);
     window.drag(from, from + vec2(11.0, 0.0));
     let after = slope(&window);
@@ -150,7 +150,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     assert_eq!(model.focused().content, Content::Map(MapKind::Motion));
     let picture = model.picture().unwrap();
     let motion = picture.motion.clone().expect("a map of the motion");
-    // It is what the library makes of the same detection.
+    // It equals the library's map of this detection.
     let trail = &model.probe.answer.as_ref().unwrap().request.traced.cache.trail;
     let expected = winning_slopes(trail, feature.octave, feature.level, &Monitor::default()).unwrap();
     assert_eq!(motion.winning, expected);

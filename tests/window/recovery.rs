@@ -1,4 +1,4 @@
-//! The session that is saved by itself, and what is offered after an end that was not ordinary.
+//! The automatically saved session, and the offer after an unexpected end.
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::Startup;
@@ -14,13 +14,13 @@ use std::time::{Duration, SystemTime};
 
 const OFFER: &str = "did not end in the ordinary way";
 
-/// A window that keeps its session in `folder`, after each change.
+/// Start of a window that saves its session in `folder`, after each change.
 fn keeping(folder: &Path, start: Start) -> Start {
     let kept = Some(KeptIn { folder: folder.to_owned(), every: Duration::ZERO });
     Start { startup: Startup { kept, ..start.startup }, ..start }
 }
 
-/// The sessions that are kept in `folder`.
+/// Sessions saved in `folder`.
 fn sessions(folder: &Path) -> Vec<Session> {
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let texts = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
@@ -43,12 +43,12 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     window.wait("the session is kept", |_| kept_slope());
     window.settle();
 
-    // Another window meanwhile takes it for what it is: somebody else's.
+    // Another running window does not offer the session, which is still in use.
     let other = keeping(&folder, Start::nothing_open()).open();
     assert!(!other.shows(OFFER));
     end_in_the_ordinary_way(other);
 
-    // The first ends without a word.
+    // The first window ends unexpectedly.
     drop(window);
     let mut next = keeping(&folder, Start::without_auto_detect()).open();
     assert!(next.shows(OFFER) && next.shows("noisy.npy"));
@@ -58,12 +58,12 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     assert!(!next.shows(OFFER));
     assert_eq!(next.app().model.size(), (128, 96));
     assert_eq!(next.app().model.cursor().slope, Slope::new(1.25, 0.0));
-    // It is this window's own now: a crash right after loses nothing.
+    // The session now belongs to this window: a crash right after loses nothing.
     assert!(kept_slope());
     drop(next);
     let next = keeping(&folder, Start::nothing_open()).open();
     assert!(next.shows(OFFER));
-    // Unanswered it is offered again.
+    // Unanswered, it is offered again.
     end_in_the_ordinary_way(next);
     let mut last = keeping(&folder, Start::nothing_open()).open();
     last.click("Forget");
@@ -114,7 +114,7 @@ fn the_offer_looks_like_this() {
 fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
     let home = tempfile::tempdir().unwrap();
     let mut start = keeping(home.path(), Start::without_auto_detect());
-    // Never by itself in this test.
+    // No automatic saving in this test.
     start.startup.kept.as_mut().unwrap().every = Duration::from_secs(3600);
     let mut device = None;
     let builder = crate::harness::builder(start.size).wgpu_setup(crate::harness::wgpu_setup());
@@ -133,7 +133,7 @@ fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
     window.harness.step();
     assert!(commands(&window).contains(&egui::ViewportCommand::Close));
     assert!(sessions(home.path()).iter().any(|session| session.scrub.slope == Slope::new(-1.5, 0.0)));
-    // The drawing ends; should no other device be found, the session is there at the next start.
+    // The drawing ends; if no other device is found, the session is offered at the next start.
     end_in_the_ordinary_way(window);
     assert!(keeping(home.path(), Start::nothing_open()).open().shows(OFFER));
 }
@@ -144,7 +144,7 @@ fn a_window_that_is_asked_to_end_from_outside_finishes_its_files_and_keeps_its_s
     let folder = home.path().join("running");
     let end = EndRequest::default();
     let mut start = keeping(&folder, Start::without_auto_detect());
-    // Never by itself in this test.
+    // No automatic saving in this test.
     start.startup.kept.as_mut().unwrap().every = Duration::from_secs(3600);
     start.startup.end = end.clone();
     let mut window = start.open();
@@ -162,7 +162,7 @@ fn a_window_that_is_asked_to_end_from_outside_finishes_its_files_and_keeps_its_s
     assert!(commands(&window).contains(&egui::ViewportCommand::Close));
     let is_kept = || sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(-1.5, 0.0));
     assert!(is_kept());
-    // The window closes as it does when a person closes it; but nobody did.
+    // The window closes in the ordinary way; but no user closed it.
     end_in_the_ordinary_way(window);
     assert!(is_kept() && file.is_file());
     assert!(keeping(&folder, Start::nothing_open()).open().shows(OFFER));
@@ -176,7 +176,7 @@ fn a_session_that_could_not_be_written_is_written_later() {
     let mut window = keeping(&folder, Start::without_auto_detect()).open();
     window.wait("the session is kept", |_| !sessions(&folder).is_empty());
     window.settle();
-    // A file where the folder should be: nothing can be written there.
+    // A file in the place of the folder: nothing can be written there.
     std::fs::rename(&folder, &aside).unwrap();
     std::fs::write(&folder, "").unwrap();
     window.slide("Slope u", 0.75);

@@ -1,4 +1,4 @@
-//! Slopes found by themselves.
+//! Automatically found slopes.
 
 use crate::support::{Start, Window};
 use burstscope::app::project::cursor::slope_limit;
@@ -21,7 +21,7 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
     assert_eq!((grid(&window), found.params.slopes), (finding.grid, finding.grid));
     assert!(finding.grid.is_plane() && model.stale().is_none());
     assert!(window.shows(&format!("Found: u {}", finding.grid.u)));
-    // The sliders range over what was found.
+    // The sliders range over the found slopes.
     assert!(slope_limit(&model.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
     assert_eq!(model.slots.a.usable_params.slopes, finding.grid);
 }
@@ -37,7 +37,7 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     window.click("Reset Slopes");
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window)), (SlopeChoice::AUTO, found));
-    // A range that is edited by hand is a range that is given.
+    // A range edited by hand counts as given.
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window).v.count), (SlopeChoice::Given, 3));
@@ -65,7 +65,7 @@ fn sessions_keep_the_switch_and_older_ones_their_ranges() {
     let mut restored = Start::without_auto_detect().open();
     Session::from_toml(&text).unwrap().apply(&mut restored.app_mut().model);
     assert!(restored.app().model.slopes.is_auto());
-    // As sessions were written before slopes were found.
+    // A session from before slopes were found.
     let older = "version = 1\nburst = \"demo\"\n[params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
     Session::from_toml(older).unwrap().apply(&mut window.app_mut().model);
     window.settle();

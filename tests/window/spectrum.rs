@@ -1,4 +1,4 @@
-//! Which slopes a burst needs: bars under the slider, the tab with its advice.
+//! Slopes that a burst needs: bars under the slider, the tab with its advice.
 
 use crate::support::{Start, Window};
 use burstscope::app::project::BottomTab;
@@ -10,7 +10,7 @@ use egui_kittest::kittest::Queryable;
 use ndarray::Array3;
 use std::path::{Path, PathBuf};
 
-/// Many discs that all move by (2.5, 0), with noise, as a `.npy` stack.
+/// Writes many discs that all move by (2.5, 0), with noise, as a `.npy` stack.
 pub fn fast(folder: &Path) -> PathBuf {
     let (frames, height, width) = (8, 150, 220);
     let mut stream = Stream::new(11, 0);
@@ -31,7 +31,7 @@ pub fn fast(folder: &Path) -> PathBuf {
     path
 }
 
-/// The burst, searched in a range that is too narrow.
+/// Window on the burst, searched in a range that is too narrow.
 fn open(folder: &Path) -> Window {
     let mut start = Start { size: [1280.0, 800.0], ..Start::of(&fast(folder)) };
     start.startup.params =
@@ -42,7 +42,7 @@ fn open(folder: &Path) -> Window {
     window
 }
 
-/// The slopes are looked at by themselves, unless the detection took long.
+/// Opens the tab; slopes are analysed automatically, unless the detection took long.
 fn look_at_slopes(window: &mut Window) {
     window.app_mut().model.bottom_tab = BottomTab::Slopes;
     window.settle();
@@ -97,7 +97,7 @@ fn the_ends_of_the_range_are_dragged_below_the_slider() {
     assert!(window.harness.query_by_label("Features and evidence below the slider").is_some());
     let end = window.harness.get_by_role_and_label(Role::Slider, "Range end u").rect().center();
     let start = window.harness.get_by_role_and_label(Role::Slider, "Range start u").rect().center();
-    // As far as from the middle to the end is 1 px/frame.
+    // The distance from the middle to the end is 1 px/frame.
     let unit = 0.5 * (end.x - start.x);
     window.harness.hover_at(end);
     window.harness.run_steps(1);

@@ -1,4 +1,4 @@
-//! Undo and redo, the clipboard, menus at the pointer, and keys while a dialog is open.
+//! Undo and redo, the clipboard, context menus, and keys while a dialog is open.
 
 use crate::support::{Start, Window};
 use burstscope::app::project::cursor::ViewKind;
@@ -12,7 +12,7 @@ fn redo(window: &mut Window) {
     window.harness.run_steps(2);
 }
 
-/// What the window puts on the clipboard while `act` runs: texts, and the sizes of pictures.
+/// Clipboard contents set by the window while `act` runs: texts, and the sizes of pictures.
 fn copied(window: &mut Window, act: impl FnOnce(&mut Window)) -> Vec<String> {
     act(window);
     let mut texts = Vec::new();
@@ -92,7 +92,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
     let first = window.app().model.features()[window.app().model.selected.unwrap()];
     assert_eq!(texts.len(), 1);
     assert!(texts[0].starts_with("u\tv\tsigma") && texts[0].contains(&format!("\n{}\t{}", first.u, first.v)));
-    // Without a selection it is the value under the pointer.
+    // Without a selection, the value under the pointer is copied.
     window.key(Key::Escape);
     let at = window.app().ui_from_image(pos2(300.2, 40.3)).unwrap();
     window.harness.hover_at(at);
@@ -132,7 +132,7 @@ fn rows_and_features_have_menus() {
 fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
     let mut window = Start::without_auto_detect().open();
     let before = *window.app().model.cursor();
-    // The key that opens the dialog and one after it in the same pass.
+    // The key that opens the dialog, and one after it in the same pass.
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
     window.harness.key_press(Key::Num3);
     window.harness.step();
@@ -140,7 +140,7 @@ fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
     window.harness.run_steps(2);
     assert_eq!(*window.app().model.cursor(), before);
     assert!(window.shows("Open a path"));
-    // The palette does not come on top of it.
+    // The palette does not open over it.
     window.harness.key_press_modifiers(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::P);
     window.harness.run_steps(2);
     assert!(!window.shows("Find an action"));

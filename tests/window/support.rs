@@ -1,4 +1,4 @@
-//! A window for tests, and what a person's hands do to it.
+//! A window for tests, and the actions of a user on it.
 
 use crate::{harness as common, pictures};
 use burstscope::app::dialogs::{FileDialogs, Question};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// What has not happened after this will not happen.
+/// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Dialogs that answer from a list.
@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(120);
 pub struct Scripted(Arc<Mutex<VecDeque<Option<PathBuf>>>>);
 
 impl Scripted {
-    /// The next dialog answers this path.
+    /// Sets the path that the next dialog returns.
     pub fn will_choose(&self, path: impl Into<PathBuf>) {
         self.0.lock().unwrap().push_back(Some(path.into()));
     }
@@ -36,7 +36,7 @@ impl FileDialogs for Scripted {
     }
 }
 
-/// What the program remembers from run to run, in memory instead of a file.
+/// Storage of the program's settings, in memory instead of a file.
 #[derive(Default)]
 pub struct Memory(HashMap<String, String>);
 
@@ -53,13 +53,13 @@ impl eframe::Storage for Memory {
     fn flush(&mut self) {}
 }
 
-/// A window and the dialogs' script.
+/// Window, and the script of its dialogs.
 pub struct Window {
     pub harness: Harness<'static, BurstscopeApp>,
     pub dialogs: Scripted,
 }
 
-/// How a window starts.
+/// Settings with which a window starts.
 pub struct Start {
     pub size: [f32; 2],
     pub pixels_per_point: f32,
@@ -72,21 +72,21 @@ impl Default for Start {
     }
 }
 
-/// The demo, searched at the usual slopes: tests of the slopes that are found ask for these.
+/// The demo, searched at the default slopes: for tests of given slopes.
 pub fn given() -> Startup {
     Startup { params: DetectorParams::default().into(), ..Startup::default() }
 }
 
-/// Has the program decode raw files in processes of its own, as the window of the program does.
+/// Lets worker processes decode raw files, as the window of the program does.
 fn with_decode_worker() {
     use burstscope::burst::DecodeWorker;
     let program = PathBuf::from(env!("CARGO_BIN_EXE_burstscope"));
-    // All windows of these tests share it; the first one stays.
+    // All windows of these tests share the worker; the first setting stays.
     DecodeWorker { program, arguments: vec![burstscope::cli::DECODE_WORKER.into()] }.install();
 }
 
 impl Start {
-    /// As the program starts: slopes are found.
+    /// Settings as the program starts: slopes are found.
     pub fn automatic() -> Self {
         Self { startup: Startup::default(), ..Self::default() }
     }
@@ -106,7 +106,7 @@ impl Start {
         Self { startup, ..Self::default() }
     }
 
-    /// Opens the window and waits until everything is there.
+    /// Opens the window and waits until it is settled.
     pub fn open(self) -> Window {
         let mut window = self.open_without_waiting();
         window.settle();
@@ -138,10 +138,10 @@ impl Window {
         self.harness.state_mut()
     }
 
-    /// Runs the window until nothing is wanted that is not there.
+    /// Runs the window until no requested result is missing.
     pub fn settle(&mut self) {
         self.wait("the window comes to rest", |app| app.is_settled());
-        // What was measured in one pass is placed in the next.
+        // Sizes measured in one pass are used in the next.
         self.harness.run_steps(3);
         self.wait("the window comes to rest", |app| app.is_settled());
     }
@@ -160,7 +160,7 @@ impl Window {
         }
     }
 
-    /// Presses a button (or another thing to click) with this text.
+    /// Clicks a button (or another clickable widget) with this text.
     pub fn click(&mut self, label: &str) {
         self.harness.get_by_role_and_label(Role::Button, label).click();
         self.harness.run_steps(2);
@@ -187,7 +187,7 @@ impl Window {
         self.harness.run_steps(2);
     }
 
-    /// Lets a file or folder go over the window.
+    /// Drops a file or folder on the window.
     pub fn drop_file(&mut self, path: PathBuf) {
         #[derive(Debug)]
         struct Dropped(PathBuf);
@@ -209,7 +209,7 @@ impl Window {
         self.harness.run_steps(2);
     }
 
-    /// Clicks at a place of the window, with the pauses that a hand makes.
+    /// Clicks at a place of the window, with a pause between the events.
     pub fn click_at(&mut self, pos: egui::Pos2) {
         self.harness.hover_at(pos);
         self.harness.run_steps(1);
@@ -237,8 +237,8 @@ impl Window {
         self.harness.run_steps(1);
     }
 
-    /// Clicks twice at a place of the window. A step here takes longer than a hand's double click, so that one may be
-    /// slower.
+    /// Double-clicks at a place of the window. A step here takes longer than a person's double click, so a slower one
+    /// is accepted.
     pub fn double_click_at(&mut self, pos: egui::Pos2) {
         let set_delay = |window: &Self, seconds| {
             window.harness.ctx.options_mut(|o| o.input_options.max_double_click_delay = seconds);
@@ -250,7 +250,7 @@ impl Window {
         set_delay(self, usual);
     }
 
-    /// Drags from one place of the window to another, with the stops that a hand makes on the way.
+    /// Drags from one place of the window to another, with stops on the way.
     pub fn drag(&mut self, from: egui::Pos2, to: egui::Pos2) {
         self.harness.hover_at(from);
         self.harness.run_steps(1);
@@ -265,7 +265,7 @@ impl Window {
         self.settle();
     }
 
-    /// Whether this text can be read somewhere.
+    /// Whether any widget shows this text.
     pub fn shows(&self, text: &str) -> bool {
         self.harness.query_all_by_label_contains(text).next().is_some()
             || self
@@ -281,7 +281,7 @@ impl Window {
         self.compare(name);
     }
 
-    /// The same with the pointer at a place of the window.
+    /// Compares the window with the picture of this name, with the pointer at a place of the window.
     pub fn snapshot_with_pointer(&mut self, name: &str, pos: egui::Pos2) {
         self.harness.hover_at(pos);
         self.harness.run_steps(30);
@@ -290,11 +290,11 @@ impl Window {
 
     fn compare(&mut self, name: &str) {
         self.settle();
-        // Of the answers for two bursts, or for several methods, which comes last differs from run to run.
+        // Which of several bursts' or methods' answers comes last differs from run to run.
         if matches!(self.app().model.workspace, Workspace::Pair | Workspace::Methods) {
             self.app_mut().model.messages.note("");
         }
-        // How long it took differs from run to run.
+        // Durations differ from run to run.
         if let Some(found) = &mut self.app_mut().model.slots.a.found {
             found.elapsed = Duration::from_millis(120);
         }

@@ -9,13 +9,13 @@ use egui_kittest::kittest::Queryable;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Fourteen cameras on an arc that rises a little, looking along +z.
+/// Centres of fourteen cameras on an arc that rises a little, looking along +z.
 fn true_centres() -> Vec<[f64; 3]> {
     (0..14).map(|k| f64::from(k) * 0.2).map(|t| [3.0 * t.sin(), 0.3 * t, 3.0 * (1.0 - t.cos())]).collect()
 }
 
-/// The truth as a file of trajectories with names, and a sparse model of another scale in which one camera is missing
-/// and the others are a little off.
+/// Writes the truth as a trajectory file with names, and a sparse model of another scale in which one camera is missing
+/// and the others are slightly off.
 fn files(home: &Path) -> (PathBuf, PathBuf) {
     let (mut truth, mut images, mut points) = (String::new(), String::new(), String::new());
     for (k, [x, y, z]) in true_centres().into_iter().enumerate() {
@@ -25,7 +25,7 @@ fn files(home: &Path) -> (PathBuf, PathBuf) {
         }
         let off = 0.05 * ((7 * k % 5) as f64 - 2.0);
         let (x, y, z) = (2.0 * x + off, 2.0 * y - off, 2.0 * z + 0.5 * off);
-        // A sparse model has the world in the camera. The cameras nod a little more than they should.
+        // A sparse model holds transforms from world to camera. The cameras' pitch is slightly wrong.
         let half = 0.002 * ((5 * k % 7) as f64 - 3.0);
         let (sin, cos) = ((2.0 * half).sin(), (2.0 * half).cos());
         let (x, y, z) = (-x, -(cos * y - sin * z), -(sin * y + cos * z));
@@ -144,7 +144,7 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     window.settle();
     assert!(window.shows("broken.txt") && window.shows("line 1"));
     assert!(window.app().model.trajectories.report().is_some());
-    // A truth of other places: both are there, but nothing to compare.
+    // A truth of other places: both are read, but nothing can be compared.
     let other = home.path().join("other.txt");
     std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
     window.drop_file(other);
@@ -177,7 +177,7 @@ fn trajectories() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
     let compared = &mut window.app_mut().model.trajectories.compared;
-    // Where this test's files lie differs from run to run.
+    // The place of this test's files differs from run to run.
     compared.estimate.as_mut().unwrap().0 = "/data/rec/sparse".into();
     compared.truth.as_mut().unwrap().0 = "/data/truth.txt".into();
     window.app_mut().model.trajectories.selected = Some(3);

@@ -1,4 +1,4 @@
-//! Found, missed, repeated and elsewhere, where it is known what is really there.
+//! Found, missed, repeated and other features, where the truth is known.
 
 use crate::support::{Start, noisy_stack};
 use burstscope::app::project::against::{Kind, With};
@@ -26,10 +26,10 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     let sizes = [expected.found.len(), expected.missed.len(), expected.repeated.len(), expected.elsewhere.len()];
     assert_eq!(counts, sizes);
     assert!(counts[0] > 0 && counts[1] > 0, "{counts:?}");
-    // Of a scene the truth tells only some of what is there.
+    // The truth of a scene lists only some of its features.
     assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
     assert!(!shown.is_whole_truth && !window.app().model.against.shows(Kind::Ours));
-    // A miss tells its fate.
+    // A miss tells its reason.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);
     window.harness.get_by_role_and_label(Role::Row, "Missed 1").click();
     window.settle();

@@ -1,4 +1,4 @@
-//! What those actions do that only change values of the project: what is shown, selected, linked.
+//! Actions that only change values of the project: content, selection, links.
 
 use super::ActionId;
 use crate::app::canvas::overlay::ColourBy;
@@ -10,7 +10,7 @@ use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::requests::MapKind;
 
-/// The actions that only change what is shown.
+/// Runs an action that only changes the project.
 pub(super) fn change_model(model: &mut Model, id: ActionId) {
     use ActionId as A;
     match id {
@@ -82,7 +82,7 @@ pub(super) fn change_model(model: &mut Model, id: ActionId) {
     }
 }
 
-/// The actions that move the cursor of the pane in focus.
+/// Runs an action that moves the cursor of the focused pane.
 fn move_cursor(model: &mut Model, id: ActionId) {
     use ActionId as A;
     let grid = model.cursor_params().slopes;
@@ -118,7 +118,7 @@ fn move_cursor(model: &mut Model, id: ActionId) {
         A::LevelUp => cursor.level += 1,
         _ => {}
     }
-    // A key that moves through frames or scales is meant to be seen.
+    // A key that moves through frames or scales also shows a frame or a scale.
     match id {
         A::ShowFrame | A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
         A::ShowStack => pane.show(ViewKind::Stack),

@@ -1,4 +1,4 @@
-//! The menu bar, drawn from the registry.
+//! Menu bar, drawn from the registry.
 
 use super::{ACTIONS, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::project::Model;
@@ -8,7 +8,7 @@ use crate::dataset::DatasetSource;
 use crate::requests::BurstSource;
 use std::path::PathBuf;
 
-/// Draws the menus. What is chosen of what was open before is put into `open_recent`.
+/// Draws the menus. A chosen entry of the recently opened ones is put into `open_recent`.
 pub fn menu_bar_ui(
     ui: &mut egui::Ui,
     model: &Model,
@@ -36,7 +36,7 @@ pub fn menu_bar_ui(
     });
 }
 
-/// One item of a menu.
+/// Draws one item of a menu.
 pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     let action = id.action();
     let mark = match checked(id, model) {
@@ -79,7 +79,7 @@ fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, open_recent: &mut Option<
     });
 }
 
-/// A dataset as it stands among single bursts.
+/// Label of a dataset in a list of bursts and datasets.
 pub fn dataset_label(source: &DatasetSource) -> String {
     match source.burst_length {
         Some(length) => format!("{}, in bursts of {length}", source.label()),

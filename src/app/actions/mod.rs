@@ -1,4 +1,4 @@
-//! Everything a person can do, registered once.
+//! All actions of the user, each registered once.
 //!
 //! [`registry`] holds one row for each action: its label, menu, shortcut and help. The menu bar, the toolbar's
 //! tooltips, the command palette and the sheet of shortcuts are drawn from these rows, so none of them can miss an
@@ -22,14 +22,14 @@ use crate::app::words::{explained, picture_word};
 use crate::requests::MapKind;
 use crate::teach::glossary::{Word, glossary};
 
-/// Actions that were asked for in this pass, to be run after it.
+/// Actions requested in this pass, to be run after it.
 pub type Queue = Vec<ActionId>;
 
-/// Keys as a person reads them: `Ctrl+O`, `[`, `?`.
+/// Text of a shortcut: `Ctrl+O`, `[`, `?`.
 pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> String {
     let text = ctx.format_shortcut(shortcut);
     let key = shortcut.logical_key;
-    // egui writes out the names of signs; the sign itself is what is printed on the key.
+    // egui writes the names of punctuation signs; the key shows the sign itself.
     match (text.strip_suffix(key.name()), key.symbol_or_name()) {
         (Some(modifiers), sign) if !sign.starts_with('⏴') && !"⏵⏶⏷".contains(sign) => {
             format!("{modifiers}{sign}")
@@ -38,7 +38,7 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
     }
 }
 
-/// The action that shows a kind of picture.
+/// Action that shows a kind of picture.
 pub fn shown_by(kind: ViewKind) -> ActionId {
     match kind {
         ViewKind::Frame => ActionId::ShowFrame,
@@ -48,7 +48,7 @@ pub fn shown_by(kind: ViewKind) -> ActionId {
 }
 
 impl ActionId {
-    /// The glossary's word for what the action shows.
+    /// Glossary entry of the content that the action shows.
     pub fn word(self) -> Option<&'static Word> {
         let of_kind = |kind| picture_word(Content::Cursor, kind);
         let of = |content| picture_word(content, ViewKind::Stack);
@@ -66,7 +66,7 @@ impl ActionId {
     }
 }
 
-/// The tooltip of an action: its help and its shortcut.
+/// Tooltip of an action: its help and its shortcut.
 pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
     match &action.shortcut {
         Some(shortcut) => format!("{}  ({})", action.help, keys_text(ctx, shortcut)),
@@ -74,7 +74,7 @@ pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
     }
 }
 
-/// A button for an action with the action's label, or with `label` where that is shown in short.
+/// Draws a button for an action, with the action's label or the shorter `label`.
 pub fn button_ui(
     ui: &mut egui::Ui,
     model: &Model,
@@ -95,11 +95,11 @@ pub fn button_ui(
     response
 }
 
-/// Puts the actions into `queue` whose shortcuts were pressed in this pass. Plain keys are left to a text field that is
+/// Puts the actions whose shortcuts were pressed in this pass into `queue`. Plain keys are left to a text field that is
 /// being edited.
 pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
     let typing = ctx.egui_wants_keyboard_input();
-    // Escape closes a menu or a drop-down that is open, and does nothing else.
+    // Escape closes an open menu or drop-down, and does nothing else.
     let popup_open = egui::Popup::is_any_open(ctx);
     ctx.input_mut(|input| {
         // Shortcuts with more modifiers first: a plain key would otherwise swallow the same key with Shift.
@@ -119,7 +119,7 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
             let presses = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
             queue.extend(std::iter::repeat_n(id, presses));
         }
-        // Keys that come in the same pass as the one that opens a dialog are meant for the dialog.
+        // Keys pressed after the one that opens a dialog, in the same pass, are meant for the dialog.
         if let Some(opener) = queue.iter().copied().find(|id| opens(*id)) {
             *queue = vec![opener];
         }

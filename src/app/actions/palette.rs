@@ -1,13 +1,13 @@
-//! The command palette: type part of an action's name, press Enter.
+//! Command palette: finds actions by parts of their names.
 
 use super::{ACTIONS, Action, Queue, checked, enabled, keys_text};
 use crate::app::project::Model;
 use egui::{Key, Modifiers, RichText};
 
-/// The list is at most this high, in points; the rest is scrolled to.
+/// Maximum height of the list, in points; longer lists scroll.
 const MAX_LIST_HEIGHT: f32 = 340.0;
 
-/// The palette, open or not.
+/// State of the palette.
 #[derive(Debug, Default)]
 pub struct Palette {
     open: bool,
@@ -16,17 +16,17 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// Opens it, empty.
+    /// Opens the palette, with an empty text.
     pub fn open(&mut self) {
         *self = Self { open: true, ..Self::default() };
     }
 
-    /// Whether it is open.
+    /// Whether the palette is open.
     pub fn is_open(&self) -> bool {
         self.open
     }
 
-    /// Draws it if it is open.
+    /// Draws the palette if it is open.
     pub fn ui(&mut self, ctx: &egui::Context, model: &Model, queue: &mut Queue) {
         if !self.open {
             return;
@@ -52,14 +52,14 @@ impl Palette {
                 self.chosen = 0;
             }
             edit.request_focus();
-            // What was typed in this pass counts already.
+            // Text typed in this pass counts already.
             let found = matches(&self.text, model);
             let last = found.len().saturating_sub(1);
             let steps = isize::from(down) - isize::from(up);
             self.chosen = self.chosen.min(last).saturating_add_signed(steps).min(last);
             run = enter.then(|| found.get(self.chosen).copied()).flatten();
             ui.add_space(4.0);
-            // As high as the list, and not as what was listed before.
+            // The height of the present list, not that of the previous one.
             let row = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
             let height = (row * found.len().max(1) as f32).min(MAX_LIST_HEIGHT);
             let list = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
@@ -98,13 +98,12 @@ fn row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: bool) -> eg
     ui.add(button).on_hover_text(action.help)
 }
 
-/// The actions that can be done now and whose label (with the menu's name before it) holds the letters of `text` in
-/// their order; the best match first.
+/// Enabled actions whose label or help contains the letters of `text` in their order; the best match first.
 fn matches(text: &str, model: &Model) -> Vec<&'static Action> {
     let mut possible: Vec<&Action> =
         ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != super::ActionId::Palette).collect();
     if text.trim().is_empty() {
-        // In the order of the menus, after what is mostly wanted.
+        // In the order of the menus, after the most frequent action.
         possible.sort_by_key(|a| a.id != super::ActionId::Detect);
         return possible;
     }
@@ -116,8 +115,8 @@ fn matches(text: &str, model: &Model) -> Vec<&'static Action> {
     scored.into_iter().map(|(_, action)| action).collect()
 }
 
-/// How well the letters of `wanted` are found in `label` in their order; `None` if they are not. Letters in a row and
-/// at the beginnings of words count more.
+/// Score of the letters of `wanted` found in `label` in their order; `None` if one is missing. Consecutive letters and
+/// beginnings of words count more.
 fn score(wanted: &str, label: &str) -> Option<i32> {
     let label: Vec<char> = label.to_lowercase().chars().collect();
     let (mut at, mut total, mut last) = (0, 0, None);

@@ -1,17 +1,17 @@
-//! The rows: one for each action.
+//! Registry of the actions: one row each.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 /// The menus of the menu bar, from left to right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Menu {
-    /// Opening, keeping, exporting.
+    /// Opening, saving, exporting.
     File,
-    /// Taking steps back, and the clipboard.
+    /// Undo, redo and the clipboard.
     Edit,
-    /// What is shown and how.
+    /// Content of the pictures, and how it is shown.
     View,
-    /// Panes: how many, and what they show together.
+    /// Number of panes, and their contents.
     Panes,
     /// Moving through frames, slopes and scales.
     Cursor,
@@ -23,7 +23,7 @@ pub enum Menu {
     Pair,
     /// Many bursts.
     Dataset,
-    /// Finding one's way.
+    /// Help.
     Help,
 }
 
@@ -42,7 +42,7 @@ impl Menu {
         Self::Help,
     ];
 
-    /// Its name.
+    /// Name of the menu.
     pub fn label(self) -> &'static str {
         match self {
             Self::File => "File",
@@ -59,25 +59,25 @@ impl Menu {
     }
 }
 
-/// One action.
+/// Row of an action.
 #[derive(Debug, Clone, Copy)]
 pub struct Action {
-    /// Which.
+    /// Id.
     pub id: ActionId,
-    /// What it is called; `…` at the end when it asks something first.
+    /// Label; ends in `…` when the action first asks for something.
     pub label: &'static str,
-    /// The menu it is in.
+    /// Menu of the action.
     pub menu: Menu,
-    /// Items of a menu with different groups are separated by a line.
+    /// Group within the menu; a line separates groups.
     pub group: u8,
-    /// Its keys.
+    /// Shortcut.
     pub shortcut: Option<KeyboardShortcut>,
-    /// What it does, in one line.
+    /// Description in one line.
     pub help: &'static str,
 }
 
 impl ActionId {
-    /// The row of this action.
+    /// Row of this action.
     pub fn action(self) -> &'static Action {
         ACTIONS.iter().find(|a| a.id == self).expect("the macro below makes a row for each id")
     }
@@ -297,7 +297,7 @@ actions! {
     About, Help 3, "About Burstscope", [], "What this is and which version";
 }
 
-/// A second pair of keys for the command palette, as other programs have it.
+/// Second shortcut of the command palette, as in other programs.
 pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
 
 #[cfg(test)]

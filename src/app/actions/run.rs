@@ -1,4 +1,4 @@
-//! What each action does; what only changes the project is in [`super::change`].
+//! Runs actions; those that only change the project are in [`super::change`].
 
 use super::ActionId;
 use super::change::change_model;
@@ -17,7 +17,7 @@ use crate::requests::{BurstSource, ProbeQuestion};
 use crate::synth::Example;
 
 impl BurstscopeApp {
-    /// Does an action, as if it had been chosen from a menu. One that cannot be done now does nothing.
+    /// Runs an action, as if it had been chosen from a menu. A disabled action does nothing.
     pub fn run_action(&mut self, ctx: &egui::Context, id: ActionId) {
         use ActionId as A;
         if !super::enabled(id, &self.model) {
@@ -145,7 +145,7 @@ impl BurstscopeApp {
                     history.redo(&mut self.model);
                 }
                 self.model.history = history;
-                // Every pane goes to where it was, and none follows another.
+                // Every pane goes to its earlier place, and none follows another.
                 (self.cursors_set, self.history_set) = (true, true);
             }
             A::ProbePlace => self.probe_here(),
@@ -198,12 +198,12 @@ impl BurstscopeApp {
         }
     }
 
-    /// Lays out a preset, made from the pane in focus.
+    /// Lays out a preset, made from the focused pane.
     fn lay_out(&mut self, preset: Preset) {
         self.change_panes(Change::LayOut(self.model.focus(), preset));
     }
 
-    /// Changes the view of the pane in focus, and of those that are linked to it.
+    /// Changes the view of the focused pane, and of those linked to it.
     fn change_views(&mut self, change: impl Fn(&mut View)) {
         let (focus, shown) = (self.model.focus(), self.model.visible_panes());
         let is_linked = self.model.focused().links.view;

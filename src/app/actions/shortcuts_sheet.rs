@@ -1,12 +1,12 @@
-//! The `?` sheet: the actions that have keys, by menu. The command palette has all actions.
+//! Sheet of shortcuts: the actions that have keys, by menu. The command palette has all actions.
 
 use super::{ACTIONS, Action, ActionId, Menu, keys_text};
 use egui::RichText;
 
-/// In windows at least this wide there are [`COLUMNS`] columns, otherwise half as many.
+/// Minimum width of a window with [`COLUMNS`] columns, in points; narrower ones have half as many.
 const WIDE: f32 = 900.0;
 const COLUMNS: usize = 4;
-/// A menu's heading takes as much room as this many rows.
+/// Height of a menu's heading, in rows.
 const HEADING_ROWS: usize = 2;
 
 /// Draws the sheet; `open` becomes false when it is closed.
@@ -46,12 +46,12 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
     }
 }
 
-/// The actions of a menu that have keys.
+/// Actions of a menu that have keys.
 fn with_keys(menu: Menu) -> impl Iterator<Item = &'static Action> {
     ACTIONS.iter().filter(move |action| action.menu == menu && action.shortcut.is_some())
 }
 
-/// The menus that have keys, in their order, in at most `count` columns, the longest of which is as short as can be.
+/// Menus that have keys, in their order, in at most `count` columns, with the longest column as short as possible.
 fn in_columns(count: usize) -> Vec<Vec<Menu>> {
     let menus: Vec<Menu> = Menu::ALL.into_iter().filter(|menu| with_keys(*menu).next().is_some()).collect();
     let rows = |menu: Menu| HEADING_ROWS + with_keys(menu).count();

@@ -1,4 +1,4 @@
-//! Which actions can be done now, and which of the switches are on.
+//! State of the actions: which are enabled, and which switches are on.
 
 use super::registry::ActionId;
 use crate::app::measure::Tool;
@@ -12,7 +12,7 @@ use crate::detector::{Method, SearchParams};
 use crate::matching::MatchParams;
 use crate::requests::{BurstSource, MapKind};
 
-/// Whether the action can be done now.
+/// Whether the action is enabled.
 pub fn enabled(id: ActionId, model: &Model) -> bool {
     use ActionId as A;
     let has_burst = model.slots.a.burst.is_some();
@@ -131,7 +131,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     }
 }
 
-/// Whether a switch is on; `None` for what is not a switch.
+/// Whether a switch is on; `None` for an action that is no switch.
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
     let kind = |kind: ViewKind| Some(model.focused().shows(kind));

@@ -1,9 +1,8 @@
-//! The canvas: one picture that can be panned and zoomed, and what is drawn over it.
+//! The canvas: one picture that can be panned and zoomed, and its overlays.
 //!
 //! Positions are in pixels of the input image (`pos_image`: the centre of the first pixel is (0, 0), it covers −0.5 …
-//! 0.5) or in points of the window (`pos_ui`). `ui_from_image` leads from the one to the other. A picture of another
-//! octave is laid over the image where its pixels belong, so that switching the kind of picture never moves what one
-//! looks at.
+//! 0.5) or in points of the window (`pos_ui`). `ui_from_image` maps the former to the latter. A picture of another
+//! octave is laid over the image where its pixels belong, so that switching the kind of picture does not move the view.
 //!
 //! The wheel (with or without Ctrl) and pinching zoom at the pointer, dragging with the primary or the middle button
 //! pans, a double click fits.
@@ -36,7 +35,7 @@ use crate::app::gpu::{Gpu, PicturePaint};
 use crate::plane::display::Display;
 use egui::{Align2, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui, Vec2};
 
-/// A picture that can be panned and zoomed; see the module's example.
+/// Picture that can be panned and zoomed; see the module's example.
 #[must_use = "a canvas is drawn by `show`"]
 pub struct Canvas<'a> {
     name: &'a str,
@@ -51,9 +50,9 @@ pub struct Canvas<'a> {
     primary_pans: bool,
 }
 
-/// What a canvas tells about this frame, and what overlays draw with.
+/// Result of drawing a canvas in this frame, with which overlays draw.
 pub struct CanvasOutput {
-    /// Clicks, hovering, drags. Its rectangle is the canvas.
+    /// Clicks, hovering and drags. Its rectangle is the canvas.
     pub response: Response,
     /// Draws over the picture, clipped to the canvas.
     pub painter: Painter,
@@ -61,7 +60,7 @@ pub struct CanvasOutput {
     pub ui_from_image: RectTransform,
     /// From points of the window to image pixels.
     pub image_from_ui: RectTransform,
-    /// What of the image plane the canvas shows, in image pixels; may reach beyond the image.
+    /// Part of the image plane that the canvas shows, in image pixels; may extend beyond the image.
     pub visible_image: Rect,
     /// The pointer, in points, while it is over the canvas.
     pub pointer_ui: Option<Pos2>,
@@ -88,7 +87,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// What to show; without a picture the canvas shows its empty text.
+    /// Picture to show; without one the canvas shows its empty text.
     pub fn picture(mut self, picture: Option<&'a Picture>) -> Self {
         self.picture = picture;
         self
@@ -100,19 +99,19 @@ impl<'a> Canvas<'a> {
         self
     }
 
-    /// Size in points; by default all the room there is.
+    /// Size in points; by default all available space.
     pub fn size(mut self, size: Vec2) -> Self {
         self.size = Some(size);
         self
     }
 
-    /// Shows the picture dimmed and with less colour: it is stale, a newer one is being made.
+    /// Shows the picture dimmed and less saturated, while it is stale and a newer one is being made.
     pub fn dim(mut self, dim: bool) -> Self {
         self.dim = dim;
         self
     }
 
-    /// The file's value of 1.0, in which values are drawn into large pixels. 1 by default.
+    /// Value in the file that became 1.0, in whose unit values are drawn into large pixels. 1 by default.
     pub fn full_scale(mut self, full_scale: f32) -> Self {
         self.full_scale = full_scale;
         self
@@ -130,20 +129,20 @@ impl<'a> Canvas<'a> {
         self
     }
 
-    /// Whether dragging with the primary button pans; yes by default. Where it draws something instead, the middle
+    /// Whether dragging with the primary button pans; yes by default. Where that button draws instead, the middle
     /// button still pans.
     pub fn primary_pans(mut self, primary_pans: bool) -> Self {
         self.primary_pans = primary_pans;
         self
     }
 
-    /// What to say where there is no picture.
+    /// Text shown without a picture.
     pub fn empty_text(mut self, text: &'a str) -> Self {
         self.empty_text = text;
         self
     }
 
-    /// Draws the canvas and lets the pointer move `view`.
+    /// Draws the canvas and lets the pointer change `view`.
     pub fn show(self, ui: &mut Ui, view: &mut View) -> CanvasOutput {
         let size = self.size.unwrap_or_else(|| ui.available_size()).max(Vec2::splat(16.0));
         let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -159,7 +158,7 @@ impl<'a> Canvas<'a> {
         let ui_from_image = settled.settle(rect, image_size, pixels_per_point);
         if self.picture.is_some() {
             if settled.points_per_pixel() != zoom_before {
-                // What says the zoom elsewhere was drawn before it was known.
+                // Widgets that show the zoom may have been drawn before it was known.
                 ui.ctx().request_repaint();
             }
             *view = settled;
@@ -192,8 +191,8 @@ impl<'a> Canvas<'a> {
         CanvasOutput { response, ..output }
     }
 
-    /// Draws the picture over the canvas that answered `below`, at the same places of the image, but only within
-    /// `clip_ui`. The pointer belongs to the canvas below. Answers what overlays of this picture draw with.
+    /// Draws the picture over the canvas of `below`, at the same places of the image, but only within `clip_ui`. The
+    /// pointer belongs to the canvas below. Returns the output for overlays of this picture.
     pub fn show_over(self, ui: &Ui, below: &CanvasOutput, clip_ui: Rect) -> CanvasOutput {
         let output = CanvasOutput {
             response: below.response.clone(),
@@ -254,12 +253,12 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// A neutral grey around the picture, so that the surround does not tint what one sees.
+/// Neutral grey around the picture, so that the surroundings do not tint it.
 pub fn backdrop(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_gray(20) } else { Color32::from_gray(206) }
 }
 
-/// A sentence in the middle of the canvas.
+/// Draws a sentence in the middle of the canvas.
 pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
     let font = TextStyle::Body.resolve(ui.style());
     let width = (rect.width() - 32.0).clamp(40.0, 460.0);
@@ -270,7 +269,7 @@ pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
     painter.galley(pos, galley, ui.visuals().weak_text_color());
 }
 
-/// Lets the pointer move the view; with the primary button only if `primary_pans`.
+/// Lets the pointer change the view; with the primary button only if `primary_pans`.
 pub fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View, primary_pans: bool) {
     if response.double_clicked() {
         view.set_fit();

@@ -7,13 +7,13 @@ use crate::plane::statistics::Region;
 use egui::{Pos2, Rect, pos2};
 use std::sync::Arc;
 
-/// A plane to be shown, with its place in the input image. Cheap to clone; the pixels are shared.
+/// Plane with its place in the input image. Cheap to clone; the pixels are shared.
 ///
 /// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`; with
 /// s = 2^octave this is where the detector's octaves lie.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    /// Names the content: new values need a new id, the same values should keep theirs.
+    /// Id of the content: new values need a new id, unchanged values should keep theirs.
     pub id: PictureId,
     /// The values.
     pub plane: Arc<Plane>,
@@ -22,36 +22,37 @@ pub struct Picture {
     pub image_from_picture_scale: f32,
     /// (columns, rows) of the input image, which a fitted view shows whole.
     pub image_size: (usize, usize),
-    /// What it shows, in a few words, for example "Frame 3".
+    /// Description in a few words, for example "Frame 3".
     pub label: String,
 }
 
 impl Picture {
-    /// A picture with a fresh id whose pixels are the input image's.
+    /// Creates a picture with a fresh id whose pixels are the input image's.
     pub fn new(plane: Arc<Plane>, label: impl Into<String>) -> Self {
         let image_size = plane.size();
         Self { id: PictureId::fresh(), plane, image_from_picture_scale: 1.0, image_size, label: label.into() }
     }
 
-    /// A picture with a fresh id on the pixels of `octave` (−1: the doubled image) of an input image of `image_size`.
+    /// Creates a picture with a fresh id on the pixels of `octave` (−1: the doubled image) of an input image of
+    /// `image_size`.
     pub fn of_octave(plane: Arc<Plane>, octave: i32, image_size: (usize, usize), label: impl Into<String>) -> Self {
         let image_from_picture_scale = 2f32.powi(octave);
         Self { id: PictureId::fresh(), plane, image_from_picture_scale, image_size, label: label.into() }
     }
 
-    /// The part of the image that its pixels cover, in image pixels.
+    /// Part of the image that the picture's pixels cover, in image pixels.
     pub fn rect_image(&self) -> Rect {
         let s = self.image_from_picture_scale;
         let (width, height) = self.plane.size();
         Rect::from_min_max(pos2(-0.5 * s, -0.5 * s), pos2((width as f32 - 0.5) * s, (height as f32 - 0.5) * s))
     }
 
-    /// From pixels of the plane to points of the window.
+    /// Transform from pixels of the plane to points of the window.
     pub fn ui_from_picture(&self, ui_from_image: RectTransform) -> RectTransform {
         ui_from_image.from_scaled(self.image_from_picture_scale)
     }
 
-    /// The plane's pixel (column, row) under `pos_image`, if there is one.
+    /// Pixel (column, row) of the plane under `pos_image`, if there is one.
     pub fn pixel_at(&self, pos_image: Pos2) -> Option<(usize, usize)> {
         let index = |x: f32, size: usize| {
             let i = (x / self.image_from_picture_scale + 0.5).floor();
@@ -60,7 +61,7 @@ impl Picture {
         Some((index(pos_image.x, self.plane.width())?, index(pos_image.y, self.plane.height())?))
     }
 
-    /// The plane's pixels that lie at least partly in `rect_image`; may be empty.
+    /// Pixels of the plane that lie at least partly in `rect_image`; may be empty.
     pub fn region(&self, rect_image: Rect) -> Region {
         let s = self.image_from_picture_scale;
         let range = |low: f32, high: f32| {

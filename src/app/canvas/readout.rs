@@ -1,29 +1,29 @@
-//! The value under the pointer, for the status bar.
+//! Value under the pointer, for the status bar.
 
 use super::{Picture, number};
 use crate::detector::Slope;
 use egui::Pos2;
 
-/// What a value is.
+/// Kind of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Quantity {
-    /// A brightness, or a difference of such.
+    /// Brightness, or a difference of brightnesses.
     #[default]
     Value,
     /// A standard deviation of the noise, as a fraction of full scale.
     Sigma,
-    /// The share of the frames that see the place, 0 … 1.
+    /// Share of the frames that cover the place, 0 … 1.
     FramesShare,
-    /// The response of the slope that wins there, over its noise.
+    /// Response of the winning slope at the place, over its noise.
     Slope {
         /// The slope, px/frame.
         slope: Slope,
-        /// How far all others stay behind, 0 … 1; 0 where nothing reaches the gate.
+        /// Relative lead over all other slopes, 0 … 1; 0 where no response reaches the gate.
         confidence: f32,
     },
 }
 
-/// A place of the image and the value that a picture has there.
+/// Place of the image and the picture's value there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readout {
     /// Column of the place, image pixels.
@@ -34,15 +34,15 @@ pub struct Readout {
     pub pixel: (usize, usize),
     /// The value as a fraction of full scale.
     pub value: f32,
-    /// The file's value that is 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files.
+    /// Value in the file that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files.
     pub full_scale: f32,
     /// Image pixels from one pixel of the picture to the next.
     pub image_from_picture_scale: f32,
-    /// What the value is.
+    /// Kind of the value.
     pub quantity: Quantity,
 }
 
-/// The value of `picture` at `pos_image`, without interpolation; `None` beside the picture. `full_scale` is the
+/// Reads the value of `picture` at `pos_image`, without interpolation; `None` outside the picture. `full_scale` is the
 /// burst's.
 pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Readout> {
     let pixel = picture.pixel_at(pos_image)?;
@@ -58,12 +58,12 @@ pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Re
 }
 
 impl Readout {
-    /// The value in the file's unit.
+    /// Value in the file's unit.
     pub fn file_value(&self) -> f32 {
         self.value * self.full_scale
     }
 
-    /// The value in few words, with its unit where it is no brightness.
+    /// Value in few words, with its unit unless it is a brightness.
     pub fn short_text(&self) -> String {
         match self.quantity {
             Quantity::Value => number(self.value, 4),

@@ -1,17 +1,17 @@
-//! Numbers drawn into the pixels, when the pixels are large enough, and the grid between them.
+//! Values drawn into large pixels, and the grid between pixels.
 
 use super::number;
 use super::{Picture, RectTransform};
 use crate::plane::display::Display;
 use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, pos2};
 
-/// From this size of a pixel on, in points, its value is drawn into it.
+/// Minimum size of a pixel into which its value is drawn, in points.
 pub const VALUE_MIN_POINTS: f32 = 36.0;
 
-/// From this size of a pixel on, in points, the grid can be seen.
+/// Minimum size of pixels between which the grid is drawn, in points.
 pub const GRID_MIN_POINTS: f32 = 8.0;
 
-/// Draws the value of every visible pixel into it, in the file's unit when `full_scale` is not 1. Does nothing while
+/// Draws the value of every visible pixel into it, in the file's unit when `full_scale` is not 1. Draws nothing while
 /// pixels are too small.
 pub fn draw_values(
     painter: &Painter,
@@ -46,21 +46,21 @@ pub fn draw_values(
     }
 }
 
-/// Black or white, whichever reads better on `colour`; a little of it shines through, so that the numbers do not shout.
+/// Black or white, whichever reads better on `colour`; slightly transparent, so that the numbers do not dominate.
 pub fn readable_on(colour: [u8; 3]) -> Color32 {
     let [r, g, b] = colour.map(f32::from);
     let luma = 0.2126 * r + 0.7152 * g + 0.0722 * b;
     if luma > 120.0 { Color32::from_black_alpha(215) } else { Color32::from_white_alpha(215) }
 }
 
-/// Draws lines between the pixels that are visible. Does nothing while pixels are too small.
+/// Draws lines between visible pixels. Draws nothing while pixels are too small.
 pub fn draw_grid(painter: &Painter, picture: &Picture, ui_from_image: RectTransform, visible_image: Rect) {
     let ui_from_picture = picture.ui_from_picture(ui_from_image);
     let pixel_points = ui_from_picture.scale();
     if pixel_points < GRID_MIN_POINTS {
         return;
     }
-    // Fades in, so that it does not jump into view.
+    // Fades in, so that it does not appear suddenly.
     let strength = ((pixel_points - GRID_MIN_POINTS) / 16.0).clamp(0.0, 1.0);
     let stroke = Stroke::new(1.0, Color32::from_gray(128).gamma_multiply(0.35 * strength));
     let region = picture.region(visible_image);

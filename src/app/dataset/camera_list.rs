@@ -1,4 +1,4 @@
-//! The paired cameras one by one, with their errors and points.
+//! List of the paired cameras, with their errors and points.
 
 use super::plane_view::points_of;
 use crate::app::project::trajectories::Trajectories;
@@ -7,7 +7,7 @@ use egui_extras::{Column, TableBuilder};
 
 const ROW_HEIGHT: f32 = 18.0;
 
-/// Headings and what they mean.
+/// Headings of the columns, and their meanings.
 const HEADINGS: [(&str, &str); 4] = [
     ("image", "The image's name, or the time"),
     ("error", "Distance of the camera's centre from the true one, in the truth's unit"),
@@ -82,7 +82,7 @@ pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     ui.data_mut(|d| d.insert_temp(scroll_id, shown));
 }
 
-/// Names at the left end of their cells, numbers at the right.
+/// Draws a cell: names at its left end, numbers at its right.
 fn cell_ui(ui: &mut Ui, column: usize, text: RichText) {
     let label = Label::new(text).selectable(false).extend();
     if column == 0 {

@@ -1,18 +1,18 @@
-//! Into which bursts a long sequence of frames is cut: the question, with the answer's consequences.
+//! Dialog that asks how a long sequence of frames is cut into bursts, and shows the result.
 
 use crate::burst::SequenceCut;
 use crate::dataset::DatasetSource;
 use egui::{DragValue, Grid, Ui};
 use std::path::PathBuf;
 
-/// The question, while it is open.
+/// State of the open dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CutDialog {
     paths: Vec<PathBuf>,
-    /// Frames of the sequence.
+    /// Number of frames of the sequence.
     frames: usize,
     length: usize,
-    /// Whether bursts follow one another.
+    /// Whether each burst begins where the previous one ends.
     contiguous: bool,
     step: usize,
 }
@@ -25,12 +25,12 @@ impl CutDialog {
         Self { paths, frames, length, contiguous: true, step: length }
     }
 
-    /// Frames of a burst, as chosen last.
+    /// Frames of a burst, as last chosen.
     pub fn length(&self) -> usize {
         self.length
     }
 
-    /// Draws it. Answers the dataset when it was accepted, and whether it is to stay open.
+    /// Draws the dialog. Returns the dataset when it was accepted, and whether the dialog stays open.
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<DatasetSource>, bool) {
         let mut accepted = None;
         let modal = egui::Modal::new(egui::Id::unique("cut sequence")).show(ctx, |ui| {

@@ -1,12 +1,12 @@
-//! A film that was opened as one burst: the offer to cut it, in place.
+//! Offer to cut a film that was opened as one burst.
 
 use crate::inspect::words::counted;
 use egui::{RichText, Ui};
 
-/// What was chosen.
+/// Choice of the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CutChoice {
-    /// Cut it into bursts of the length that was offered.
+    /// Cut it into bursts of the offered length.
     Cut,
     /// Ask how it is cut.
     Ask,

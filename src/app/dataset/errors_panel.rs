@@ -1,5 +1,5 @@
-//! Trajectories in numbers: which files, how they are compared, the errors, and the reconstruction in the paper's
-//! columns.
+//! Panel of the trajectories' numbers: the files, the settings of the comparison, the errors, and the reconstruction in
+//! the paper's columns.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::section_ui;
@@ -11,7 +11,7 @@ use crate::matching::ImageCounts;
 use egui::{ComboBox, DragValue, Grid, Label, RichText, Ui};
 use std::path::Path;
 
-/// Draws the panel; says whether the comparison is to be made again.
+/// Draws the panel; returns whether the comparison must be made again.
 pub fn errors_panel_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> bool {
     let mut again = false;
     section_ui(ui, "Trajectories", |ui| {
@@ -41,7 +41,7 @@ fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &s
     });
 }
 
-/// The side from which they are seen, and how poses are paired. Says whether the latter changed.
+/// Draws the settings: the viewing side, and how poses are paired. Returns whether the latter changed.
 fn study_ui(ui: &mut Ui, trajectories: &mut Trajectories) -> bool {
     let before = trajectories.study;
     Grid::new("study").num_columns(2).show(ui, |ui| {
@@ -131,14 +131,14 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
     });
 }
 
-/// A name and what it means, and a number.
+/// Draws a row: a name with its meaning, and a number.
 fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
     ui.label(RichText::new(name).weak()).on_hover_text(help);
     ui.label(RichText::new(value).monospace());
     ui.end_row();
 }
 
-/// The columns of the paper's table, as far as they are known.
+/// Draws the columns of the paper's table, as far as they are known.
 fn reconstruction_ui(ui: &mut Ui, model: &Model) {
     let report = model.trajectories.report();
     let estimate = model.trajectories.compared.estimate.as_ref();

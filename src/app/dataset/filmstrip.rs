@@ -1,4 +1,4 @@
-//! The filmstrip: a dataset's bursts in order, each with a small picture, its state, and whether it is A or B.
+//! Filmstrip: a dataset's bursts in order, each with a thumbnail, its state, and whether it is A or B.
 
 use super::thumbnails::{Shown, Thumbnails};
 use crate::app::actions::{ActionId, Queue, button_ui};
@@ -13,7 +13,7 @@ use egui::{
     Stroke, StrokeKind, Ui, pos2, vec2,
 };
 
-/// Size of a burst's cell, and of the parts of it that are text, in points.
+/// Sizes of a burst's cell and of its parts, in points.
 const CELL_WIDTH: f32 = 116.0;
 const PICTURE_HEIGHT: f32 = 76.0;
 const TEXT_HEIGHT: f32 = 17.0;
@@ -23,17 +23,17 @@ const CELL_HEIGHT: f32 = PICTURE_HEIGHT + 2.0 * TEXT_HEIGHT;
 /// Height of the whole strip, in points.
 pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
-/// The letters of the two bursts that are matched.
+/// Letters of the two bursts that are matched.
 pub const SIDES: [&str; 2] = ["A", "B"];
 
-/// What was asked for in the strip.
+/// Request made in the strip.
 #[derive(Debug, Default)]
 pub struct Asked {
-    /// Open the burst at this place.
+    /// Index of the burst to open.
     pub open: Option<usize>,
 }
 
-/// Draws the strip of the dataset that is open.
+/// Draws the strip of the open dataset.
 pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Asked {
     let mut asked = Asked::default();
     ui.horizontal(|ui| header_ui(ui, model, queue));
@@ -52,7 +52,7 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails,
         let cell = |place: usize| {
             Rect::from_min_size(pos2(origin.x + place as f32 * step, origin.y), vec2(CELL_WIDTH, CELL_HEIGHT))
         };
-        // Follow the burst that is open when it was opened elsewhere, and only then.
+        // Scrolls to the open burst once, when it was opened elsewhere.
         if let Some(place) = shown.filter(|_| shown != scrolled_to) {
             ui.scroll_to_rect(cell(place).expand2(vec2(step, 0.0)), None);
         }
@@ -75,7 +75,7 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails,
     asked
 }
 
-/// What can be done with one burst; answers whether it is to be opened.
+/// Draws the menu of one burst; returns whether to open the burst.
 fn menu_ui(ui: &mut Ui, dataset: &mut Dataset, place: usize) -> bool {
     ui.set_min_width(150.0);
     let open = ui.button("Open").clicked();
@@ -122,14 +122,14 @@ fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-/// A button with less text on it than screen readers read.
+/// Draws a button whose text is shorter than its label for screen readers.
 fn short_button_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, text: &str) {
     let label = id.action().label;
     let response = button_ui(ui, model, queue, id, Some(text));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label));
 }
 
-/// What is wrong with the folder, or that its features are not those of the present parameters.
+/// Draws the folder's problem, or a note that the features are not those of the present parameters.
 fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
     let warning = |text: &str| RichText::new(text).color(style::warning(ui));
     if let Some(error) = &dataset.folder_error {
@@ -160,7 +160,7 @@ fn summary(dataset: &Dataset) -> String {
     text
 }
 
-/// How far the work is as a whole.
+/// Draws the progress of the whole work.
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
     let fraction = datasets.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
@@ -205,7 +205,7 @@ fn cell_ui(
     response.on_hover_text(text)
 }
 
-/// The switch that makes a burst A or B.
+/// Draws the switch that makes a burst A or B.
 fn side_ui(ui: &Ui, dataset: &mut Dataset, place: usize, side: usize, rect: Rect, name: &str) {
     let corner = rect.right_top() + vec2(-33.0 + 16.0 * side as f32, 1.5);
     let square = Rect::from_min_size(corner, vec2(14.0, 14.0));
@@ -227,7 +227,7 @@ fn side_ui(ui: &Ui, dataset: &mut Dataset, place: usize, side: usize, rect: Rect
     }
 }
 
-/// The colour of A or B: told apart also without colour vision, on dark and light ground.
+/// Colour of A or B; the two can be told apart without colour vision, on dark and light backgrounds.
 pub fn side_colour(side: usize) -> Color32 {
     [Color32::from_rgb(0xf2, 0xb1, 0x4b), Color32::from_rgb(0x6c, 0xb8, 0xf2)][side]
 }
@@ -250,7 +250,7 @@ fn picture_ui(ui: &Ui, area: Rect, picture: Option<&Shown>) {
     }
 }
 
-/// The state below the picture, and a bar over it while the burst is worked on.
+/// Draws the state below the picture, and a progress bar over it while the burst is searched.
 fn state_ui(ui: &Ui, state: &BurstState, area: Rect, rect: Rect, fraction: f32) {
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
@@ -267,7 +267,7 @@ fn state_ui(ui: &Ui, state: &BurstState, area: Rect, rect: Rect, fraction: f32) 
     }
 }
 
-/// A sign for the state that can be told from the others without colours: a ring, a ring with a point, a disc, a cross.
+/// Draws a sign for the state that needs no colours to be told apart: a ring, a ring with a point, a disc, a cross.
 fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
     const RADIUS: f32 = 4.0;
     let (painter, visuals) = (ui.painter(), ui.visuals());
@@ -279,7 +279,7 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
             painter.circle_stroke(centre, RADIUS, Stroke::new(1.5, style::warning(ui)));
             painter.circle_filled(centre, 0.4 * RADIUS, style::warning(ui));
         }
-        // Done, but there is nothing to go on with.
+        // Searched, but without features to continue with.
         BurstState::Done(done) if done.features == 0 => {
             painter.circle_stroke(centre, RADIUS, Stroke::new(2.0, style::warning(ui)));
         }

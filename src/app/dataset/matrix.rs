@@ -1,5 +1,5 @@
-//! The matrix of matches: a row and a column for each burst, in each cell how many inliers the two have, as a colour
-//! and a number.
+//! Matrix of matches: a row and a column for each burst; each cell shows the inliers of two bursts as a colour and a
+//! number.
 
 use super::filmstrip::{SIDES, side_colour};
 use crate::app::panel::widgets::middle_elided;
@@ -9,28 +9,28 @@ use crate::app::style;
 use crate::plane::colour_map::ColourMap;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
-/// Sizes of a cell, in points: below the smallest the matrix scrolls, above the largest it would only be large.
+/// Range of a cell's side, in points: below the smallest the matrix scrolls.
 const CELL_RANGE: std::ops::RangeInclusive<f32> = 7.0..=64.0;
-/// A number is written into cells of this size and larger, and names beside rows and columns.
+/// Minimum side of cells with a number, and of those with names beside rows and columns.
 const CELL_WITH_NUMBER: f32 = 22.0;
 const CELL_WITH_NAMES: f32 = 11.0;
-/// Workspace for the names of rows, in points.
+/// Space for the names of rows, in points.
 const NAMES_WIDTH: f32 = 96.0;
-/// Workspace for the numbers of columns, in points.
+/// Space for the numbers of columns, in points.
 const HEAD_HEIGHT: f32 = 18.0;
 
-/// Where the cells are.
+/// Geometry of the cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     /// The corner of the first cell.
     origin: Pos2,
-    /// Points of a cell's side.
+    /// Side of a cell, in points.
     cell: f32,
     count: usize,
 }
 
 impl Grid {
-    /// The side of a cell when `count` bursts are to be seen in `room` points.
+    /// Side of a cell when `count` bursts are shown in `room` points.
     fn cell_side(count: usize, room: egui::Vec2) -> f32 {
         let side = (room.x - NAMES_WIDTH).min(room.y - HEAD_HEIGHT) / count.max(1) as f32;
         side.floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end())
@@ -45,14 +45,14 @@ impl Grid {
         Some((at(pos.y, self.origin.y)?, at(pos.x, self.origin.x)?))
     }
 
-    /// The cell in a row and a column.
+    /// Rectangle of the cell in a row and a column.
     pub fn cell(&self, row: usize, column: usize) -> Rect {
         let corner = self.origin + self.cell * vec2(column as f32, row as f32);
         Rect::from_min_size(corner, egui::Vec2::splat(self.cell))
     }
 }
 
-/// Draws the matrix. A click selects a pair; answers the pair that was clicked twice, which is to be opened.
+/// Draws the matrix. A click selects a pair; returns the double-clicked pair, which is to be opened.
 pub fn matrix_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
     let count = dataset.bursts.len();
     let cell = Grid::cell_side(count, ui.available_size() - vec2(12.0, 12.0));
@@ -91,7 +91,7 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
     opened
 }
 
-/// Arrow keys move the selection while the matrix has the keyboard.
+/// Moves the selection with the arrow keys while the matrix has the keyboard focus.
 fn move_selection(ui: &Ui, dataset: &mut Dataset, response: &Response) {
     if response.clicked() {
         response.request_focus();
@@ -117,7 +117,7 @@ fn move_selection(ui: &Ui, dataset: &mut Dataset, response: &Response) {
     }
 }
 
-/// A pair in words.
+/// Describes a pair.
 pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
     let name = |place: usize| dataset.bursts.get(place).map_or("?", |b| b.name.as_str());
     let names = format!("{} – {}", name(pair.0), name(pair.1));
@@ -133,19 +133,19 @@ pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
     )
 }
 
-/// The colours of counts, even in lightness: the square root makes small counts visible beside large ones.
+/// Colours of counts, uniform in lightness. The square root makes small counts visible beside large ones.
 pub struct CountColours {
     table: [[u8; 3]; 256],
     most: usize,
 }
 
 impl CountColours {
-    /// Colours for counts from 0 to `most`.
+    /// Creates the colours of counts from 0 to `most`.
     pub fn new(most: usize) -> Self {
         Self { table: ColourMap::Viridis.lut(), most: most.max(1) }
     }
 
-    /// The colour of a count, and one that can be read on it.
+    /// Colour of a count, and a text colour readable on it.
     pub fn of(&self, count: usize) -> (Color32, Color32) {
         let share = (count as f32 / self.most as f32).clamp(0.0, 1.0).sqrt();
         let [r, g, b] = self.table[(255.0 * share).round() as usize];
@@ -154,7 +154,7 @@ impl CountColours {
     }
 }
 
-/// What the colours of the cells mean.
+/// Draws the legend of the cells' colours.
 pub fn legend_ui(ui: &mut Ui, most: usize) {
     const STEPS: usize = 48;
     ui.label(RichText::new("inliers   0").small().weak());
@@ -162,7 +162,7 @@ pub fn legend_ui(ui: &mut Ui, most: usize) {
     let colours = CountColours::new(STEPS - 1);
     for step in 0..STEPS {
         let at = |k: usize| egui::lerp(rect.x_range(), k as f32 / STEPS as f32);
-        // The bar is even in colour; the counts along it grow with the square.
+        // The bar's colours are uniform; the counts along it grow with the square.
         let count = ((step * step) as f32 / (STEPS - 1) as f32).round() as usize;
         let part = Rect::from_x_y_ranges(at(step)..=at(step + 1), rect.y_range());
         ui.painter().rect_filled(part, 0.0, colours.of(count).0);
@@ -218,7 +218,8 @@ fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>
     }
 }
 
-/// The bursts' names beside the rows, their numbers above the columns; those that are pointed at or selected stand out.
+/// Draws the bursts' names beside the rows and their numbers above the columns; the hovered and the selected ones stand
+/// out.
 fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>) {
     let (painter, visuals) = (ui.painter(), ui.visuals());
     let marked = |place: usize| {

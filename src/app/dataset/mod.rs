@@ -1,10 +1,10 @@
-//! Many bursts in one window: a dataset's filmstrip, the matches of its pairs, and the trajectories that come of it.
+//! Many bursts in one window: a dataset's filmstrip, the matches of its pairs, and the resulting trajectories.
 //!
-//! What is known is in [`datasets`](crate::app::project::datasets) and
-//! [`trajectories`](crate::app::project::trajectories) of the project. [`filmstrip`] shows the bursts with their
-//! states, [`cut`] asks how a long sequence is cut into bursts, and one that was opened as a burst is offered to be
-//! cut; [`matrix`] and [`pair_list`] show the matches of all pairs; [`plane_view`], [`points_strip`], [`camera_list`]
-//! and [`errors_panel`] show an estimated trajectory beside the true one.
+//! The data is in [`datasets`](crate::app::project::datasets) and [`trajectories`](crate::app::project::trajectories)
+//! of the project. [`filmstrip`] shows the bursts with their states, [`cut`] asks how a long sequence is cut into
+//! bursts, and a film opened as one burst is offered to be cut; [`matrix`] and [`pair_list`] show the matches of all
+//! pairs; [`plane_view`], [`points_strip`], [`camera_list`] and [`errors_panel`] show an estimated trajectory beside
+//! the true one.
 
 pub mod camera_list;
 pub mod cut;

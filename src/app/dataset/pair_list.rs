@@ -1,4 +1,4 @@
-//! The list of matched pairs: a click on a heading sorts, a click on a row selects, a second one opens.
+//! List of matched pairs: a click on a heading sorts, a click on a row selects, a second one opens.
 
 use crate::app::project::datasets::Dataset;
 use crate::app::project::datasets::pairs::{BurstPair, PairColumn};
@@ -8,7 +8,7 @@ use egui_extras::{Column, TableBuilder};
 const ROW_HEIGHT: f32 = 18.0;
 const COLUMN_WIDTH: f32 = 50.0;
 
-/// Draws the list. Answers the pair that was clicked twice.
+/// Draws the list. Returns the double-clicked pair.
 pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
     if dataset.matches.is_empty() {
         ui.centered_and_justified(|ui| ui.weak("Match pairs to see them here"));
@@ -28,7 +28,7 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
         .auto_shrink(false)
         .column(Column::remainder().at_least(120.0))
         .columns(Column::exact(COLUMN_WIDTH), PairColumn::ALL.len() - 1);
-    // Follow the selection when it was made elsewhere, and only then.
+    // Scrolls to the selection once, when it was made elsewhere.
     if let Some(row) = rows.iter().position(|(p, _)| Some(*p) == selected).filter(|_| selected != scrolled_to) {
         table = table.scroll_to_row(row, None);
     }
@@ -78,7 +78,7 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
     opened
 }
 
-/// Names at the left end of their cells, numbers at the right.
+/// Draws a cell: names at its left end, numbers at its right.
 fn cell_ui(ui: &mut Ui, column: PairColumn, text: RichText) {
     let label = Label::new(text).selectable(false).extend();
     if column == PairColumn::Pair {

@@ -1,5 +1,5 @@
-//! Both trajectories in a plane: the truth as a line with rings, the estimate as a dashed one with discs, and between
-//! them what is off.
+//! Both trajectories in a plane: the truth as a line with rings, the estimate as a dashed line with discs, and their
+//! differences between them.
 
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories, round_length};
@@ -7,21 +7,21 @@ use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
-/// The pointer finds a camera within this distance, in points.
+/// Maximum distance of the pointer from a camera, in points.
 const REACH: f32 = 12.0;
 
-/// Colours of truth and estimate on the theme's ground.
+/// Colours of truth and estimate on the theme's background.
 fn colours(ui: &Ui) -> (Color32, Color32) {
     let truth = if ui.visuals().dark_mode { Color32::from_gray(225) } else { Color32::from_gray(40) };
     (truth, estimate_colour(ui))
 }
 
-/// The colour of what was estimated, on the theme's ground.
+/// Colour of the estimate on the theme's background.
 pub fn estimate_colour(ui: &Ui) -> Color32 {
     style::warning(ui)
 }
 
-/// Draws the plane; the pointer pans, zooms, finds cameras and selects them.
+/// Draws the plane; the pointer pans, zooms, and hovers over or selects cameras.
 pub fn plane_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(64.0, 64.0)), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Trajectories"));
@@ -47,7 +47,7 @@ pub fn plane_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     }
     if let Some((of_truth, spot)) = pointed.filter(|_| response.double_clicked()) {
         trajectories.wanted = Some(label_of(trajectories, of_truth, spot).to_owned());
-        // Beside cameras a double click fits the view; here it must not.
+        // A double click fits the view, except on a camera.
         trajectories.view = before;
     }
     draw(ui, &painter, trajectories, &scene, &ui_from_plane);
@@ -58,7 +58,8 @@ pub fn plane_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     }
 }
 
-/// The camera nearest to `pos`, and whether it is a true one. Estimated ones come first: they lie over the true ones.
+/// Finds the camera nearest to `pos`, and whether it is a true one. Of equally near ones an estimated camera is chosen:
+/// it lies over the true one.
 fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) -> Option<(bool, &'a Spot)> {
     let spots = scene.estimate.iter().map(|s| (false, s)).chain(scene.truth.iter().map(|s| (true, s)));
     let near = spots.map(|(of_truth, s)| (ui_from_plane.pos(s.pos).distance(pos), of_truth, s));
@@ -66,14 +67,14 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
     Some((of_truth, spot))
 }
 
-/// A camera's name in its own trajectory.
+/// Name of a camera in its own trajectory.
 fn label_of<'t>(trajectories: &'t Trajectories, of_truth: bool, spot: &Spot) -> &'t str {
     let compared = &trajectories.compared;
     let read = if of_truth { &compared.truth } else { &compared.estimate };
     read.as_ref().and_then(|(_, t)| t.poses.get(spot.index)).map_or("", |p| p.label.as_str())
 }
 
-/// A camera in words: the image's name, its errors, its points.
+/// Describes a camera: the image's name, its errors, its points.
 fn spot_text(trajectories: &Trajectories, of_truth: bool, spot: &Spot) -> String {
     if let (Some(report), Some(pair)) = (trajectories.report(), spot.pair) {
         return pair_text(trajectories, &report.pairs[pair]);
@@ -87,7 +88,7 @@ fn spot_text(trajectories: &Trajectories, of_truth: bool, spot: &Spot) -> String
     format!("{label}{why}")
 }
 
-/// A pair of cameras in words.
+/// Describes a pair of cameras.
 pub fn pair_text(trajectories: &Trajectories, pair: &PairReport) -> String {
     let mut text = format!("{}\noff by {:.4} and {:.3}°", pair.label, pair.translation_error, pair.rotation_error_deg);
     if let Some(points) = points_of(trajectories, pair.estimate) {
@@ -96,7 +97,7 @@ pub fn pair_text(trajectories: &Trajectories, pair: &PairReport) -> String {
     text
 }
 
-/// 3D points that the image at this place of the estimate sees; `None` if the estimate is no sparse model.
+/// Number of 3D points that image `index` of the estimate sees; `None` if the estimate is no sparse model.
 pub fn points_of(trajectories: &Trajectories, index: usize) -> Option<usize> {
     let (_, estimate): &(_, std::sync::Arc<Trajectory>) = trajectories.compared.estimate.as_ref()?;
     Some(estimate.model.as_ref()?.images.get(index)?.points)
@@ -127,7 +128,7 @@ fn draw(ui: &Ui, painter: &Painter, trajectories: &Trajectories, scene: &PlaneSc
     }
 }
 
-/// The legend, the axes and the scale bar.
+/// Draws the legend, the axes and the scale bar.
 fn frame_ui(
     ui: &Ui,
     painter: &Painter,

@@ -1,19 +1,19 @@
-//! How many 3D points each image of a reconstruction sees, as bars in the order of the images.
+//! Numbers of 3D points that the images of a reconstruction see, as bars in the order of the images.
 
 use super::plane_view::{estimate_colour, pair_text, points_of};
 use crate::app::project::trajectories::Trajectories;
 use egui::{Align2, FontId, Rect, Sense, Ui, pos2, vec2};
 
-/// One bar.
+/// Bar of one image.
 #[derive(Debug, Clone, PartialEq)]
 struct Bar {
     label: String,
-    /// 3D points; `None` for an image that was not registered.
+    /// Number of 3D points; `None` for an image that was not registered.
     points: Option<usize>,
     pair: Option<usize>,
 }
 
-/// A bar for each image: those of the truth in their order where there is a comparison, otherwise those of the
+/// Makes a bar for each image: those of the truth in their order where there is a comparison, otherwise those of the
 /// estimate.
 fn bars(trajectories: &Trajectories) -> Vec<Bar> {
     let compared = &trajectories.compared;
@@ -45,7 +45,7 @@ fn bars(trajectories: &Trajectories) -> Vec<Bar> {
     }
 }
 
-/// Draws the strip in the room there is; says what is missing where there are no points.
+/// Draws the strip in the available space; without points it says what is missing.
 pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let bars = bars(trajectories);
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click());
@@ -92,7 +92,7 @@ pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
                 painter.rect_filled(column.with_min_y(top), 0.0, colour);
             }
             None => {
-                // A low bar of another colour: an image that was not registered is not one without points.
+                // A low bar of another colour: an image that was not registered differs from one without points.
                 painter.rect_filled(column.with_min_y(plot.bottom() - 3.0), 0.0, visuals.error_fg_color);
             }
         }

@@ -1,9 +1,9 @@
-//! The question whether features of other parameters may be replaced, with what is kept of them.
+//! Question whether features of other parameters may be replaced, with what is kept of them.
 
 use crate::app::project::datasets::Datasets;
 use crate::inspect::words::counted;
 
-/// Asks while `open`; answers whether the features may be replaced.
+/// Asks while `open`; returns whether the features may be replaced.
 pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Datasets) -> bool {
     if !*open {
         return false;

@@ -1,4 +1,4 @@
-//! The small pictures of a dataset's bursts: asked for as they come into view, and kept on the card up to a number.
+//! Thumbnails of a dataset's bursts: requested as they come into view, and kept on the card up to a number.
 
 use crate::burst::{BurstSource, OpenOptions};
 use crate::dataset::Thumbnail;
@@ -7,24 +7,24 @@ use crate::requests::ThumbnailsRequest;
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use std::collections::HashMap;
 
-/// No side of a small picture is longer, in pixels.
+/// Maximum side of a thumbnail, pixels.
 pub const SIDE_PX: usize = 160;
-/// At most this many are kept.
+/// Maximum number of thumbnails kept.
 const MOST_KEPT: usize = 400;
-/// At most this many are asked for at once, so that what comes into view soon has its turn.
+/// Maximum number of thumbnails in a request, so that those that come into view soon need not wait long.
 const MOST_ASKED: usize = 8;
 
-/// A small picture.
+/// State of a thumbnail.
 pub enum Shown {
-    /// It was asked for.
+    /// Requested.
     Asked,
-    /// It is there.
+    /// Available.
     Picture(TextureHandle),
-    /// There is none, and why.
+    /// Failed, with the reason.
     Failed(String),
 }
 
-/// The small pictures of one dataset, by the bursts' names.
+/// Thumbnails of one dataset, by the bursts' names.
 #[derive(Default)]
 pub struct Thumbnails {
     shown: HashMap<String, Shown>,
@@ -34,12 +34,12 @@ pub struct Thumbnails {
 }
 
 impl Thumbnails {
-    /// Forgets all pictures: another dataset was opened.
+    /// Removes all thumbnails: another dataset was opened.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// The picture of `burst`, if it is there; otherwise it is wanted from now on.
+    /// State of the thumbnail of `burst`; an unknown one is requested next.
     pub fn get(&mut self, burst: &BurstSource) -> Option<&Shown> {
         if !self.shown.contains_key(&burst.name) {
             self.in_view.push(burst.clone());
@@ -47,19 +47,19 @@ impl Thumbnails {
         self.shown.get(&burst.name)
     }
 
-    /// Whether some that came into view are not there yet.
+    /// Whether some thumbnails that came into view are still missing.
     pub fn is_waiting(&self) -> bool {
         !self.in_view.is_empty() || self.shown.values().any(|s| matches!(s, Shown::Asked))
     }
 
-    /// Requests what came into view in this pass, opened with `open`.
+    /// Requests the thumbnails that came into view in this pass from the workers; bursts are opened with `open`.
     pub fn request(&mut self, engine: &Engine, open: &OpenOptions) {
         let mut bursts = std::mem::take(&mut self.in_view);
         if bursts.is_empty() || self.wanted.is_pending() {
             return;
         }
         if self.shown.len() + bursts.len() > MOST_KEPT {
-            // Those in view come back soon; that is simpler than knowing which were seen last.
+            // Those in view are made again soon; this is simpler than tracking which were seen last.
             self.shown.clear();
         }
         bursts.truncate(MOST_ASKED);

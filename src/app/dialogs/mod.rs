@@ -1,8 +1,8 @@
-//! Asking for files: the system's dialogs, and a field to type a path into where the system has none.
+//! File questions: the system's dialogs, and a path field where the system has none.
 //!
 //! The system's dialogs wait for a person, so they run on a thread of their own. They are behind [`FileDialogs`], so
-//! that tests can answer for the person. On a Linux desktop without a portal the system's dialog answers "nothing
-//! chosen" at once; nobody cancels that quickly, so then the path field opens instead.
+//! that tests can answer for the person. On a Linux desktop without a portal the system's dialog returns "nothing
+//! chosen" at once, faster than a person can cancel; the path field opens then.
 
 mod path_field;
 mod purpose;
@@ -17,20 +17,20 @@ use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
-/// A question for files.
+/// Question for files.
 #[derive(Debug, Clone)]
 pub struct Question {
-    /// What for.
+    /// Purpose of the files.
     pub purpose: Purpose,
-    /// The name that a new file gets unless another is given.
+    /// Suggested name of a new file.
     pub suggested_name: String,
-    /// Where the dialog starts.
+    /// Folder in which the dialog starts.
     pub folder: Option<PathBuf>,
 }
 
-/// Something that asks a person for files. It waits for the answer; `None` means that nothing was chosen.
+/// Source of answers to file questions. It waits for the answer; `None` means that nothing was chosen.
 pub trait FileDialogs: Send + Sync {
-    /// Asks, and waits for the answer.
+    /// Asks the question, and waits for the answer.
     fn ask(&self, question: &Question) -> Option<Vec<PathBuf>>;
 }
 
@@ -63,7 +63,7 @@ impl FileDialogs for SystemDialogs {
     }
 }
 
-/// What came of a question.
+/// Answer to a question.
 #[derive(Debug, Clone)]
 pub enum FileAnswer {
     /// Files were chosen.
@@ -74,7 +74,7 @@ pub enum FileAnswer {
     NoDialog(Question),
 }
 
-/// A dialog that answers "nothing" within this time was never shown.
+/// Minimum time a person needs to cancel: a dialog that returns "nothing" sooner was never shown.
 const TOO_QUICK_FOR_A_PERSON: Duration = Duration::from_millis(350);
 
 /// Asks questions on threads of their own and collects the answers.
@@ -87,7 +87,7 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// A desk that asks with `dialogs` and calls `on_update` when there is an answer.
+    /// Creates a desk that asks with `dialogs` and calls `on_update` when there is an answer.
     pub fn new(dialogs: Arc<dyn FileDialogs>, on_update: OnUpdate) -> Self {
         let (sender, receiver) = mpsc::channel();
         Self { dialogs, sender, receiver, on_update, open: 0 }
@@ -106,14 +106,14 @@ impl Desk {
                 let asked = Instant::now();
                 let paths = dialogs.ask(&question);
                 let answer = answer(question, paths, asked.elapsed());
-                // The window may be gone by now; then nobody wants the answer.
+                // When the window is closed already, the answer is dropped.
                 let _ = sender.send(answer);
                 on_update();
             })
             .expect("the system can start a handful of threads");
     }
 
-    /// Answers that came since the last call.
+    /// Returns the answers received since the last call.
     pub fn take_answers(&mut self) -> Vec<FileAnswer> {
         let answers: Vec<FileAnswer> = self.receiver.try_iter().collect();
         self.open -= answers.len();
@@ -126,7 +126,7 @@ impl Desk {
     }
 }
 
-/// The meaning of `paths`, which the system's dialog gave back `after` so much time.
+/// Interprets `paths`, which the system's dialog returned `after` this time.
 fn answer(question: Question, paths: Option<Vec<PathBuf>>, after: Duration) -> FileAnswer {
     match paths {
         Some(paths) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),

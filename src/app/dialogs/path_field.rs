@@ -1,14 +1,14 @@
-//! The field to type a path into, where the system has no dialog or a person prefers to type.
+//! Field to type a path into, where the system has no dialog or a person prefers to type.
 
 use super::Purpose;
 use std::path::PathBuf;
 
-/// The field to type a path into.
+/// Field to type a path into.
 #[derive(Debug, Clone)]
 pub struct PathField {
-    /// What for.
+    /// Purpose of the path.
     pub purpose: Purpose,
-    /// What was typed.
+    /// Typed text.
     pub text: String,
     /// Whether it stands in for a dialog that the system does not have.
     pub instead_of_dialog: bool,
@@ -16,12 +16,12 @@ pub struct PathField {
 }
 
 impl PathField {
-    /// An open field that holds `text`.
+    /// Creates an open field that holds `text`.
     pub fn new(purpose: Purpose, text: String, instead_of_dialog: bool) -> Self {
         Self { purpose, text, instead_of_dialog, fresh: true }
     }
 
-    /// Draws it. Answers the path when it was accepted, and whether it is to stay open.
+    /// Draws the field. Returns the path when it was accepted, and whether the field stays open.
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<PathBuf>, bool) {
         let mut accepted = None;
         let modal = egui::Modal::new(egui::Id::unique("path field")).show(ctx, |ui| {
@@ -60,11 +60,11 @@ impl PathField {
     }
 }
 
-/// Selects the name without its extension, so that typing gives another one and the kind of file stays.
+/// Selects the name without its extension, so that typing replaces the name and keeps the extension.
 fn select_stem(ctx: &egui::Context, id: egui::Id, text: &str) {
     let letters = |part: &str| part.chars().count();
     let name = text.rfind('/').map_or(0, |slash| slash + 1);
-    // What has two extensions keeps both.
+    // A name with two extensions keeps both.
     let end = text[name..].find('.').filter(|dot| *dot > 0).map_or(text.len(), |dot| name + dot);
     let mut state = egui::TextEdit::load_state(ctx, id).unwrap_or_default();
     let at = |place: usize| egui::text::CCursor::new(letters(&text[..place]));
@@ -72,14 +72,14 @@ fn select_stem(ctx: &egui::Context, id: egui::Id, text: &str) {
     egui::TextEdit::store_state(ctx, id, state);
 }
 
-/// The folder that has to be made for a file at `path`; `None` where it is there.
+/// Folder that has to be created for a file at `path`; `None` when it exists.
 fn new_folder(path: &std::path::Path) -> Option<PathBuf> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
     (!folder.exists()).then(|| folder.to_path_buf())
 }
 
-/// The path that a person typed or pasted: without blanks around it, quotes, or a `file://` in front; `~` is the home
-/// folder.
+/// Parses a path that was typed or pasted: removes surrounding blanks, quotes and a leading `file://`; replaces a
+/// leading `~/` by the home folder.
 pub fn path_from_text(text: &str) -> PathBuf {
     let text = text.trim();
     let unquoted = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q)).unwrap_or(text);

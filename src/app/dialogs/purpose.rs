@@ -1,8 +1,8 @@
-//! What files are asked for: titles, hints and extensions of each question.
+//! Purposes of file questions: their titles, hints and extensions.
 
 use crate::app::project::pair::Side;
 
-/// What a file is asked for.
+/// Purpose of a file question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// A folder of frames.
@@ -15,7 +15,7 @@ pub enum Purpose {
     FeatureFolder,
     /// A folder for the figures of the paper.
     PaperFigures,
-    /// A folder for what COLMAP's mapper takes.
+    /// A folder for the input of COLMAP's mapper.
     ExportDatabase,
     /// An estimated trajectory.
     OpenEstimate,
@@ -29,9 +29,9 @@ pub enum Purpose {
     OpenFilesB,
     /// Any path of a burst, typed, for the second burst.
     OpenPathB,
-    /// A sharp image of the view of a side: its gold standard.
+    /// A sharp image of the view of a side, used as its gold standard.
     OpenGold(Side),
-    /// Somebody else's features.
+    /// Features of another program.
     OpenFeatures,
     /// A bias frame.
     OpenBias,
@@ -51,7 +51,7 @@ pub enum Purpose {
     Export(ExportKind),
 }
 
-/// What is exported.
+/// Kind of export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExportKind {
     /// Features as CSV.
@@ -81,7 +81,7 @@ pub enum ExportKind {
 }
 
 impl ExportKind {
-    /// Its file name extension.
+    /// File name extension.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Csv | Self::Matches | Self::Profile | Self::CurvesCsv => "csv",
@@ -93,7 +93,7 @@ impl ExportKind {
         }
     }
 
-    /// What it is called in messages.
+    /// Name of the export in messages.
     pub fn label(self) -> &'static str {
         match self {
             Self::Csv => "Export features as CSV",
@@ -147,7 +147,7 @@ impl Purpose {
         matches!(self, Self::SaveSession | Self::SaveParams | Self::Export(_))
     }
 
-    /// What the path field says about itself.
+    /// Hint of the path field.
     pub fn hint(self) -> &'static str {
         match self {
             Self::OpenFolder

@@ -1,22 +1,21 @@
-//! The question whether a file may be replaced. The system's own dialog asks it by itself; a typed path has to be asked
-//! about.
+//! Question whether a file may be replaced. The system's own dialog asks it itself; for a typed path the window asks.
 
 use super::Purpose;
 use crate::export::is_ours;
 use std::path::PathBuf;
 
-/// A file that is there already where another one is to be written.
+/// Existing file at the path of a new one.
 #[derive(Debug, Clone)]
 pub struct ReplaceFile {
-    /// What is to be written.
+    /// Purpose of the new file.
     pub purpose: Purpose,
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
     about: &'static str,
 }
 
 impl ReplaceFile {
-    /// The question about the file at `path`.
+    /// Creates the question about the file at `path`.
     pub fn new(purpose: Purpose, path: PathBuf) -> Self {
         let is_link = std::fs::symlink_metadata(&path).is_ok_and(|file| file.is_symlink());
         let about = match (is_link, is_ours(&path)) {
@@ -27,7 +26,7 @@ impl ReplaceFile {
         Self { purpose, path, about }
     }
 
-    /// Draws it. Answers whether the file may be replaced, once that is decided.
+    /// Draws the question. Returns whether the file may be replaced, once that is decided.
     pub fn ui(&self, ctx: &egui::Context) -> Option<bool> {
         let mut answer = None;
         let modal = egui::Modal::new(egui::Id::unique("replace file")).show(ctx, |ui| {

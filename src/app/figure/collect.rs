@@ -1,4 +1,4 @@
-//! What the panes show, as panels of a figure.
+//! Collects the content of the panes as panels of a figure.
 
 use crate::app::canvas::overlay::{ColourBy, ColourScale, circle_radius_image, motion_image};
 use crate::app::canvas::{self, number};
@@ -16,10 +16,10 @@ use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use std::sync::Arc;
 
-/// The figure of what is on show.
+/// Makes the figure of the shown panes.
 ///
 /// # Errors
-/// That there is no picture.
+/// When there is no picture.
 pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
     let rows = if choice.all_panes && model.workspace.needs_burst() {
         model.panes.arrangement().in_rows()
@@ -81,7 +81,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     })
 }
 
-/// The features as the window draws them: the faint ones at the bottom, the selected one on top.
+/// Marks of the features as the window draws them: faint ones below, the selected one on top.
 fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
     let scale = layer.scale(model);
     let frames = layer.detection.frames_used.len();
@@ -89,7 +89,7 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
     let mark = |i: usize| {
         let (placed, own) = (&layer.placed[i], &layer.detection.features[i]);
         let faint = layer.is_faint(i);
-        // The way over the whole burst stays where it is in every frame.
+        // The motion over the whole burst is the same in every frame.
         let (first, last) = motion_image(own, frames);
         FigureMark {
             centre: [placed.u, placed.v],
@@ -121,8 +121,8 @@ fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
     }
 }
 
-/// Entries that show the colours of the slopes of the grid that have features (at most a dozen), or of five steps
-/// through the range.
+/// Legend entries: the colours of the slopes of the grid that have features (at most 12), or of five steps through the
+/// range.
 fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
     const MOST: usize = 12;
     let Some(sample) = detection.features.first().copied() else { return Vec::new() };

@@ -1,4 +1,4 @@
-//! What a figure shows, to be chosen.
+//! Dialog that chooses the content of a figure.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::project::figure::FigureChoice;

@@ -1,4 +1,4 @@
-//! The matches between the panes of a figure, as they are drawn in the window.
+//! Matches between the panes of a figure, as the window draws them.
 
 use crate::app::canvas::overlay::LineKind;
 use crate::app::inspector::{PaneWidgets, joined_panes};
@@ -11,7 +11,7 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::export::FigureLink;
 
-/// The lines between `panes`, which are the figure's panels in reading order.
+/// Lines between `panes`, the figure's panels in reading order.
 pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<FigureLink> {
     match model.workspace {
         Workspace::Pair => {
@@ -38,7 +38,7 @@ fn links(
     matches: &Matches,
     drawn: &[usize],
 ) -> Vec<FigureLink> {
-    // Panes that are not to be seen, behind a tab, are beside nothing.
+    // Panes hidden behind a tab have no neighbours.
     let places: Vec<_> = panes
         .iter()
         .map(|id| (*id, widgets.rect_ui(*id).unwrap_or(egui::Rect::NOTHING)))

@@ -1,4 +1,5 @@
-//! Figures of what the panes show: filter, faint features, colours, part of the image and all, as vectors or as pixels.
+//! Figures of the shown panes, with filter, faint features, colours and visible part of the image, as vectors or as
+//! pixels.
 
 mod collect;
 mod dialog;

@@ -1,4 +1,5 @@
-//! A drawing as pixels, without a card: egui makes triangles of lines and letters, and these are filled here.
+//! Draws a figure as pixels, without a graphics card: egui makes triangles of lines and letters, and this module fills
+//! them.
 
 use crate::export::{Drawing, FigureRect, FigureShape, FigureStroke};
 use crate::plane::memory;
@@ -7,13 +8,13 @@ use egui::{Color32, ColorImage, FontId, Painter, Pos2, Rect, Shape, Stroke, Text
 use image::{Rgba, RgbaImage};
 use std::collections::HashMap;
 
-/// Figures with a side longer than this are not drawn as pixels.
+/// Maximum side of a figure drawn as pixels.
 const MAX_SIDE_PX: f32 = 20_000.0;
 
-/// The pixels of `drawing`, one for each figure pixel.
+/// Draws `drawing`, one pixel for each figure pixel.
 ///
 /// # Errors
-/// That it would be too large.
+/// When the figure is too large.
 pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     let [width, height] = drawing.size.map(f32::ceil);
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
@@ -24,7 +25,7 @@ pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     let mut pixels = memory::zeroed(width as usize * height as usize * 4);
     pixels.fill(255);
     let mut image = RgbaImage::from_raw(width as u32, height as u32, pixels).ok_or("the figure has no size")?;
-    // What is made of whole pixels lies at the bottom of every figure.
+    // Shapes of whole pixels lie at the bottom of every figure.
     for shape in &drawing.shapes {
         fill(&mut image, shape);
     }
@@ -85,7 +86,7 @@ fn fill(image: &mut RgbaImage, shape: &FigureShape) {
     }
 }
 
-/// Sets the pixels whose centres lie in `rect`; `at` gets their places in it, 0 … 1.
+/// Sets the pixels whose centres lie in `rect`; `at` gets their positions in it, 0 … 1 on each axis.
 fn for_pixels(image: &mut RgbaImage, rect: &FigureRect, at: impl Fn(f32, f32) -> Rgba<u8>) {
     let range = |min: f32, size: f32, most: u32| {
         let first = (min - 0.5).ceil().max(0.0) as u32;
@@ -124,7 +125,7 @@ fn draw(painter: &Painter, shape: &FigureShape) {
         FigureShape::Text { at, size, text, color } => {
             let [r, g, b] = *color;
             let galley = painter.layout_no_wrap(text.clone(), FontId::proportional(*size), Color32::from_rgb(r, g, b));
-            // The letters stand on the line: that is where the first row has its baseline.
+            // The text's position is its baseline: the glyphs of the first row stand on it.
             let ascent = galley.rows.first().and_then(|row| row.glyphs.first()).map_or(0.8 * size, |glyph| glyph.pos.y);
             painter.galley(pos2(at[0], at[1] - ascent), galley, Color32::BLACK);
         }
@@ -136,7 +137,7 @@ fn draw(painter: &Painter, shape: &FigureShape) {
     }
 }
 
-/// Fills the triangles of a mesh, each pixel by what covers its centre.
+/// Fills the triangles of a mesh; a pixel is filled where its centre is covered.
 fn fill_mesh(image: &mut RgbaImage, clip: Rect, mesh: &Mesh, texture: &ColorImage) {
     for triangle in mesh.indices.chunks_exact(3) {
         let [a, b, c] = [0, 1, 2].map(|i| mesh.vertices[triangle[i] as usize]);

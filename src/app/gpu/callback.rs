@@ -1,4 +1,4 @@
-//! The paint callback: one picture in one pane.
+//! Paint callback: one picture in one pane.
 
 use super::PictureId;
 use super::renderer::{PictureRenderer, lut_row};
@@ -11,24 +11,24 @@ use std::sync::Arc;
 /// One picture in one pane, for one frame.
 #[derive(Debug, Clone)]
 pub struct PicturePaint {
-    /// Which pane; no two panes of a frame may share it.
+    /// Id of the pane; unique in a frame.
     pub pane: egui::Id,
-    /// Which picture.
+    /// Id of the picture.
     pub id: PictureId,
-    /// Its values; read only when it is not on the card yet.
+    /// Values of the picture; read only when it is not on the card yet.
     pub plane: Arc<Plane>,
-    /// From pixels of the picture (centre of the first one at 0) to points of the window.
+    /// Transform from pixels of the picture (centre of the first one at 0) to points of the window.
     pub ui_from_picture: RectTransform,
-    /// Range, gamma, colours.
+    /// Range, gamma and colour map.
     pub display: Display,
-    /// 0: as it is; 1: dimmed, as a stale picture is.
+    /// Dimming: 0 none, 1 that of a stale picture.
     pub dim: f32,
-    /// What a dimmed picture fades towards.
+    /// Colour towards which a dimmed picture fades.
     pub backdrop: egui::Color32,
 }
 
 impl PicturePaint {
-    /// The shape that draws it into `rect_ui`.
+    /// Shape that draws the picture into `rect_ui`.
     pub fn into_shape(self, rect_ui: egui::Rect) -> egui::Shape {
         egui_wgpu::Callback::new_paint_callback(rect_ui, self).into()
     }
@@ -54,8 +54,8 @@ impl PicturePaint {
     }
 }
 
-/// A ratio so close to 1:1 that the difference is rounding counts as 1:1, so that pixels are copied and not mixed with
-/// their neighbours.
+/// Rounds a ratio to 1 where it differs only by rounding, so that pixels are copied and not mixed with their
+/// neighbours.
 fn screen_ratio(picture_px_per_px: f32) -> f32 {
     if (picture_px_per_px - 1.0).abs() < 1e-5 { 1.0 } else { picture_px_per_px }
 }

@@ -1,13 +1,13 @@
-//! How a picture lies in a texture: tiles for pictures wider than a texture may be, and coarser levels for showing it
-//! small.
+//! Layout of a picture in a texture: tiles for pictures wider than a texture may be, and coarser levels for small
+//! views.
 //!
-//! A texture has a largest side; a picture beyond it is cut into equal tiles, one array layer each, and the shader
-//! finds the layer of a pixel. Coarser levels hold means of 2×2 pixels, so that a picture shown small is averaged, not
-//! thinned out. The side of a tile is a multiple of 2^(levels − 1), hence a cell of any level lies in one tile.
+//! A texture has a largest side; a larger picture is cut into equal tiles, one array layer each, and the shader finds
+//! the layer of a pixel. Coarser levels hold means of 2×2 pixels, so that a picture shown small is averaged, not
+//! subsampled. The side of a tile is a multiple of 2^(levels − 1), hence a cell of any level lies in one tile.
 
 use super::limits::DeviceLimits;
 
-/// How one picture lies in a texture.
+/// Layout of one picture in a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     /// (columns, rows) of the picture.
@@ -21,13 +21,13 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The most levels: the coarsest cell is 2^7 = 128 pixels wide.
+    /// Maximum number of levels: the coarsest cell is 2^7 = 128 pixels wide.
     const MAX_LEVELS: u32 = 8;
 
-    /// The layout of a picture of `size` on a device with `limits`.
+    /// Computes the layout of a picture of `size` on a device with `limits`.
     ///
     /// # Errors
-    /// A sentence for the user when the device cannot hold such a picture.
+    /// When the device cannot hold such a picture; a sentence for the user.
     pub fn new(size: (usize, usize), limits: DeviceLimits) -> Result<Self, String> {
         let too_large = || {
             format!(
@@ -40,7 +40,7 @@ impl Layout {
             return Err("This picture has no pixels.".to_owned());
         }
         let longer = width.max(height);
-        // A level more for each halving that leaves at least 32 pixels.
+        // One more level for each halving that leaves at least 32 pixels.
         let levels = (longer / 32).checked_ilog2().map_or(1, |l| l + 1).min(Self::MAX_LEVELS);
         let multiple = 1 << (levels - 1);
         let largest_tile = limits.max_side / multiple * multiple;
@@ -49,7 +49,7 @@ impl Layout {
         }
         let split = |side: u32| {
             let count = side.div_ceil(largest_tile);
-            // Equal tiles waste less than full ones and a rest.
+            // Equal tiles waste less than full ones and a remainder.
             (count, side.div_ceil(count).next_multiple_of(multiple).min(largest_tile))
         };
         let ((across, tile_width), (down, tile_height)) = (split(width), split(height));
@@ -59,18 +59,18 @@ impl Layout {
         Ok(Self { size: (width, height), tile: (tile_width, tile_height), tiles: (across, down), levels })
     }
 
-    /// Array layers: one for each tile.
+    /// Number of array layers: one for each tile.
     pub fn layers(&self) -> u32 {
         self.tiles.0 * self.tiles.1
     }
 
-    /// Bytes of the texture.
+    /// Size of the texture, bytes.
     pub fn bytes(&self) -> u64 {
         let level = |l: u32| u64::from(self.tile.0 >> l) * u64::from(self.tile.1 >> l) * 4;
         (0..self.levels).map(level).sum::<u64>() * u64::from(self.layers())
     }
 
-    /// The level for showing `picture_px_per_px` pixels of the picture in one pixel of the screen: the coarsest whose
+    /// Level for showing `picture_px_per_px` pixels of the picture in one pixel of the screen: the coarsest level whose
     /// cells are not wider than a screen pixel.
     pub fn level_for(&self, picture_px_per_px: f32) -> u32 {
         let level = if picture_px_per_px >= 2.0 { picture_px_per_px.log2().floor() as u32 } else { 0 };

@@ -1,23 +1,23 @@
-//! The toolkit's own textures once more in main memory: letters, icons, small pictures.
+//! Copies of the toolkit's own textures in main memory: letters, icons, small pictures.
 //!
-//! The toolkit hands each texture to the card once and forgets it. Where the card's device is lost, a new one must get
-//! them all again; so what goes to the card is kept here too (a whole image shares its pixels with whoever made it).
-//! The pictures of bursts are not among them: they come with each frame, and are uploaded where they are missing.
+//! The toolkit hands each texture to the card once and forgets it. When the card's device is lost, a new one must get
+//! them all again; so they are kept here too (a whole image shares its pixels with its creator). The pictures of bursts
+//! are not among them: they come with each frame, and are uploaded where they are missing.
 
 use egui::epaint::{ColorImage, ImageData, ImageDelta, TextureId};
 use egui::{Context, FullOutput, TextureOptions};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Keeps the textures of the context that it is a plugin of.
+/// Plugin that keeps the textures of its context.
 #[derive(Default)]
 pub(super) struct TextureMirror {
     textures: BTreeMap<u64, (Arc<ColorImage>, TextureOptions)>,
-    /// Whether a new device waits for all of them.
+    /// Whether a new device needs all of them.
     wanted: bool,
 }
 
-/// The number of a texture that the toolkit manages; those of others are not kept.
+/// Number of a texture that the toolkit manages; textures of others are not kept.
 fn managed(id: TextureId) -> Option<u64> {
     match id {
         TextureId::Managed(number) => Some(number),
@@ -26,7 +26,7 @@ fn managed(id: TextureId) -> Option<u64> {
 }
 
 impl TextureMirror {
-    /// Keeps the textures of `ctx` from now on; where that is done already, the next frame brings all of them again.
+    /// Keeps the textures of `ctx` from now on; if they are kept already, the next frame uploads all of them again.
     pub(super) fn install(ctx: &Context) {
         if ctx.with_plugin(|mirror: &mut Self| mirror.wanted = true).is_none() {
             ctx.add_plugin(Self::default());
@@ -51,7 +51,7 @@ impl TextureMirror {
                     }
                 }
             }
-            // A part of what was never seen whole.
+            // Part of a texture that was never set whole.
             (Some(_), None) => {}
         }
     }
@@ -79,7 +79,7 @@ impl egui::Plugin for TextureMirror {
     }
 }
 
-/// All textures of `ctx` that the toolkit manages, whole. None before [`super::install`].
+/// All textures of `ctx` that the toolkit manages, whole. Empty before [`super::install`].
 pub fn textures_of(ctx: &Context) -> Vec<(TextureId, ImageDelta)> {
     ctx.with_plugin(|mirror: &mut TextureMirror| mirror.all().collect()).unwrap_or_default()
 }
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use egui::Color32;
 
-    /// The textures of a pass, as a card would have them.
+    /// Ids of the textures that a pass sets whole.
     fn pass(ctx: &Context, draw: impl FnMut(&mut egui::Ui)) -> Vec<TextureId> {
         let output = ctx.run_ui(egui::RawInput::default(), draw);
         let whole = output.textures_delta.set.iter().filter(|(_, deltas)| deltas.iter().any(ImageDelta::is_whole));
@@ -129,7 +129,7 @@ mod tests {
         let again = pass(&ctx, |_| {});
         assert!(again.contains(&texture.id()) && again.contains(&TextureId::default()));
         assert!(pass(&ctx, |_| {}).is_empty());
-        // What is gone is not kept.
+        // Freed textures are not kept.
         let id = texture.id();
         drop(texture);
         pass(&ctx, |_| {});

@@ -3,10 +3,10 @@
 //! A picture goes to the card once, as 32-bit floats. Range, gamma and colour map are a few numbers that the shader
 //! reads, so changing the exposure uploads nothing. [`install`] prepares a window; a canvas then adds one
 //! [`PicturePaint`] shape for each pane. Magnified pictures show crisp pixels, small ones are averaged over the area of
-//! a screen pixel, large ones are tiled, and what cannot be shown is said.
+//! a screen pixel, large ones are tiled, and a picture that cannot be shown is reported.
 //!
-//! A device can be lost: the driver was reset or updated, the card went to sleep. [`Gpu::lost`] says so; [`install`]
-//! for a new device brings everything to it again.
+//! A device can be lost: the driver was reset or updated, the card went to sleep. [`Gpu::lost`] reports it; [`install`]
+//! for a new device uploads everything to it again.
 
 mod callback;
 mod layout;
@@ -30,13 +30,12 @@ pub use setup::{AdapterChoice, Gpu, install, wgpu_configuration, wgpu_setup};
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Names the content of a picture: the card holds a picture as long as the same id comes again. New values need a new
-/// id.
+/// Id of a picture's content: the card holds a picture as long as its id recurs. New values need a new id.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PictureId(u64);
 
 impl PictureId {
-    /// An id that no other picture of this process has.
+    /// Creates an id that no other picture of this process has.
     pub fn fresh() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))

@@ -1,5 +1,5 @@
-//! What the renderer makes of the device: the pipeline with its layout, bind groups, and the texture of all colour
-//! maps.
+//! Objects that the renderer creates on the device: the pipeline with its layout, bind groups, and the texture of all
+//! colour maps.
 
 use super::uniforms::Uniforms;
 use crate::plane::colour_map::ColourMap;
@@ -92,7 +92,7 @@ pub(super) fn pipeline(
     })
 }
 
-/// All colour maps in one texture: 256 columns, one row for each map in the order of [`ColourMap::ALL`].
+/// Creates a texture of all colour maps: 256 columns, one row for each map in the order of [`ColourMap::ALL`].
 pub(super) fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
     let mut bytes = Vec::with_capacity(256 * 4 * ColourMap::ALL.len());
     for [r, g, b] in ColourMap::ALL.into_iter().flat_map(ColourMap::lut) {

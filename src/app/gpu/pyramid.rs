@@ -3,8 +3,8 @@
 use crate::plane::Plane;
 use rayon::prelude::*;
 
-/// The next coarser level of `fine`: (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four cells that exist
-/// and are numbers; NaN when none is.
+/// Next coarser level of `fine`: (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four cells that exist and
+/// are numbers; NaN when none is.
 pub fn halve(fine: &Plane) -> Plane {
     let (width, height) = (fine.width().div_ceil(2), fine.height().div_ceil(2));
     let mut coarse = Plane::zeros(width, height);
@@ -13,7 +13,7 @@ pub fn halve(fine: &Plane) -> Plane {
     }
     coarse.data_mut().par_chunks_mut(width).enumerate().with_min_len(8).for_each(|(v, out)| {
         let top = fine.row(2 * v);
-        // The last row or column of an odd size stands for itself.
+        // The last row or column of an odd size counts twice.
         let bottom = fine.row((2 * v + 1).min(fine.height() - 1));
         for (u, cell) in out.iter_mut().enumerate() {
             let (left, right) = (2 * u, (2 * u + 1).min(fine.width() - 1));
@@ -25,7 +25,7 @@ pub fn halve(fine: &Plane) -> Plane {
     coarse
 }
 
-/// The mean of those that are numbers.
+/// Mean of the values that are numbers.
 fn mean_of_numbers(values: [f32; 4]) -> f32 {
     let numbers = values.into_iter().filter(|x| !x.is_nan());
     let (sum, count) = numbers.fold((0.0, 0), |(s, n), x| (s + x, n + 1));

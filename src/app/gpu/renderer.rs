@@ -1,4 +1,5 @@
-//! What stays on the card between frames: the pipeline, the colour maps, the pictures and one bind group for each pane.
+//! Resources kept on the card between frames: the pipeline, the colour maps, the pictures and one bind group for each
+//! pane.
 
 use super::PictureId;
 use super::layout::Layout;
@@ -11,13 +12,13 @@ use crate::plane::colour_map::ColourMap;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// Pictures stay on the card until they take more than this; then those not seen for longest go.
+/// Memory of the pictures on the card, bytes; beyond it those unused for longest are removed.
 const BUDGET_BYTES: u64 = 512 << 20;
 
-/// Panes not drawn for this many frames lose their bind group.
+/// Number of frames after which a pane that is not drawn loses its bind group.
 const PANE_LIFETIME_FRAMES: u64 = 600;
 
-/// Why pictures could not be brought to the card.
+/// Reasons why pictures could not be uploaded.
 pub type Failures = Arc<Mutex<HashMap<PictureId, String>>>;
 
 struct Resident {
@@ -32,7 +33,7 @@ struct Pane {
     last_used_frame: u64,
 }
 
-/// Everything the paint callbacks share. Lives in egui's callback resources.
+/// State that the paint callbacks share. Lives in egui's callback resources.
 pub struct PictureRenderer {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
@@ -48,7 +49,7 @@ pub struct PictureRenderer {
 }
 
 impl PictureRenderer {
-    /// Makes the pipeline and the table of colour maps.
+    /// Creates the pipeline and the table of colour maps.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: wgpu::TextureFormat, limits: DeviceLimits) -> Self {
         let layout = bind_group_layout(device);
         Self {
@@ -66,23 +67,23 @@ impl PictureRenderer {
         }
     }
 
-    /// Where failed uploads are noted.
+    /// Map in which failed uploads are noted.
     pub fn failures(&self) -> Failures {
         self.failures.clone()
     }
 
-    /// How many pictures were brought to the card so far.
+    /// Number of pictures uploaded so far.
     pub fn uploads(&self) -> u64 {
         self.uploads
     }
 
-    /// Bytes of the pictures on the card.
+    /// Size of the pictures on the card, bytes.
     pub fn resident_bytes(&self) -> u64 {
         self.pictures.values().map(|p| p.texture.layout.bytes()).sum()
     }
 
-    /// Makes sure that the picture is on the card and that the pane's bind group shows it. `uniforms` are filled in by
-    /// the caller, except for what depends on how the picture lies in its texture.
+    /// Uploads the picture if it is missing, and makes the pane's bind group show it. The caller fills in `uniforms`,
+    /// except for values that depend on the picture's layout in its texture.
     pub(super) fn prepare(
         &mut self,
         device: &wgpu::Device,
@@ -152,8 +153,8 @@ impl PictureRenderer {
         }
     }
 
-    /// Ends the frame, once, after all panes were prepared: what is over the budget and was not seen in this frame
-    /// goes, oldest first.
+    /// Ends the frame, once, after all panes were prepared: removes pictures beyond the budget that were not seen in
+    /// this frame, oldest first.
     pub(super) fn end_frame(&mut self) {
         if !std::mem::take(&mut self.frame_open) {
             return;
@@ -173,7 +174,7 @@ impl PictureRenderer {
                     break;
                 }
                 bytes -= self.pictures.remove(&id).map_or(0, |p| p.texture.layout.bytes());
-                // A bind group would keep the texture's memory.
+                // A bind group would keep the texture's memory alive.
                 self.panes.retain(|_, pane| pane.picture != id);
             }
         }

@@ -1,4 +1,4 @@
-//! One description of the graphics device for the window, for drawing without a display and for tests.
+//! Setup of the graphics device for the window, for drawing without a display and for tests.
 
 use super::limits::DeviceLimits;
 use super::mirror::TextureMirror;
@@ -6,17 +6,17 @@ use super::renderer::PictureRenderer;
 use egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::sync::{Arc, OnceLock};
 
-/// Which adapter to take when a machine has several.
+/// Choice of the adapter when a machine has several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AdapterChoice {
     /// The fastest one.
     #[default]
     Fastest,
-    /// A software one if there is one: it draws the same picture on every machine, which compared pictures need.
+    /// A software one if there is one: it draws identical pictures on every machine, as comparing pictures requires.
     Software,
 }
 
-/// How instance, adapter and device are made, everywhere in the program.
+/// Setup of instance, adapter and device, for the whole program.
 ///
 /// Vulkan, Metal or DirectX 12 (or what the environment variable `WGPU_BACKEND` names). The device gets the adapter's
 /// own limits for the size of pictures and buffers; the portable defaults would refuse pictures that the machine can
@@ -38,12 +38,12 @@ pub fn wgpu_setup(choice: AdapterChoice) -> WgpuSetup {
     WgpuSetup::CreateNew(setup)
 }
 
-/// The window's graphics options: [`wgpu_setup`] with the fastest adapter. For `eframe::NativeOptions::wgpu_options`.
+/// Graphics options of the window: [`wgpu_setup`] with the fastest adapter. For `eframe::NativeOptions::wgpu_options`.
 pub fn wgpu_configuration() -> WgpuConfiguration {
     WgpuConfiguration { wgpu_setup: wgpu_setup(AdapterChoice::Fastest), ..Default::default() }
 }
 
-/// The portable limits (the smaller portable set on weak adapters), raised to the adapter's where the size of pictures
+/// Portable limits (the smaller portable set on weak adapters), raised to the adapter's where the size of pictures
 /// depends on them.
 fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
     let base = if wgpu::Limits::default().check_limits(adapter) {
@@ -60,9 +60,9 @@ fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
     }
 }
 
-/// Makes `ctx` able to draw float pictures with `render_state`. Call it once when the window (or the offscreen drawing)
-/// is made, before the first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`. Call it
-/// again for a new device in the place of a [lost](Gpu::lost) one: all that was on the card goes to the new one.
+/// Enables `ctx` to draw float pictures with `render_state`. Call it once when the window (or the offscreen drawing) is
+/// created, before the first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`. Call it
+/// again for a new device in place of a [lost](Gpu::lost) one: everything on the card is uploaded to the new one.
 ///
 /// The renderer of `render_state` must draw without multisampling and without a depth buffer, which are egui's
 /// defaults.
@@ -72,7 +72,7 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     let lost = Arc::new(OnceLock::new());
     let (noted, waker) = (lost.clone(), ctx.clone());
     render_state.device.set_device_lost_callback(move |reason, message| {
-        // A device is lost once.
+        // A device is lost only once.
         let _ = noted.set(if message.is_empty() { format!("{reason:?}") } else { message });
         waker.request_repaint();
     });
@@ -83,30 +83,30 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     ctx.data_mut(|data| data.insert_temp(egui::Id::NULL, gpu));
 }
 
-/// What widgets know about the card. Present in a context after [`install`].
+/// State of the card for widgets. Present in a context after [`install`].
 #[derive(Debug, Clone)]
 pub struct Gpu {
-    /// The adapter's own name, for an "about" box or an error report.
+    /// Adapter's own name, for an "about" box or an error report.
     pub adapter_name: Arc<str>,
-    /// What the device can hold.
+    /// Limits of the device.
     pub limits: DeviceLimits,
     failures: super::renderer::Failures,
     lost: Arc<OnceLock<String>>,
 }
 
 impl Gpu {
-    /// The card that draws `ctx`, or `None` when [`install`] was never called for it.
+    /// State of the card that draws `ctx`, or `None` when [`install`] was never called for it.
     pub fn of(ctx: &egui::Context) -> Option<Self> {
         ctx.data(|data| data.get_temp(egui::Id::NULL))
     }
 
-    /// Why the device is lost, in the driver's words; `None` as long as it is there. What is drawn with a lost device
-    /// goes nowhere.
+    /// Reason why the device is lost, in the driver's words; `None` while it works. A lost device draws nothing.
     pub fn lost(&self) -> Option<&str> {
         self.lost.get().map(String::as_str)
     }
 
-    /// Why a picture of `size` = (columns, rows) cannot be shown, as a person would say it; `None` when it can.
+    /// Reason why a picture of `size` = (columns, rows) cannot be shown, as a sentence for the user; `None` when it
+    /// can.
     pub fn obstacle(&self, id: super::PictureId, size: (usize, usize)) -> Option<String> {
         if let Err(message) = super::layout::Layout::new(size, self.limits) {
             return Some(message);

@@ -1,4 +1,4 @@
-//! The card's pictures against the CPU's.
+//! Tests that compare the card's pictures with the CPU's.
 
 use super::*;
 use crate::app::canvas::{Canvas, Picture, View, Zoom};
@@ -10,7 +10,7 @@ use egui::{Vec2, vec2};
 use image::RgbaImage;
 use std::sync::Arc;
 
-/// The card may round differently once on the way to 8 bits and once in the gamma.
+/// Tolerance of a colour: the card may round differently once on the way to 8 bits and once in the gamma.
 const TOLERANCE: i32 = 2;
 
 fn offscreen(size: Vec2, pixels_per_point: f32) -> Offscreen {
@@ -102,7 +102,7 @@ fn magnified_pixels_are_crisp_and_where_the_transform_says() {
 
 #[test]
 fn small_pictures_are_averaged_not_thinned_out() {
-    // Bright single pixels: thinning out would lose or exaggerate them.
+    // Bright single pixels: subsampling would lose or exaggerate them.
     let plane = Plane::from_fn(256, 192, |u, v| if u % 8 == 3 && v % 8 == 5 { 1.0 } else { 0.0 });
     let picture = Picture::new(Arc::new(plane), "dots");
     for factor in [2usize, 4, 8] {
@@ -151,7 +151,7 @@ fn any_reduction_keeps_the_mean_of_a_noisy_picture() {
 #[test]
 fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
     let mut window = offscreen(vec2(64.0, 48.0), 1.0);
-    // A renderer that believes in small textures.
+    // A renderer with a small limit of a texture's side.
     let limits = DeviceLimits { max_side: 128, max_layers: 64 };
     {
         let state = window.render_state();

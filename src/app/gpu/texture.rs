@@ -1,25 +1,25 @@
-//! Brings a picture to the card: one texture with all its tiles and levels.
+//! Uploads a picture to the card: one texture with all its tiles and levels.
 
 use super::layout::Layout;
 use super::pyramid::halve;
 use crate::plane::Plane;
 
-/// A picture on the card.
+/// Picture on the card.
 pub struct PictureTexture {
-    /// How it lies in the texture.
+    /// Layout in the texture.
     pub layout: Layout,
-    /// All levels and tiles.
+    /// View of all levels and tiles.
     pub view: wgpu::TextureView,
 }
 
-/// One write into the texture stays below this, so that the copy on its way to the card stays small.
+/// Maximum size of one write into the texture, bytes; it keeps the copy on its way to the card small.
 const BYTES_PER_WRITE: usize = 32 << 20;
 
 impl PictureTexture {
-    /// Uploads `plane`, with the coarser levels made on the way.
+    /// Uploads `plane`, and the coarser levels made from it.
     ///
     /// # Errors
-    /// A sentence for the user when the card has no memory left.
+    /// When the card has no memory left; a sentence for the user.
     pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue, plane: &Plane, layout: Layout) -> Result<Self, String> {
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -70,7 +70,7 @@ fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, plane: &Plane, layo
         if columns == 0 {
             continue;
         }
-        // Whole rows of the plane are handed over; the card takes the tile's columns out of them.
+        // Whole rows of the plane are passed; the card copies the tile's columns out of them.
         let rows_per_write = (BYTES_PER_WRITE / (plane.width() * 4)).max(1);
         for first in (0..rows).step_by(rows_per_write) {
             let count = rows_per_write.min(rows - first);

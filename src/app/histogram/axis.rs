@@ -1,8 +1,8 @@
-//! The values that the histogram's axis spans.
+//! Range of values of the histogram's axis.
 
 use crate::plane::display::Display;
 
-/// An axis that shows all values and the whole range, with a little room.
+/// Axis that contains all values and the display range, with a margin of 4 % of its length at each end.
 pub fn axis_for(data_range: Option<(f32, f32)>, display: &Display) -> (f32, f32) {
     let (low, high) =
         data_range.map_or((display.min, display.max), |(low, high)| (low.min(display.min), high.max(display.max)));
@@ -16,7 +16,7 @@ pub fn axis_for(data_range: Option<(f32, f32)>, display: &Display) -> (f32, f32)
     (low - room, high + room)
 }
 
-/// Whether an axis can stay: it shows the range and the values, and they do not hide in a small part of it.
+/// Whether an axis can stay: it contains the display range and the values, and they fill more than 40 % of it.
 pub fn axis_fits(axis: (f32, f32), data_range: Option<(f32, f32)>, display: &Display) -> bool {
     let needed = axis_for(data_range, display);
     let holds = |low: f32, high: f32| low >= axis.0 && high <= axis.1;

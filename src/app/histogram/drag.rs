@@ -1,24 +1,24 @@
-//! Dragging the ends of the range, or all of it.
+//! Dragging of the range's ends, or of the whole range.
 
 use super::plot::{Grip, PlotGeometry};
 use crate::plane::display::Display;
 use egui::Pos2;
 
-/// How near the pointer must come to a handle, in points.
+/// Distance within which the pointer grabs a handle, in points.
 const GRAB_POINTS: f32 = 9.0;
 
-/// What is being dragged, and the range and pointer value when it began.
+/// Drag in progress: the dragged part, and the range and pointer value at its start.
 #[derive(Debug, Clone, Copy)]
 pub struct Drag {
-    /// What is dragged.
+    /// Dragged part of the range.
     pub grip: Grip,
     /// The display when the drag began.
     pub start: Display,
-    /// The value under the pointer then.
+    /// Value under the pointer when the drag began.
     pub start_value: f32,
 }
 
-/// The display after the pointer of `drag` has come to `value`.
+/// Display range after the pointer of `drag` has moved to `value`.
 pub fn dragged(drag: Drag, value: f32, axis: (f32, f32)) -> Display {
     let Drag { grip, start, start_value } = drag;
     let value = value.clamp(axis.0, axis.1);
@@ -29,7 +29,7 @@ pub fn dragged(drag: Drag, value: f32, axis: (f32, f32)) -> Display {
     match (grip, start.symmetric) {
         (Grip::Min, true) => narrower(-value),
         (Grip::Max, true) => narrower(value),
-        // Moving a symmetric range as a whole would break its symmetry: it is made wider and narrower instead.
+        // Moving a symmetric range as a whole would break its symmetry: it is widened or narrowed instead.
         (Grip::Both, true) => narrower(start.max + if start_value < 0.0 { -moved } else { moved }),
         (Grip::Min, false) => start.with_range(value.min(start.max - least), start.max),
         (Grip::Max, false) => start.with_range(start.min, value.max(start.min + least)),
@@ -37,11 +37,11 @@ pub fn dragged(drag: Drag, value: f32, axis: (f32, f32)) -> Display {
     }
 }
 
-/// What the pointer would grab.
+/// Part of the range that the pointer would grab.
 pub fn grip_at(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Option<Grip> {
     let (low, high) = (geometry.x_of(display.min), geometry.x_of(display.max));
     let (to_low, to_high) = ((pointer.x - low).abs(), (pointer.x - high).abs());
-    // In a narrow range the middle third still moves it as a whole.
+    // In a narrow range the middle third still grabs the whole range.
     let reach = GRAB_POINTS.min(0.34 * (high - low).max(3.0));
     let outside = pointer.x < low || pointer.x > high;
     let reach = if outside { GRAB_POINTS } else { reach };
@@ -52,7 +52,7 @@ pub fn grip_at(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Opt
     }
 }
 
-/// The end that a press outside the range takes along.
+/// End of the range that a press outside it moves.
 pub fn nearest_end(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Grip {
     if pointer.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max }
 }

@@ -1,8 +1,7 @@
-//! The histogram of a picture, and everything that decides how its values are shown: range, colour map, gamma.
+//! Histogram of a picture, and the settings with which its values are shown: range, colour map, gamma.
 //!
-//! The range is never changed behind one's back: it moves when a handle is dragged, a number typed or a button pressed,
-//! and stays when the picture changes, so that pictures can be compared. The axis stays too, as long as range and
-//! values fit on it.
+//! The range changes only when a handle is dragged, a number typed or a button pressed. It stays when the picture
+//! changes, so that pictures can be compared. The axis stays too, as long as range and values fit on it.
 
 mod axis;
 mod drag;
@@ -24,10 +23,10 @@ const BINS: usize = 256;
 /// Height of the plot with its strip and labels, in points.
 const PLOT_POINTS: f32 = 118.0;
 
-/// What "percentiles" means: the range that leaves out the darkest and the brightest thousandth.
+/// Percentiles of the button "percentiles": the range leaves out the darkest and the brightest thousandth.
 pub const PERCENTILES: [f32; 2] = [0.1, 99.9];
 
-/// The histogram panel's own memory: keep one for each kind of picture, as each kind has its own range and axis.
+/// State of the histogram panel: one for each kind of picture, as each kind has its own range and axis.
 #[derive(Debug, Clone, Default)]
 pub struct HistogramPanel {
     counted: Option<Counted>,
@@ -35,7 +34,7 @@ pub struct HistogramPanel {
     drag: Option<Drag>,
 }
 
-/// A histogram that was counted, and of what.
+/// Histogram, with the picture and axis that it was counted for.
 #[derive(Debug, Clone)]
 struct Counted {
     id: PictureId,
@@ -44,7 +43,7 @@ struct Counted {
     histogram: Histogram,
 }
 
-/// The range of values that "full range" gives: the smallest and the largest value of the picture.
+/// Range of the button "full range": the smallest and the largest value of the picture.
 pub fn full_range(picture: &Picture) -> Option<(f32, f32)> {
     summary(&picture.plane, &Region::whole(&picture.plane)).range()
 }
@@ -55,14 +54,14 @@ pub fn percentile_range(picture: &Picture, region: &Region) -> Option<(f32, f32)
 }
 
 impl HistogramPanel {
-    /// An empty memory.
+    /// Creates an empty state.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Draws the panel for `picture` and lets it change `display`; answers whether it did. `visible` is the part of the
-    /// image that the canvas shows, in image pixels ([`crate::app::canvas::CanvasOutput::visible_image`] of the last
-    /// frame), for the button that asks for it.
+    /// Draws the panel for `picture` and lets it change `display`; returns whether it changed. `visible` is the part of
+    /// the image that the canvas shows, in image pixels ([`crate::app::canvas::CanvasOutput::visible_image`] of the
+    /// last frame), used by the button for the visible part.
     pub fn ui(&mut self, ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) -> bool {
         let before = *display;
         *display = display.sanitised();
@@ -108,7 +107,7 @@ impl HistogramPanel {
         });
         if let Some((min, max)) = wanted {
             *display = display.with_range(min, max);
-            // The new range gets the whole axis to be adjusted on.
+            // The axis is chosen again for the new range.
             self.axis = None;
         }
     }
@@ -139,14 +138,14 @@ impl HistogramPanel {
         }
     }
 
-    /// Counts again when the picture or the axis changed.
+    /// Returns the histogram, counted again when the picture or the axis changed.
     fn count(&mut self, picture: &Picture, display: &Display) -> &Counted {
         let known = self.counted.take().filter(|c| c.id == picture.id);
         let data_range = match &known {
             Some(counted) => counted.data_range,
             None => full_range(picture),
         };
-        // While a handle is dragged the axis must not run away under the pointer.
+        // While a handle is dragged the axis stays.
         let axis = match self.axis {
             Some(axis) if self.drag.is_some() || axis_fits(axis, data_range, display) => axis,
             _ => axis_for(data_range, display),
@@ -161,12 +160,12 @@ impl HistogramPanel {
         self.counted.insert(counted)
     }
 
-    /// Moves the range with the pointer; answers which handle the pointer is near or drags.
+    /// Moves the range with the pointer; returns the part that the pointer is near or drags.
     fn drag_handles(&mut self, response: &Response, geometry: &PlotGeometry, display: &mut Display) -> Option<Grip> {
         if response.drag_started()
             && let Some(pointer) = response.interact_pointer_pos()
         {
-            // The press, not the place where it was recognised as a drag, decides what was meant.
+            // The place of the press, not that where the drag was recognised, decides what is grabbed.
             let press = pointer - response.total_drag_delta().unwrap_or_default();
             let grip = grip_at(press, geometry, display).unwrap_or_else(|| nearest_end(press, geometry, display));
             self.drag = Some(Drag { grip, start: *display, start_value: geometry.value_at(press.x) });
@@ -181,7 +180,7 @@ impl HistogramPanel {
     }
 }
 
-/// What the bar at `value` says.
+/// Text for the bar at `value`: its range and count.
 fn bin_text(histogram: &Histogram, value: f32) -> String {
     let t = (value - histogram.min) / (histogram.max - histogram.min);
     let i = ((t * histogram.counts.len() as f32).max(0.0) as usize).min(histogram.counts.len() - 1);
@@ -191,7 +190,7 @@ fn bin_text(histogram: &Histogram, value: f32) -> String {
     format!("{} … {}: {count} {pixels}", number(from, 4), number(to, 4))
 }
 
-/// The numbers of the range; answers whether its button was pressed.
+/// Draws the numbers of the range; returns whether its button was pressed.
 fn range_ui(ui: &mut Ui, display: &mut Display) -> bool {
     let mut full_scale = false;
     let speed = f64::from((display.max - display.min) * 0.004);
@@ -222,7 +221,7 @@ fn range_ui(ui: &mut Ui, display: &mut Display) -> bool {
     full_scale
 }
 
-/// A number of the range, to be dragged or typed.
+/// Draws a number of the range, to be dragged or typed.
 fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
     let drag = DragValue::new(value)
         .speed(speed)
@@ -234,7 +233,7 @@ fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
     ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), drag).on_hover_text("As a fraction of full scale.")
 }
 
-/// Colour map and gamma.
+/// Draws the choice of colour map and gamma.
 fn colours_ui(ui: &mut Ui, display: &mut Display) {
     egui::Grid::new("colours").num_columns(2).spacing(vec2(8.0, 6.0)).show(ui, |ui| {
         let label = ui.label("Colour map");
@@ -251,7 +250,7 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
         ui.end_row();
         let label = ui.label("Gamma");
         ui.spacing_mut().slider_width = 110.0;
-        // The slider covers what is useful; numbers beyond it can be typed.
+        // The slider covers the useful range; numbers beyond it can be typed.
         let slider = Slider::new(&mut display.gamma, 0.25..=4.0)
             .logarithmic(true)
             .max_decimals(2)
@@ -263,7 +262,7 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
     });
 }
 
-/// A small bar of a map's colours.
+/// Draws a small bar of a map's colours.
 fn swatch_ui(ui: &mut Ui, map: ColourMap) {
     let (rect, _) = ui.allocate_exact_size(vec2(44.0, 12.0), Sense::hover());
     let lut = map.lut();

@@ -1,4 +1,4 @@
-//! The drawing of a histogram: bars on a logarithmic count scale, the range and its handles, a strip of the colour map.
+//! Drawing of a histogram: bars on a logarithmic count scale, the range and its handles, a strip of the colour map.
 
 use crate::app::canvas::number;
 use crate::plane::display::Display;
@@ -11,7 +11,7 @@ const STRIP_POINTS: f32 = 9.0;
 /// Height of the axis labels, in points.
 const LABELS_POINTS: f32 = 15.0;
 
-/// Where things are: values along x, counts along y.
+/// Geometry of the plot: values along x, counts along y.
 #[derive(Debug, Clone, Copy)]
 pub struct PlotGeometry {
     /// The bars.
@@ -23,9 +23,9 @@ pub struct PlotGeometry {
 }
 
 impl PlotGeometry {
-    /// For a plot in `rect` whose axis spans `axis`.
+    /// Geometry of a plot in `rect` whose axis spans `axis`.
     pub fn new(rect: Rect, axis: (f32, f32)) -> Self {
-        // Workspace for half a handle at each side.
+        // Margin for half a handle at each side.
         let inner = rect.shrink2(vec2(6.0, 0.0));
         let bottom = inner.bottom() - LABELS_POINTS;
         let strip = Rect::from_min_max(pos2(inner.left(), bottom - STRIP_POINTS), pos2(inner.right(), bottom));
@@ -33,19 +33,19 @@ impl PlotGeometry {
         Self { bars, strip, axis }
     }
 
-    /// Where `value` is.
+    /// Position of `value` along x, in points.
     pub fn x_of(&self, value: f32) -> f32 {
         let t = (value - self.axis.0) / (self.axis.1 - self.axis.0);
         self.bars.left() + t.clamp(-0.05, 1.05) * self.bars.width()
     }
 
-    /// The value at `x`, also beside the plot.
+    /// Value at `x`, also outside the plot.
     pub fn value_at(&self, x: f32) -> f32 {
         self.axis.0 + (x - self.bars.left()) / self.bars.width() * (self.axis.1 - self.axis.0)
     }
 }
 
-/// Which handle is drawn strong, because the pointer is near or drags it.
+/// Part of the range that the pointer is near or drags; it is drawn strong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grip {
     /// The lower end of the range.
@@ -56,7 +56,7 @@ pub enum Grip {
     Both,
 }
 
-/// Draws everything.
+/// Draws the histogram.
 pub fn draw(
     ui: &Ui,
     painter: &Painter,
@@ -102,7 +102,7 @@ fn draw_bars(painter: &Painter, geometry: &PlotGeometry, histogram: &Histogram, 
     painter.add(Shape::mesh(mesh));
 }
 
-/// The colours that values get, end colours beyond the range included.
+/// Draws the strip of colours that values get, including the end colours beyond the range.
 fn draw_strip(painter: &Painter, geometry: &PlotGeometry, display: &Display, outline: Color32) {
     const STEPS: usize = 192;
     let colours = display.colours();

@@ -1,4 +1,4 @@
-//! What `egui_tiles` asks of the inspector.
+//! Callbacks of `egui_tiles` for the inspector.
 
 use super::empty::empty_ui;
 use super::header::header_ui;
@@ -20,7 +20,7 @@ use crate::app::project::workspace::Workspace;
 use egui::{Stroke, StrokeKind, Ui, WidgetText};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
-/// A picture that is at least this large, in points, has room for the legend.
+/// Minimum size of a picture with a legend, in points.
 const LEGEND_ROOM: egui::Vec2 = egui::vec2(250.0, 170.0);
 
 /// Draws panes for `egui_tiles`.
@@ -28,7 +28,7 @@ pub(super) struct Inspector<'a> {
     pub model: &'a mut Model,
     pub widgets: &'a mut PaneWidgets,
     pub queue: &'a mut Queue,
-    /// What was drawn, in the order of drawing.
+    /// Drawn panes, in the order of drawing.
     pub drawn: Vec<(PaneId, Drawn)>,
     pub changes: Vec<Change>,
 }
@@ -78,7 +78,7 @@ impl Behavior<PaneId> for Inspector<'_> {
 }
 
 impl Inspector<'_> {
-    /// Draws the picture of a pane with all that lies over it; says whether the pointer touched it.
+    /// Draws the picture of a pane with its overlays; returns whether the pointer touched it.
     fn picture_ui(&mut self, ui: &mut Ui, id: PaneId) -> bool {
         let name = canvas_name(self.model, id);
         let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name);
@@ -107,7 +107,7 @@ impl Inspector<'_> {
         touched
     }
 
-    /// The pane in focus has a frame.
+    /// Draws a frame around the focused pane.
     fn frame_ui(&self, ui: &Ui, id: PaneId, whole: egui::Rect) {
         if self.model.panes.are_many() && self.model.focus() == id {
             let stroke = Stroke::new(1.0, crate::app::style::ACCENT);

@@ -1,4 +1,4 @@
-//! A pane whose burst is not open: how to open one.
+//! Page of a pane whose burst is not open: how to open one.
 
 use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::project::Model;
@@ -6,7 +6,7 @@ use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use egui::{ProgressBar, RichText, Ui, vec2};
 
-/// Draws the page of a pane on `side` as `method` sees it.
+/// Draws the page of a pane on `side` that shows the input of `method`.
 pub(super) fn empty_ui(ui: &mut Ui, model: &Model, side: Side, method: Option<Contender>, queue: &mut Queue) {
     if method == Some(Contender::Gold) {
         gold_ui(ui, side, queue);

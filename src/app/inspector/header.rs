@@ -1,5 +1,4 @@
-//! The line above a pane's picture: which pane it is, what it shows, what it shares, and the buttons that split and
-//! close it.
+//! Header above a pane's picture: number, description, links, and the buttons that split and close the pane.
 
 use super::icons::{Icon, icon_button_ui};
 use super::menu::{Change, pane_menu_ui};
@@ -12,21 +11,21 @@ use crate::app::project::Model;
 use crate::app::style;
 use egui::{Align, Button, CursorIcon, Frame, Label, Layout, Margin, RichText, Sense, Ui, vec2};
 
-/// Headers narrower than this, in points, have the links on a line of their own.
+/// Minimum width of a header on one line, in points; narrower ones have the links on a second line.
 const ONE_LINE: f32 = 440.0;
-/// Headers narrower than this have no room for range and zoom.
+/// Minimum width of a header with range and zoom, in points.
 const ROOM_FOR_NUMBERS: f32 = 560.0;
-/// The same of a pane alone, which has no links.
+/// As `ROOM_FOR_NUMBERS`, for a single pane, which has no links.
 const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
-/// Headers narrower than this have no room for the buttons that split: they are in the menu.
+/// Minimum width of a header with the split buttons, in points; narrower ones have them in the menu only.
 const ROOM_FOR_SPLITS: f32 = 190.0;
 
-/// What the pointer did to a header.
+/// Pointer's actions on a header.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HeaderResponse {
-    /// The pane is to have the focus.
+    /// The pane gets the focus.
     pub clicked: bool,
-    /// The pane is taken by its name, to be put elsewhere.
+    /// The pane is dragged by its name.
     pub dragged: bool,
 }
 
@@ -77,10 +76,10 @@ pub fn header_ui(
     answer
 }
 
-/// Which pane it is and what it shows. It is dragged by this.
+/// Draws number and description of the pane, by which it is dragged.
 fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> HeaderResponse {
     let long = long_description(model, id);
-    // While the picture is being made the short text says what it will be.
+    // While the picture is being made, the short text describes the coming one.
     let text = if (many && width < ROOM_FOR_NUMBERS) || long.is_empty() {
         short_description(model, id, width < ROOM_FOR_SPLITS)
     } else {
@@ -100,7 +99,7 @@ fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> He
     response
 }
 
-/// Zoom and range.
+/// Draws zoom and range.
 fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId) {
     let Some(pane) = model.panes.get(id) else { return };
     let display = model.display_of(id);
@@ -112,7 +111,7 @@ fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId) {
         .on_hover_text("The value range that is shown, as a fraction of full scale; fixed until you change it");
 }
 
-/// A switch for each link. From the right end of a line they are drawn in reverse, so that they read the same.
+/// Draws a switch for each link. From the right end of a line they are drawn in reverse, so that their order stays.
 fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId, from_the_right: bool) {
     let number = model.panes.number(id).unwrap_or(0);
     let mut links = Link::ALL;
@@ -132,7 +131,7 @@ fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId, from_the_right: bool) {
     }
 }
 
-/// From right to left: close, menu, split.
+/// Draws the buttons from right to left: close, menu, split.
 fn buttons_ui(ui: &mut Ui, model: &mut Model, id: PaneId, width: f32, changes: &mut Vec<Change>, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 1.0;
     let many = model.panes.are_many();
@@ -160,7 +159,7 @@ fn buttons_ui(ui: &mut Ui, model: &mut Model, id: PaneId, width: f32, changes: &
     ui.add_space(4.0);
 }
 
-/// A part of a header by which the pane is dragged.
+/// Sense of a header's part by which the pane is dragged.
 fn grip_sense(many: bool) -> Sense {
     if many { Sense::click_and_drag() } else { Sense::click() }
 }

@@ -2,12 +2,12 @@
 
 use egui::{Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
-/// What a button shows.
+/// Picture on a button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Icon {
-    /// A pane that is split to the right.
+    /// Pane split to the right.
     SplitRight,
-    /// A pane that is split downwards.
+    /// Pane split downwards.
     SplitDown,
     /// Three lines: a menu.
     Menu,

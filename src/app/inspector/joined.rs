@@ -1,4 +1,4 @@
-//! Between which panes lines are drawn: panes of A and of B that face each other, wherever a person has put them.
+//! Pairs of panes between which match lines are drawn: panes of A and of B that face each other, in any arrangement.
 
 use crate::app::pane::{Content, PaneId};
 use crate::app::project::Model;
@@ -6,17 +6,16 @@ use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use egui::Rect;
 
-/// Which panes show what a method looks at, and which of them are joined; by their places among those that were asked
-/// about.
+/// Panes of one method, and the joined ones among them; as indices into the given places.
 pub struct JoinedPanes {
-    /// Those of A and of B.
+    /// Panes of A and of B.
     pub sides: [Vec<usize>; 2],
-    /// One of A and one of B that faces it.
+    /// A pane of A and one of B that faces it.
     pub pairs: Vec<(usize, usize)>,
 }
 
-/// Of panes whose pictures are on the screen, and where, those that show what `method` looks at (what no method looks
-/// at, where none are compared). Differences and slices show no places of one burst.
+/// Finds the panes that show the input of `method` (those without a method, for `None`) among `places`: visible panes
+/// and their rectangles. Differences and slices show no places of one burst.
 pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<Contender>) -> JoinedPanes {
     let is_of = |id: PaneId, side: Side| {
         let pane = model.panes.get(id).filter(|pane| pane.side == side && pane.method == method);
@@ -29,11 +28,10 @@ pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<Con
     JoinedPanes { sides, pairs }
 }
 
-/// The pairs of `a` and `b` between which lines go, by their places there; `all` are the canvases of all panes on the
-/// screen.
+/// Pairs of `a` and `b` between which lines go, as indices; `all` are the canvases of all panes on the screen.
 ///
-/// Two panes are joined where one looks straight at the other with no third between them. Where A and B are farther
-/// apart, those are joined of which each is the nearest to the other.
+/// Two panes are joined where one faces the other with no third between them. Where A and B are farther apart, two
+/// panes are joined when each is the nearest to the other.
 fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     let nearest = |from: &Rect, to: &[Rect]| {
         let place = |i: &usize| apart(from, &to[*i]);
@@ -51,7 +49,7 @@ fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// How far two rectangles are apart.
+/// Distance between two rectangles.
 fn apart(a: &Rect, b: &Rect) -> f32 {
     let gap = |min: f32, max: f32| (min - max).max(0.0);
     let x = gap(b.left(), a.right()).max(gap(a.left(), b.right()));
@@ -59,7 +57,7 @@ fn apart(a: &Rect, b: &Rect) -> f32 {
     x.hypot(y)
 }
 
-/// Whether one stands beside the other or above it, with nothing between them.
+/// Whether two rectangles stand side by side or one above the other, with nothing between them.
 fn face(a: &Rect, b: &Rect, all: &[Rect]) -> bool {
     let common = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.min.max(b.min), a.max.min(b.max));
     let between = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.max.min(b.max), a.min.max(b.min));
@@ -78,7 +76,7 @@ mod tests {
     use super::*;
     use egui::{pos2, vec2};
 
-    /// A pane in a grid of panes of 100 × 80 points.
+    /// Pane in a grid of panes of 100 × 80 points.
     fn at(column: usize, row: usize) -> Rect {
         Rect::from_min_size(pos2(104.0 * column as f32, 110.0 * row as f32), vec2(100.0, 80.0))
     }

@@ -1,4 +1,4 @@
-//! The place under the pointer, marked in all panes that are linked so, with the value that each has there.
+//! Place under the pointer, marked in all linked panes, with the value there.
 
 use super::pane_ui::{Drawn, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};
@@ -8,7 +8,7 @@ use crate::app::panel::picture::readout_of;
 use crate::app::project::Model;
 use egui::{Align2, Color32, FontId, Pos2, Stroke, vec2};
 
-/// Draws the marks over what was drawn, and puts the values into `widgets`.
+/// Draws the marks over the drawn panes, and puts the values into `widgets`.
 pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
     widgets.values.clear();
     let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
@@ -27,7 +27,7 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
     }
 }
 
-/// Where the place `pos_image` of pane `from` is in pane `to`.
+/// Maps the place `pos_image` of pane `from` to pane `to`.
 pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
     let kinds = [a, b].map(|pane| pane.picture.as_ref().map(|picture| picture.request.kind));
@@ -35,7 +35,7 @@ pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_im
     Some(place_in(pos_image, (kinds[0]?, &a.cursor), (kinds[1]?, &b.cursor), &used))
 }
 
-/// The value of the picture of `shown`, which is on show in pane `id`, at `pos_image`.
+/// Value at `pos_image` in the picture of `shown`, which pane `id` shows.
 fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
     let picture = model.panes.get(shown)?.picture.as_ref()?;
     let canvas = widgets.get(shown)?.picture.shown()?;
@@ -43,7 +43,7 @@ fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos
     Some(PlaceValue { id, number: model.panes.number(id)?, readout })
 }
 
-/// A cross with a gap in its middle, so that what it marks can be seen, and a text beside it.
+/// Draws a cross with a gap in its middle, so that the marked place can be seen, and a text beside it.
 fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
     let (painter, rect) = (&output.painter, output.response.rect);
     let centre = output.ui_from_image.pos(pos_image);
@@ -57,7 +57,7 @@ fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
     }
     let Some(text) = text else { return };
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::monospace(11.0), Color32::WHITE);
-    // Beside the mark, on the side that has the room.
+    // Beside the mark, on the side with enough space.
     let right = centre.x + 14.0 + galley.size().x < rect.right();
     let anchor = if right { Align2::LEFT_BOTTOM } else { Align2::RIGHT_BOTTOM };
     let at = centre + vec2(if right { 8.0 } else { -8.0 }, -5.0);

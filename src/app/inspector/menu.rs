@@ -1,4 +1,4 @@
-//! What a pane can be told: its menu, which is also a part of what a click with the second button on its picture shows.
+//! Menu of a pane; it is also part of the menu that the secondary button opens on its picture.
 
 use crate::app::actions::{ActionId, Queue, menu::item_ui, shown_by};
 use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, Pane, PaneId, Preset, SidesPreset, SliceAxis};
@@ -10,18 +10,18 @@ use crate::app::words::{explained, picture_word};
 use crate::requests::MapKind;
 use egui::{Button, Ui};
 
-/// What a pane asks for that changes which panes there are.
+/// Request of a pane that changes the set of panes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// A second pane beside this one.
+    /// Add a second pane beside this one.
     Split(PaneId, Direction),
-    /// This pane away.
+    /// Close this pane.
     Close(PaneId),
-    /// All panes anew, from this one.
+    /// Lay all panes out anew, from this one.
     LayOut(PaneId, Preset),
-    /// Two bursts anew.
+    /// Lay out *Two bursts* anew.
     LayOutSides(SidesPreset),
-    /// Methods anew.
+    /// Lay out *Methods* anew.
     LayOutMethods(MethodsPreset),
 }
 
@@ -63,7 +63,7 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: 
     });
 }
 
-/// What it shows, and of which burst.
+/// Draws the choice of content and burst.
 fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     let others: Vec<(PaneId, usize)> = other_panes(model, id);
     let both = model.burst_of(Side::B).is_some();
@@ -126,7 +126,7 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     }
 }
 
-/// The panes but `id` that show pictures of their own, with their numbers.
+/// Other panes that show pictures of their own, with their numbers.
 fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
     let own = |other: &PaneId| {
         let pane = model.panes.get(*other);
@@ -135,7 +135,7 @@ fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
     model.panes.shown().into_iter().filter(own).filter_map(|other| Some((other, model.panes.number(other)?))).collect()
 }
 
-/// Which other picture is laid over it.
+/// Draws the choice of a picture laid over the pane's own.
 fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     let others: Vec<(PaneId, usize)> = model
         .panes

@@ -1,4 +1,4 @@
-//! Which method a pane shows and how much it found, in a corner of its picture.
+//! Method of a pane and its number of features, in a corner of the picture.
 
 use super::pane_ui::{Drawn, chip_ui};
 use crate::app::pane::PaneId;
@@ -6,7 +6,7 @@ use crate::app::project::Model;
 use crate::inspect::words::counted;
 use egui::{Align2, Ui};
 
-/// Draws it for pane `id`, if methods are compared. A picture that lies under another says its name anyway.
+/// Draws it for pane `id`, if methods are compared. A pane under another one has its name drawn there already.
 pub(super) fn method_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn) {
     let Some(pane) = model.panes.get(id) else { return };
     let Some(method) = pane.method.filter(|_| model.panes.over(id).is_none()) else { return };

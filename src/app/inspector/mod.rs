@@ -1,10 +1,9 @@
-//! The middle of *Inspect*, *Two bursts* and *Methods*: panes in any arrangement, what each of them shows, and what
-//! they share.
+//! Centre of *Inspect*, *Two bursts* and *Methods*: panes in any arrangement, their content and links.
 //!
-//! `egui_tiles` draws the arrangement and lets it be dragged; everything in a pane is drawn here: its header, its
-//! picture with features, another picture over it, and the marks of the place that is pointed at elsewhere. What a menu
-//! or button of a pane asks for that changes other panes is collected as [`Change`]s and done after all panes are
-//! drawn.
+//! `egui_tiles` draws the arrangement and lets it be dragged; this module draws the content of a pane: its header, its
+//! picture with features, another picture over it, and the mark of the place under the pointer of another pane.
+//! Requests of a pane's menu or buttons that change other panes are collected as [`Change`]s and run after all panes
+//! are drawn.
 
 mod behaviour;
 mod empty;
@@ -38,15 +37,15 @@ use crate::app::project::workspace::Workspace;
 use behaviour::Inspector;
 use egui::Ui;
 
-/// What came of drawing all panes.
+/// Result of drawing all panes.
 pub struct Inspected {
-    /// What was drawn of those with a picture, in the order of drawing.
+    /// Drawn panes with a picture, in the order of drawing.
     pub drawn: Vec<(PaneId, Drawn)>,
-    /// What is to be changed in other panes than the one that asked.
+    /// Requested changes of the set of panes.
     pub changes: Vec<Change>,
 }
 
-/// Draws all panes of the workspace that is open.
+/// Draws all panes of the open workspace.
 pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Inspected {
     widgets.begin_pass();
     let mut tree = tree_of(model.panes.arrangement());

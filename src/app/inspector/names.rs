@@ -1,4 +1,4 @@
-//! What panes are called: in their headers, on tabs, by screen readers and tests.
+//! Names of panes: in their headers, on tabs, for screen readers and tests.
 
 use crate::app::canvas;
 use crate::app::pane::{Content, Pane, PaneId};
@@ -9,12 +9,12 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::requests::{MapKind, PictureKind};
 
-/// What a pane shows, in few words.
+/// Describes the content of a pane in few words.
 pub fn compact_description(model: &Model, id: PaneId) -> String {
     short_description(model, id, false)
 }
 
-/// The same; where there is hardly any room only what tells neighbours apart.
+/// Describes the content of a pane in few words; with `tiny` only by what distinguishes it from its neighbours.
 pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
     let Some(pane) = model.panes.get(id) else { return String::new() };
     let what = what(model, pane, id, tiny);
@@ -25,7 +25,7 @@ pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String
     }
 }
 
-/// Which burst it is, where there are two.
+/// Names the pane's burst, where there are two.
 fn side(model: &Model, pane: &Pane) -> String {
     let both = model.burst_of(Side::B).is_some() || model.workspace == Workspace::Pair;
     if both { format!("{}  ", pane.side.name()) } else { String::new() }
@@ -38,7 +38,7 @@ fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
     };
     let slope = format!("({}, {})", canvas::number(cursor.slope.u, 3), canvas::number(cursor.slope.v, 3));
     let number = |id: PaneId| model.panes.number(id).unwrap_or(0);
-    // Some methods look at something else than a motion stack.
+    // The input of some methods is no motion stack.
     match (pane.method, model.wanted(id).map(|wanted| wanted.kind)) {
         (Some(_), Some(PictureKind::Frame(t))) => return format!("Frame {t}"),
         (Some(_), Some(PictureKind::Merge)) => return "Merged frames".to_owned(),
@@ -62,7 +62,7 @@ fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
     }
 }
 
-/// What its picture shows, in full, with the burst's name where there are two; empty while there is no picture.
+/// Describes the pane's picture in full, with the burst's name where there are two; empty while there is no picture.
 pub(super) fn long_description(model: &Model, id: PaneId) -> String {
     let Some(pane) = model.panes.get(id) else { return String::new() };
     let Some(picture) = &pane.picture else { return String::new() };
@@ -77,8 +77,8 @@ pub(super) fn long_description(model: &Model, id: PaneId) -> String {
     }
 }
 
-/// What its canvas is called: by its number, or where bursts or methods stand beside one another by theirs. No two on
-/// the screen share a name.
+/// Name of the pane's canvas: by its number, or by its burst or method where these stand side by side. Names are unique
+/// on the screen.
 pub(super) fn canvas_name(model: &Model, id: PaneId) -> String {
     let (Some(pane), Some(number)) = (model.panes.get(id), model.panes.number(id)) else { return String::new() };
     let alone = model.panes.shown_of(pane.side, pane.method).len() < 2;

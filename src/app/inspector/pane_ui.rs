@@ -1,4 +1,4 @@
-//! The picture of one pane, and another one over it.
+//! Picture of one pane, and another one over it.
 
 use super::widgets::PaneWidgets;
 use crate::requests::Request;
@@ -12,18 +12,18 @@ use crate::app::project::look::RangeClass;
 use crate::app::project::workspace::Workspace;
 use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
 
-/// What was drawn of a pane.
+/// Drawn pane.
 pub struct Drawn {
-    /// The pane whose picture it is: the pane's own, or, flipped, another's.
+    /// Pane whose picture is shown: the pane itself or, flipped, another.
     pub shown: PaneId,
-    /// What the canvas says; of a wipe its left part.
+    /// Output of the canvas; of a wipe, that of its left part.
     pub output: CanvasOutput,
-    /// The right part of a wipe, and the pane whose picture it is.
+    /// Pane and canvas of the right part of a wipe.
     pub right: Option<(PaneId, CanvasOutput)>,
 }
 
 impl Drawn {
-    /// Whether the pointer did something to it: clicked, dragged or turned the wheel over it.
+    /// Whether the pointer acted on it: a click, a drag or the wheel.
     pub fn is_touched(&self, ui: &Ui) -> bool {
         let response = &self.output.response;
         let scrolled = response.contains_pointer()
@@ -32,7 +32,7 @@ impl Drawn {
     }
 }
 
-/// Draws the picture of pane `id` on a canvas called `name`; flipped, that of the pane that is laid over it.
+/// Draws the picture of pane `id` on a canvas called `name`; flipped, that of the pane laid over it.
 pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut PaneWidgets, name: &str) -> Drawn {
     let over = model.panes.over(id);
     let shown = match over {
@@ -63,7 +63,7 @@ pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &m
     Drawn { shown, output, right: None }
 }
 
-/// Lays the other picture of a wipe over what was drawn, with its features; what was drawn is cut off at the line.
+/// Draws the other picture of a wipe over the drawn one, with its features; the drawn one ends at the line.
 pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut PaneWidgets, drawn: &mut Drawn) {
     let Some(Over::Wipe { other, at }) = model.panes.over(id) else { return };
     let rect = drawn.output.response.rect;
@@ -79,7 +79,7 @@ pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut 
     drawn.right = Some((other, over));
 }
 
-/// Says which picture is which, and draws the line of a wipe, which can be dragged.
+/// Draws the names of the pictures, and the line of a wipe, which can be dragged.
 pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Drawn) {
     let name = |model: &Model, id: PaneId| {
         let number = model.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
@@ -103,12 +103,12 @@ pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Draw
     }
 }
 
-/// A canvas for the picture of `id`, without the picture.
+/// Canvas for the picture of `id`, without the picture.
 fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
     Canvas::new(name).display(&model.display_of(id)).dim(!model.is_current(id)).full_scale(full_scale(model, id))
 }
 
-/// The file's value of 1.0 of the burst of `id`; 1 where the picture has no values of the file.
+/// Value in the file that became 1.0, of the burst of `id`; 1 where the picture's values are not the file's.
 pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
     if matches!(model.range_class(id), RangeClass::Share | RangeClass::Motion) {
         return 1.0;
@@ -117,14 +117,14 @@ pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
     burst.map_or(1.0, |open| open.burst.full_scale)
 }
 
-/// Why the picture that `id` wants now cannot be made.
+/// Reason why the picture that `id` needs now cannot be made.
 fn problem_of(model: &Model, id: PaneId) -> Option<&str> {
     let wanted = model.wanted(id)?;
     let (request, why) = model.panes.get(id)?.problem.as_ref()?;
     request.is_same(&wanted).then_some(why.as_str())
 }
 
-/// The line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.
+/// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.
 fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
     let x = egui::lerp(rect.x_range(), *at);
     let line = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
@@ -151,7 +151,7 @@ fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
     response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
 }
 
-/// A text on a dark ground in a corner of a picture. `salt` tells it from others.
+/// Draws a text on a dark background in a corner of a picture. `salt` makes its id unique.
 pub(in crate::app) fn chip_ui(
     ui: &Ui,
     output: &CanvasOutput,

@@ -1,5 +1,5 @@
-//! What a click with the second button on a picture shows: what can be done with the feature or match and the place
-//! there, and with the pane.
+//! Menu that the secondary button opens on a picture: items for the feature or match and the place there, and for the
+//! pane.
 
 use super::menu::{Change, pane_menu_ui};
 use super::menu_place::MenuPlace;
@@ -15,7 +15,7 @@ use crate::app::project::pair::MatchRow;
 use crate::app::project::workspace::Workspace;
 use egui::{RichText, Ui};
 
-/// Shows the menu where the second button was pressed on the picture of pane `id`.
+/// Shows the menu where the secondary button was pressed on the picture of pane `id`.
 pub(super) fn picture_menu_ui(
     drawn: &Drawn,
     model: &mut Model,
@@ -76,7 +76,7 @@ pub(super) fn picture_menu_ui(
     });
 }
 
-/// What can be done with one of A's features.
+/// Draws the items for one of A's features.
 fn feature_menu_ui(ui: &mut Ui, model: &mut Model, index: usize, queue: &mut Queue) {
     let Some(feature) = model.features().get(index).copied() else { return };
     ui.label(RichText::new(format!("Feature {}", index + 1)).small().weak());
@@ -93,14 +93,14 @@ fn feature_menu_ui(ui: &mut Ui, model: &mut Model, index: usize, queue: &mut Que
     copy_ui(ui, "Copy row", || clipboard::feature_text(&feature));
 }
 
-/// An item that copies a text.
+/// Draws an item that copies a text.
 pub(in crate::app) fn copy_ui(ui: &mut Ui, label: &str, text: impl FnOnce() -> String) {
     if ui.button(label).clicked() {
         ui.ctx().copy_text(text());
     }
 }
 
-/// What can be done with one match; answers whether it is to be gone to.
+/// Draws the items for one match; returns whether to go to it.
 pub(in crate::app) fn match_menu_ui(ui: &mut Ui, row: &MatchRow<'_>) -> bool {
     ui.set_min_width(150.0);
     ui.label(RichText::new(format!("Match {}", row.index + 1)).small().weak());

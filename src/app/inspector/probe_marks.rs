@@ -1,4 +1,4 @@
-//! The place that is probed: marked in every pane of the burst, and taken from the pointer.
+//! Probed place: its marks in the panes of burst A, and its choice by the pointer.
 
 use super::pane_ui::Drawn;
 use crate::app::canvas::CanvasOutput;
@@ -10,8 +10,7 @@ use crate::detector::Slope;
 use crate::requests::PictureKind;
 use egui::{Color32, Pos2, Stroke, pos2, vec2};
 
-/// The place of the pictures of the whole burst that a place of pane `id` shows; `None` for panes of the other burst
-/// and without a picture.
+/// Maps a place of pane `id` to mid-burst; `None` for panes of B and for panes without a picture.
 pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (pane, used) = (pane_of_a(model, id)?, used(model)?);
     let kind = pane.picture.as_ref()?.request.kind;
@@ -19,7 +18,7 @@ pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> O
     Some(place_in(pos_image, (kind, &pane.cursor), (middle, &pane.cursor), &used))
 }
 
-/// Where pane `id` shows a place of mid-burst that moves by `slope`.
+/// Maps a place of mid-burst that moves by `slope` to pane `id`.
 fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
     let (pane, used) = (pane_of_a(model, id)?, used(model)?);
     let kind = pane.picture.as_ref()?.request.kind;
@@ -32,12 +31,12 @@ fn pane_of_a(model: &Model, id: PaneId) -> Option<&Pane> {
     model.panes.get(id).filter(|pane| pane.side == Side::A)
 }
 
-/// The frames that are searched.
+/// Frames that are searched.
 fn used(model: &Model) -> Option<std::ops::Range<usize>> {
     Some(model.slots.a.usable_params.used_frames(model.slots.a.burst.as_ref()?.burst.len()))
 }
 
-/// Draws the marks over what was drawn, and takes the place under the pointer: a click with Shift probes it, any click
+/// Draws the marks over the drawn panes, and takes the place under the pointer: a click with Shift probes it, any click
 /// ends following.
 pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) {
     marks_ui(model, drawn);
@@ -63,7 +62,7 @@ pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn
     }
 }
 
-/// Whether Shift was held when the button was let go.
+/// Whether Shift was held when the button was released.
 fn is_with_shift(ui: &egui::Ui) -> bool {
     ui.input(|i| {
         let let_go = i.events.iter().rev().find_map(|event| match event {
@@ -86,7 +85,7 @@ fn marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
         }
         let Some(probe) = answer.map(|answer| &answer.probe) else { continue };
         let Some(fate) = probe.subject_fate() else { continue };
-        // The candidate that is looked at, and what beat it.
+        // The selected candidate, and the rival that beat it.
         if let Some(pos) = in_pane(model, drawn.shown, fate.pos_image, fate.slope) {
             blob(&drawn.output, pos, fate.sigma, MARK);
         }
@@ -102,7 +101,7 @@ fn marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
 const MARK: Color32 = Color32::from_rgb(80, 220, 255);
 const RIVAL: Color32 = Color32::from_rgb(255, 120, 90);
 
-/// Four strokes that point at the place and leave it free.
+/// Draws four strokes that point at the place and leave it free.
 fn mark(output: &CanvasOutput, pos_image: Pos2) {
     let centre = output.ui_from_image.pos(pos_image);
     if !output.response.rect.contains(centre) {
@@ -118,7 +117,7 @@ fn mark(output: &CanvasOutput, pos_image: Pos2) {
     }
 }
 
-/// A blob's circle, dashed so that it is not taken for a feature.
+/// Draws a blob's circle, dashed to distinguish it from a feature.
 fn blob(output: &CanvasOutput, pos_image: Pos2, sigma: f32, colour: Color32) {
     let centre = output.ui_from_image.pos(pos_image);
     let radius = (std::f32::consts::SQRT_2 * sigma * output.ui_from_image.scale()).max(4.0);

@@ -1,5 +1,5 @@
-//! A slice through the frames at the probed place: a row for each frame, along the motion or across it. What moves is
-//! slanted; the slope of the pane is a line that can be dragged.
+//! Slice through the frames at the probed place: a row for each frame, along the motion or across it. Moving objects
+//! are slanted; the slope of the pane is a line that can be dragged.
 
 use super::widgets::PaneWidgets;
 use crate::app::canvas;
@@ -14,13 +14,13 @@ use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };
 
-/// Room for the frames' numbers on the left and the pixels below, points.
+/// Space for the frames' numbers on the left and the pixels below, points.
 const LEFT: f32 = 34.0;
 const BELOW: f32 = 20.0;
-/// A row is not higher than this, points, so that few frames do not make bricks.
+/// Maximum height of a row, points, so that few frames do not fill the pane.
 const MAX_ROW: f32 = 26.0;
 
-/// Draws the slice of pane `id`; says whether the pointer touched it.
+/// Draws the slice of pane `id`; returns whether the pointer touched it.
 pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAxis, widgets: &mut PaneWidgets) -> bool {
     let (whole, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let name = axis.label();
@@ -51,7 +51,7 @@ pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAx
 
 const HOW: &str = "Shift+click a place in another pane: this shows it in every frame, one row each.";
 
-/// Where the slice's pixels are in the window.
+/// Place of the slice's pixels in the window.
 struct Area {
     rect: Rect,
     columns: f32,
@@ -72,14 +72,14 @@ impl Area {
         self.rect.min + part * self.rect.size()
     }
 
-    /// (column, row), between them too.
+    /// Place at `pos` as (column, row), with fractions.
     fn at(&self, pos: Pos2) -> (f32, f32) {
         let part = (pos - self.rect.min) / self.rect.size();
         (part.x * self.columns - 0.5, part.y * self.rows - 0.5)
     }
 }
 
-/// Which frame each row is, and how far the columns are from the place.
+/// Draws the frame of each row, and the columns' distances from the place.
 fn numbers_ui(ui: &Ui, area: &Area, slice: &Slice) {
     let (painter, colour) = (ui.painter(), ui.visuals().text_color());
     let font = TextStyle::Small.resolve(ui.style());
@@ -99,7 +99,7 @@ fn numbers_ui(ui: &Ui, area: &Area, slice: &Slice) {
     }
 }
 
-/// The way of what moves by `slope`: the pane's own is whole, that of what is probed is dashed.
+/// Draws the path of an object that moves by `slope`: solid for the pane's slope, dashed for the probed one.
 fn line(ui: &Ui, area: &Area, slice: &Slice, slope: Slope, own: bool) {
     let rows = slice.times.len();
     let Some(last) = rows.checked_sub(1) else { return };
@@ -116,7 +116,7 @@ fn line(ui: &Ui, area: &Area, slice: &Slice, slope: Slope, own: bool) {
     }
 }
 
-/// The slope along the slice of what goes through the place and through `pos`; `None` where that cannot be said.
+/// Component along the slice of the slope through the place and `pos`; `None` within half a frame of the place's time.
 fn along_at(area: &Area, slice: &Slice, pos: Pos2) -> Option<f32> {
     let (column, row) = area.at(pos);
     let row = row.clamp(0.0, area.rows - 1.0);
@@ -126,7 +126,7 @@ fn along_at(area: &Area, slice: &Slice, pos: Pos2) -> Option<f32> {
     (time.abs() >= 0.5).then(|| (column - slice.centre_column as f32) / time)
 }
 
-/// Lets the pointer take the line: the slope changes along the slice, and stays as it is across it.
+/// Lets the pointer drag the line: the slope's component along the slice changes, that across it stays.
 fn drag(model: &mut Model, id: PaneId, area: &Area, slice: &Slice, response: &Response) {
     let Some(pos) = response.interact_pointer_pos().filter(|_| response.dragged_by(PointerButton::Primary)) else {
         return;
@@ -135,7 +135,7 @@ fn drag(model: &mut Model, id: PaneId, area: &Area, slice: &Slice, response: &Re
     let [u, v] = slice.direction;
     let slope = pane.cursor.slope;
     let more = along - (slope.u * u + slope.v * v);
-    // To a hundredth of a pixel, as the sliders have it.
+    // Rounded to a hundredth of a pixel, as by the sliders.
     let rounded = |x: f32| (100.0 * x).round() / 100.0;
     pane.cursor.slope = Slope::new(rounded(slope.u + more * u), rounded(slope.v + more * v));
     pane.slope_chosen = true;

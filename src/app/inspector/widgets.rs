@@ -1,4 +1,4 @@
-//! What the panes' widgets keep from pass to pass.
+//! State of the panes' widgets, kept between passes.
 
 use super::menu_place::MenuPlace;
 use crate::app::canvas::{Readout, RectTransform};
@@ -9,73 +9,72 @@ use crate::app::panel::probe::PlaneTexture;
 use egui::{Pos2, Rect};
 use std::collections::HashMap;
 
-/// What one pane's widgets keep.
+/// State of one pane's widgets.
 #[derive(Default)]
 pub struct PaneWidget {
-    /// The picture as the card knows it, and where it was drawn.
+    /// Picture on the card, and the place where it was drawn.
     pub picture: PictureState,
-    /// The histogram while the pane is in focus.
+    /// Histogram, while the pane is focused.
     pub display: DisplayState,
-    /// Where the whole pane is in the window, if it was drawn in this pass.
+    /// Rectangle of the whole pane in the window, if it was drawn in this pass.
     pub rect_ui: Option<Rect>,
-    /// The slice, if it shows one.
+    /// Slice, if the pane shows one.
     pub(super) slice: PlaneTexture,
-    /// What the menu of its picture is about.
+    /// Target of the picture's menu.
     pub(super) menu: MenuPlace,
 }
 
-/// The value of one pane at the place that is pointed at.
+/// Value of one pane at the place under the pointer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceValue {
-    /// Which pane.
+    /// Pane.
     pub id: PaneId,
-    /// Its number, from 1.
+    /// Number of the pane, from 1.
     pub number: usize,
-    /// The place in that pane, and the value there.
+    /// Place in that pane, and the value there.
     pub readout: Readout,
 }
 
-/// What the widgets of all panes keep.
+/// State of the widgets of all panes.
 #[derive(Default)]
 pub struct PaneWidgets {
     all: HashMap<PaneId, PaneWidget>,
-    /// The values at the place that is pointed at: of the pane under the pointer first, then of those that are linked
-    /// to it.
+    /// Values at the place under the pointer: first that of the pane under it, then those of the panes linked to it.
     pub values: Vec<PlaceValue>,
 }
 
 impl PaneWidgets {
-    /// Those of `id`, made when they are asked for first.
+    /// State of `id`, created when needed.
     pub fn of(&mut self, id: PaneId) -> &mut PaneWidget {
         self.all.entry(id).or_default()
     }
 
-    /// Those of `id`, if it was drawn.
+    /// State of `id`, if it was drawn.
     pub fn get(&self, id: PaneId) -> Option<&PaneWidget> {
         self.all.get(&id)
     }
 
-    /// From image pixels to points of the window, as `id` was drawn last.
+    /// Transform from image pixels to points of the window, as `id` was drawn last.
     pub fn ui_from_image(&self, id: PaneId) -> Option<RectTransform> {
         self.get(id)?.picture.ui_from_image
     }
 
-    /// Where a place of the image is in the window, as `id` was drawn last.
+    /// Position of an image place in the window, as `id` was drawn last.
     pub fn pos_ui(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
         self.ui_from_image(id).map(|t| t.pos(pos_image))
     }
 
-    /// Where pane `id` is in the window, if it is to be seen.
+    /// Rectangle of pane `id` in the window, if it is visible.
     pub fn rect_ui(&self, id: PaneId) -> Option<Rect> {
         self.get(id)?.rect_ui
     }
 
-    /// Forgets where panes are: they are about to be drawn.
+    /// Clears the places of panes before they are drawn.
     pub(super) fn begin_pass(&mut self) {
         self.all.values_mut().for_each(|widget| (widget.rect_ui, widget.picture.readout) = (None, None));
     }
 
-    /// Forgets all panes but those that `keep` knows.
+    /// Removes the state of all panes that `keep` rejects.
     pub fn retain(&mut self, keep: impl Fn(PaneId) -> bool) {
         self.all.retain(|id, _| keep(*id));
     }

@@ -4,10 +4,10 @@ use crate::teach::glossary::glossary;
 use egui::Ui;
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 
-/// How links to the glossary begin.
+/// Prefix of links to the glossary.
 const WORD: &str = "word:";
 
-/// What the texts' widget keeps from pass to pass.
+/// Cache of the text widget, kept between passes.
 pub struct Captions {
     cache: CommonMarkCache,
 }
@@ -29,7 +29,7 @@ impl std::fmt::Debug for Captions {
 }
 
 impl Captions {
-    /// Draws a text. Answers the name of the glossary's word whose link was clicked.
+    /// Draws a text. Returns the name of the glossary entry whose link was clicked.
     pub fn ui(&mut self, ui: &mut Ui, text: &str) -> Option<String> {
         CommonMarkViewer::new().indentation_spaces(2).show(ui, &mut self.cache, text);
         let clicked = self.cache.link_hooks().iter().find(|(_, clicked)| **clicked)?.0;

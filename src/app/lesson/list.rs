@@ -1,4 +1,4 @@
-//! The lessons that there are, with how far somebody came in each.
+//! List of the lessons, with the user's progress in each.
 
 use super::state::Lessons;
 use crate::app::actions::{ActionId, Queue};
@@ -6,10 +6,10 @@ use crate::teach::Lesson;
 use egui::{RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
-/// The lesson that was chosen.
+/// Chosen lesson, if any.
 pub type Chosen = Option<Arc<Lesson>>;
 
-/// Draws the list if it is open. Answers the lesson that was chosen.
+/// Draws the list if it is open. Returns the chosen lesson.
 pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) -> Chosen {
     if !lessons.list_is_open {
         return None;
@@ -42,7 +42,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
     chosen
 }
 
-/// Draws a row for each lesson. Answers the one that was chosen.
+/// Draws a row for each lesson. Returns the chosen one.
 pub fn rows_ui(ui: &mut Ui, lessons: &Lessons) -> Chosen {
     let mut chosen = None;
     for lesson in lessons.all() {

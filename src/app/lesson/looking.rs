@@ -1,4 +1,4 @@
-//! What a lesson sees of the window, to notice what was done.
+//! State of the window, as a lesson's goals see it.
 
 use crate::app::pane::Content;
 use crate::app::project::cursor::ViewKind;
@@ -7,7 +7,7 @@ use crate::app::project::{BottomTab, Model};
 use crate::requests::MapKind;
 use crate::teach::{Holds, Layout, Place, Shown, Tab};
 
-/// What is known of the window now.
+/// Reads the present state of the window.
 pub(in crate::app) fn seen(model: &Model) -> Holds<'_> {
     let cursor = model.cursor();
     let current = model.slots.a.found.is_some() && model.stale().is_none();
@@ -48,7 +48,7 @@ fn shown(model: &Model) -> Option<Shown> {
     }
 }
 
-/// The layout that the panes have, as far as their contents tell.
+/// Layout of the panes, as far as their contents determine it.
 fn layout(model: &Model) -> Option<Layout> {
     let panes: Vec<_> = model.panes.shown().into_iter().filter_map(|id| model.panes.get(id)).collect();
     let count = |content: fn(&Content) -> bool| panes.iter().filter(|pane| content(&pane.content)).count();

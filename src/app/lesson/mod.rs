@@ -1,8 +1,8 @@
 //! Lessons over the live window.
 //!
-//! A lesson (see [`crate::teach`]) takes the window over: what was open is kept aside as it is, whole, and put back
-//! when the lesson is left. Each of its steps sets the window up, points at a part of it, explains in a panel on the
-//! right, and notices when what is to be tried was done.
+//! A lesson (see [`crate::teach`]) takes the window over: the previous content is kept whole and put back when the
+//! lesson is left. Each step sets the window up, highlights a part of it, explains it in a panel on the right, and
+//! detects when its task is done.
 
 mod caption;
 mod highlight;

@@ -1,4 +1,4 @@
-//! The panel of the open lesson: which step, what it explains, what is to be tried, back and forward.
+//! Panel of the open lesson: step number, explanation, task, back and forward.
 
 use super::caption::Captions;
 use super::snr::snr_ui;
@@ -9,16 +9,16 @@ use egui::{
     Align, Button, Color32, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Sense, Stroke, Ui, vec2,
 };
 
-/// What was clicked in the panel.
+/// Clicks in the panel.
 #[derive(Debug, Default)]
 pub struct LessonClicks {
-    /// What is asked of the lesson.
+    /// Request to the lesson.
     pub wish: Option<Wish>,
-    /// The word of the glossary that is asked for.
+    /// Name of the glossary entry to open.
     pub word: Option<String>,
 }
 
-/// Draws the panel of the lesson that is open.
+/// Draws the panel of the open lesson.
 pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: &mut Model, captions: &mut Captions) -> LessonClicks {
     let mut clicks = LessonClicks::default();
     let Some(open) = &mut lessons.open else { return clicks };
@@ -77,7 +77,7 @@ fn header_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
     });
 }
 
-/// What is to be tried, with a tick once it was done.
+/// Draws the task, with a tick once it is done. Returns the glossary entry whose link was clicked.
 fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) -> Option<String> {
     let done = open.is_done();
     let colour = if done { style::good(ui) } else { style::ACCENT };
@@ -96,7 +96,7 @@ fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) 
         .inner
 }
 
-/// Back, a dot for each step, forward.
+/// Draws the back button, a dot for each step, and the forward button.
 fn steps_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
     let (step, count) = (open.step, open.lesson.steps.len());
     ui.separator();
@@ -130,7 +130,7 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
     });
 }
 
-/// A dot for each step, the first on the left though they are drawn from the right.
+/// Draws a dot for each step. The first is on the left, although drawing runs from the right.
 fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
     ui.spacing_mut().item_spacing.x = 2.0;
     for place in (0..open.lesson.steps.len()).rev() {

@@ -1,4 +1,4 @@
-//! Setting the window up for a step.
+//! Sets the window up for a step.
 
 use crate::app::canvas::{View, Zoom};
 use crate::app::pane::{Content, Pane, PaneId, PaneLinks, Preset};
@@ -10,7 +10,7 @@ use crate::detector::DetectorParams;
 use crate::requests::MapKind;
 use crate::teach::{Layout, Place, Shown, State, Tab};
 
-/// Sets the model up as `state` says; its bursts are open.
+/// Sets the model up as `state` says; its bursts are open already.
 pub(in crate::app) fn set_up(model: &mut Model, state: &State) {
     let place = state.workspace.unwrap_or(Place::Inspect);
     model.workspace = match place {
@@ -50,7 +50,7 @@ pub(in crate::app) fn set_up(model: &mut Model, state: &State) {
     }
     if let Some(place) = state.probe {
         model.probe_place(place);
-        // Slices need the room that the probe's panel would take.
+        // Slices need the space that the probe's panel would take.
         model.panels.right = state.layout != Some(Layout::Slice);
     }
     model.settle_ranges();

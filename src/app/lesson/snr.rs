@@ -1,4 +1,4 @@
-//! The signal-to-noise ratio of a spot, measured in the picture on show, while frames are added one by one.
+//! Signal-to-noise ratio of a spot, measured in the shown picture, while frames are added one by one.
 
 use crate::app::pane::Content;
 use crate::app::panel::widgets::CursorRow;
@@ -14,25 +14,25 @@ use egui_plot::{Line, Plot, PlotPoints, Points};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Pauses between frames while they are added one by one.
+/// Interval between frames while they are added one by one.
 const EVERY: Duration = Duration::from_millis(450);
 /// The height of the plot, points.
 const HEIGHT: f32 = 130.0;
 
-/// What was measured so far at one slope.
+/// Ratios measured so far at one slope.
 #[derive(Debug, Default)]
 pub(in crate::app) struct SnrTrace {
     slope: Option<Slope>,
-    /// By the number of frames.
+    /// Measured ratio, by number of frames.
     measured: BTreeMap<usize, f32>,
-    /// The largest ratio at any slope, which stays on the axis so that a smaller one is seen to be small.
+    /// Largest ratio at any slope. It stays on the axis, so that a smaller ratio is seen to be small.
     largest: f32,
-    /// When the next frame is added, while they are.
+    /// Time of the next frame, while frames are added.
     next: Option<Instant>,
 }
 
 impl SnrTrace {
-    /// Forgets what was measured.
+    /// Removes all measurements.
     pub(in crate::app) fn clear(&mut self) {
         *self = Self::default();
     }
@@ -45,7 +45,7 @@ impl SnrTrace {
         self.largest = self.largest.max(ratio);
     }
 
-    /// c of the law c·√N that fits what was measured best.
+    /// Factor c of the law c·√N that fits the measurements best.
     fn of_one_frame(&self) -> Option<f64> {
         let weights: f64 = self.measured.keys().map(|n| *n as f64).sum();
         let sum: f64 = self.measured.iter().map(|(n, ratio)| f64::from(*ratio) * (*n as f64).sqrt()).sum();
@@ -53,11 +53,11 @@ impl SnrTrace {
     }
 }
 
-/// What is measured in the picture on show, and of how many frames it is made.
+/// Measures the spot in the shown picture. Returns the number of its frames, and the ratio.
 fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)> {
     let picture = model.picture().filter(|_| model.picture_is_current())?;
     let used = picture.request.params.used_frames(model.frame_count());
-    // The time that the picture is of, in frames after mid-burst of the whole burst.
+    // Time of the picture, in frames after mid-burst of the whole burst.
     let middle = 0.5 * (model.frame_count() as f32 - 1.0);
     let (frames, after) = match picture.request.kind {
         PictureKind::Frame(t) => (1, t as f32 - middle),
@@ -68,7 +68,7 @@ fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)>
     Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
 }
 
-/// Draws how many frames are added, and the ratio that is measured beside the law of √N. `slope` is the spot's own.
+/// Draws the number of frames added, and the measured ratio beside the law of √N. `slope` is the spot's own.
 pub(super) fn snr_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace, spot: Spot, slope: Slope) {
     let top = ui.cursor().min;
     frames_ui(ui, model, trace);
@@ -98,7 +98,7 @@ pub(super) fn snr_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace, spot:
     parts::mark(ui, Part::Snr, rect);
 }
 
-/// How many frames the picture is made of now, 1 for a frame alone.
+/// Number of frames in the shown picture; 1 for a single frame.
 fn frames_shown(model: &Model) -> usize {
     let pane = model.focused();
     match pane.content {
@@ -112,7 +112,7 @@ fn show_frames(model: &mut Model, count: usize) {
     let all = model.frame_count();
     let count = count.clamp(1, all.max(1));
     if count == 1 {
-        // One frame has no motion to follow.
+        // A single frame has no motion.
         let pane = model.focused_mut();
         pane.cursor.frame = 0;
         pane.show(ViewKind::Frame);
@@ -150,7 +150,7 @@ fn frames_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace) {
         }
     }
     let Some(next) = trace.next else { return };
-    // The next frame waits for the picture of this one.
+    // The next frame is added once the picture of the present ones is shown.
     if Instant::now() >= next && model.picture_is_current() {
         let shown = frames_shown(model);
         show_frames(model, shown + 1);

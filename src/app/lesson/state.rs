@@ -1,4 +1,4 @@
-//! What the window keeps of lessons.
+//! State of the lessons in the window.
 
 use super::snr::SnrTrace;
 use crate::app::project::Model;
@@ -8,17 +8,17 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// How far somebody came in a lesson.
+/// Progress of the user in a lesson.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Progress {
-    /// The step that was open last, from 0.
+    /// Step that was open last, from 0.
     pub step: usize,
-    /// The steps whose task was done.
+    /// Steps whose task was done.
     pub done: BTreeSet<usize>,
 }
 
-/// What a person asks of the lesson that is open.
+/// Request of the user to the open lesson.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wish {
     /// Go to a step, from 0.
@@ -29,7 +29,7 @@ pub enum Wish {
     Leave,
 }
 
-/// What the window keeps of lessons.
+/// State of the lessons in the window.
 #[derive(Debug, Default)]
 pub struct Lessons {
     /// The lesson that is open.
@@ -38,20 +38,20 @@ pub struct Lessons {
     pub list_is_open: bool,
     /// Lessons that were opened from files.
     pub opened: Vec<Arc<Lesson>>,
-    /// How far somebody came in each, by its name.
+    /// Progress in each lesson, by the lesson's name.
     pub progress: BTreeMap<String, Progress>,
 }
 
-/// What was open before the lesson, to be put back.
+/// State before the lesson, to be restored.
 #[derive(Debug)]
 pub(in crate::app) struct Kept {
-    /// All of it.
+    /// Project.
     pub model: Model,
-    /// A burst that was just being opened.
+    /// Burst that was being opened.
     pub opening: Option<BurstSource>,
 }
 
-/// The lesson that is open.
+/// Open lesson, with its state.
 #[derive(Debug)]
 pub struct OpenLesson {
     /// The lesson.
@@ -64,37 +64,37 @@ pub struct OpenLesson {
     pub is_ready: bool,
     /// Whether the first feature or match is to be selected as soon as there is one.
     pub(in crate::app) selects: bool,
-    /// The bursts that it opens itself.
+    /// Bursts that the step opens itself.
     pub(in crate::app) opens: Vec<BurstSource>,
-    /// The signal-to-noise ratios that were measured.
+    /// Signal-to-noise ratios measured so far.
     pub(in crate::app) snr: SnrTrace,
     pub(in crate::app) kept: Box<Kept>,
 }
 
 impl OpenLesson {
-    /// The step that is open.
+    /// Present step.
     pub fn step(&self) -> &Step {
         &self.lesson.steps[self.step]
     }
 
-    /// Whether the task of the step that is open was done.
+    /// Whether the task of the present step was done.
     pub fn is_done(&self) -> bool {
         self.done.contains(&self.step)
     }
 
-    /// What was open before it.
+    /// Project as it was before the lesson.
     pub fn before(&self) -> &Model {
         &self.kept.model
     }
 }
 
 impl Lessons {
-    /// All lessons: those that were opened, then those that are built in.
+    /// All lessons: opened ones, then built-in ones.
     pub fn all(&self) -> impl Iterator<Item = &Arc<Lesson>> {
         self.opened.iter().chain(built_in())
     }
 
-    /// Takes lessons that were opened from files; one of a name that is there already takes its place.
+    /// Adds lessons opened from files; each replaces an opened one of its name.
     pub fn add(&mut self, lessons: Vec<Lesson>) {
         for lesson in lessons {
             self.opened.retain(|other| other.name != lesson.name);
@@ -102,7 +102,7 @@ impl Lessons {
         }
     }
 
-    /// How far somebody came in `lesson`: the step, and how many tasks were done.
+    /// Progress in `lesson`, limited to the steps that it has.
     pub fn progress_in(&self, lesson: &Lesson) -> Progress {
         let mut progress = self.progress.get(&lesson.name).cloned().unwrap_or_default();
         progress.step = progress.step.min(lesson.steps.len() - 1);
@@ -110,7 +110,7 @@ impl Lessons {
         progress
     }
 
-    /// Remembers how far the open lesson is.
+    /// Stores the progress in the open lesson.
     pub(in crate::app) fn remember(&mut self) {
         if let Some(open) = &self.open {
             let progress = Progress { step: open.step, done: open.done.clone() };

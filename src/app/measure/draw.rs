@@ -1,4 +1,4 @@
-//! Drawing a line or a rectangle with the pointer, and showing it in every pane that is measured.
+//! Drawing of a line or a rectangle with the pointer, and its display in every measured pane.
 
 use super::values::{mapped, measured_panes};
 use super::{MeasuredLine, MeasuredRegion, Tool};
@@ -7,10 +7,10 @@ use crate::app::pane::PaneId;
 use crate::app::project::{BottomTab, Model};
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
 
-/// What is drawn.
+/// Colour of the line and the rectangle.
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
 
-/// Takes what the pointer does on the canvas of pane `id`, while a tool is taken.
+/// Handles the pointer on the canvas of pane `id`, while a measuring tool is active.
 pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
     let response = &output.response;
     let place = |pos: Pos2| output.image_from_ui.pos(pos);
@@ -20,7 +20,7 @@ pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
     if response.drag_started_by(PointerButton::Primary)
         && let Some(pos) = response.interact_pointer_pos()
     {
-        // The press, not the place where it was recognised as a drag.
+        // Place of the press, not the place where the drag was recognised.
         let press = pos - response.total_drag_delta().unwrap_or_default();
         model.measure.drag = Some((id, place(press)));
     }
@@ -53,7 +53,7 @@ pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
         for stroke in strokes {
             output.painter.line_segment([pos_ui(from), pos_ui(to)], stroke);
         }
-        // The beginning is the end with the ring.
+        // A ring marks the start of the line.
         output.painter.circle_stroke(pos_ui(from), 3.5, strokes[1]);
     }
     if let Some(region) = model.measure.region

@@ -1,4 +1,4 @@
-//! The values along the line, as curves.
+//! Panel of the values along the line, as curves.
 
 use super::profiles_of;
 use crate::app::actions::{ActionId, Queue, button_ui};
@@ -8,7 +8,8 @@ use crate::app::project::Model;
 use egui::{Color32, Ui};
 use egui_plot::{Corner, Legend, Line, Plot, PlotPoints};
 
-/// The colours of the panes' curves, in their order: M. Okabe and K. Ito's, which colour-blind readers can tell apart.
+/// Colours of the panes' curves, in the panes' order: the palette of M. Okabe and K. Ito, which colour-blind readers
+/// can tell apart.
 const CURVES: [Color32; 8] = [
     Color32::from_rgb(86, 180, 233),
     Color32::from_rgb(230, 159, 0),

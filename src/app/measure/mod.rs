@@ -1,8 +1,8 @@
-//! A line and a rectangle that one draws on a picture: the values along the one, and what is known of those in the
-//! other, in all linked panes together.
+//! Measuring line and rectangle, drawn on a picture: the values along the line and the statistics in the rectangle, for
+//! all linked panes together.
 //!
-//! [`Measure`] is a plain value of the project: what was drawn, on which pane, in pixels of the input image. The panels
-//! below the pictures draw [`profiles_of`] and [`region_in`]; the export writes the same.
+//! [`Measure`] is a plain value of the project: the shape, its pane, and its place in pixels of the input image. The
+//! panels below the pictures show [`profiles_of`] and [`region_in`]; the export writes the same values.
 
 mod draw;
 mod line_panel;

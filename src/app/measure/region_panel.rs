@@ -1,4 +1,4 @@
-//! What is known of the values in the rectangle: a row of numbers for each pane, and the histogram of the one in focus.
+//! Panel of the rectangle's values: a row of statistics for each pane, and the histogram of the focused one.
 
 use super::values::{PaneRegion, measured_panes, region_in};
 use crate::app::actions::{ActionId, Queue, button_ui};
@@ -16,7 +16,7 @@ use std::collections::HashMap;
 /// Bars of the histogram.
 const BINS: usize = 64;
 
-/// What was computed of a picture's rectangle, and of which.
+/// Statistics of a picture's rectangle, with the picture and the rectangle.
 #[derive(Debug, Clone)]
 struct Known {
     picture: PictureId,
@@ -25,7 +25,7 @@ struct Known {
     histogram: Option<Histogram>,
 }
 
-/// What was computed for each pane, kept until its picture or the rectangle changes.
+/// Statistics of each pane, kept until its picture or the rectangle changes.
 #[derive(Debug, Default)]
 pub struct RegionCache(HashMap<PaneId, Known>);
 
@@ -44,7 +44,7 @@ impl RegionCache {
     }
 }
 
-/// The columns of the table, and what they mean.
+/// Columns of the table, and their meanings.
 const COLUMNS: [(&str, &str); 7] = [
     ("Picture", "The pane's number and what it shows"),
     ("Pixels", "Pixels of the picture in the rectangle that have a value"),

@@ -1,5 +1,4 @@
-//! The values along the line and in the rectangle, of every pane that shares its places with the one they were drawn
-//! on.
+//! Values along the line and in the rectangle, in every pane linked by place with the one they were drawn on.
 
 use super::{MeasuredLine, MeasuredRegion};
 use crate::app::canvas::Picture;
@@ -13,33 +12,33 @@ use egui::{Pos2, Rect};
 /// The values of one pane along the line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaneProfile {
-    /// Which pane.
+    /// Pane.
     pub id: PaneId,
-    /// Its number, from 1.
+    /// Number of the pane, from 1.
     pub number: usize,
-    /// What it shows.
+    /// Description of the pane's picture.
     pub label: String,
-    /// The values, places in image pixels.
+    /// Samples along the line; places in image pixels.
     pub samples: Vec<ProfileSample>,
 }
 
 /// The pixels of one pane in the rectangle.
 #[derive(Debug, Clone)]
 pub struct PaneRegion {
-    /// Which pane.
+    /// Pane.
     pub id: PaneId,
-    /// Its number, from 1.
+    /// Number of the pane, from 1.
     pub number: usize,
-    /// What it shows.
+    /// Description of the pane's picture.
     pub label: String,
-    /// Its picture.
+    /// Picture of the pane.
     pub picture: Picture,
     /// The pixels of that picture.
     pub region: Region,
 }
 
-/// The pane that was drawn on and those that share their places with it, in reading order; none if it is not open any
-/// more.
+/// The pane that was drawn on and those linked with it by place, in reading order; empty when that pane is no longer
+/// shown.
 pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
     let shown = model.panes.shown();
     if !shown.contains(&drawn_on) {
@@ -50,12 +49,12 @@ pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
     shown.into_iter().filter(|id| *id == drawn_on || (!alone && is_linked(id))).collect()
 }
 
-/// Where a place of the pane that was drawn on is in another.
+/// Maps a place of the pane that was drawn on to another pane.
 pub(super) fn mapped(model: &Model, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     if drawn_on == to { Some(pos_image) } else { same_place(model, drawn_on, to, pos_image) }
 }
 
-/// The values along `line`, of every pane that is measured.
+/// Values along `line`, in every measured pane.
 pub fn profiles_of(model: &Model, widgets: &PaneWidgets, line: &MeasuredLine) -> Vec<PaneProfile> {
     let of = |id: PaneId| {
         let picture = widgets.get(id)?.picture.shown()?;

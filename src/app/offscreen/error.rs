@@ -1,6 +1,6 @@
-//! Why nothing could be drawn.
+//! Errors of drawing without a display.
 
-/// Why nothing could be drawn.
+/// Reason why nothing could be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum OffscreenError {
     /// There is no adapter.

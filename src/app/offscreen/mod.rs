@@ -1,9 +1,8 @@
-//! The window without a display: frames are run as a window would run them, and the last one is drawn into a picture in
-//! memory.
+//! Window without a display: runs frames as a window would, and draws the last one into a picture in memory.
 //!
-//! This is what `burstscope render` uses, and what the tests of the card's pictures use. It needs a graphics adapter
-//! that Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough. A device that is lost on the way is set
-//! up again, once for each picture.
+//! `burstscope render` uses it, and so do the tests of the graphics card's pictures. It needs a graphics adapter that
+//! Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough. A device that is lost is set up again, once
+//! for each picture.
 
 mod error;
 mod read_back;
@@ -17,8 +16,7 @@ use image::RgbaImage;
 use read_back::read_back;
 use std::time::{Duration, Instant};
 
-/// Frames that are run at least, so that everything that measures itself in one frame and is placed in the next has
-/// settled.
+/// Minimum number of frames run, so that everything measured in one frame and placed in the next has settled.
 const MIN_FRAMES: usize = 3;
 
 /// A window that exists only in memory.
@@ -33,13 +31,13 @@ pub struct Offscreen {
     shapes: Vec<egui::epaint::ClippedShape>,
 }
 
-/// What [`render_offscreen`] drew.
+/// Result of [`render_offscreen`].
 #[derive(Debug)]
 pub struct Rendered {
     /// The window's pixels.
     pub image: RgbaImage,
-    /// Whether the window had come to rest; `false` when the time ran out first, and the picture shows the state at
-    /// that moment.
+    /// Whether the window had settled; `false` when the time ran out first, and the picture shows the state at that
+    /// moment.
     pub settled: bool,
 }
 
@@ -50,10 +48,10 @@ const BYTES_PER_PIXEL: u64 = 4;
 pub const MAX_SIDE_PX: u32 = 8192;
 
 impl Offscreen {
-    /// A window of `size_points` at `pixels_per_point`, ready for canvases.
+    /// Creates a window of `size_points` at `pixels_per_point`, with canvases installed.
     ///
     /// # Errors
-    /// When there is no adapter, it cannot be used, or the size is beyond it.
+    /// When there is no adapter, it cannot be used, or the size exceeds its limits.
     pub fn new(size_points: egui::Vec2, pixels_per_point: f32, choice: AdapterChoice) -> Result<Self, OffscreenError> {
         Self::with_setup(size_points, pixels_per_point, gpu::wgpu_setup(choice))
     }
@@ -62,7 +60,7 @@ impl Offscreen {
         let render_state = new_render_state(&setup)?;
         let limits = render_state.device.limits();
         let limit = limits.max_texture_dimension_2d.min(MAX_SIDE_PX);
-        // The pixels come back in one buffer.
+        // The pixels are read back in one buffer.
         let max_pixels = limits.max_buffer_size / BYTES_PER_PIXEL;
         let size = size_points * pixels_per_point;
         let fits = |x: f32| x.is_finite() && x.round() >= 1.0 && x.round() <= limit as f32;
@@ -72,7 +70,7 @@ impl Offscreen {
             return Err(OffscreenError::Size { width: size.x, height: size.y, limit, max_megapixels });
         }
         let context = egui::Context::default();
-        // Nobody watches: what would be animated is at its end at once.
+        // Nobody watches: animations are skipped.
         context.all_styles_mut(|style| style.animation_time = 0.0);
         gpu::install(&context, &render_state);
         Ok(Self {
@@ -92,19 +90,19 @@ impl Offscreen {
         &self.context
     }
 
-    /// The card, for what an app wants from its `eframe::CreationContext`.
+    /// Render state of the card, as an app gets it from its `eframe::CreationContext`.
     pub fn render_state(&self) -> &RenderState {
         &self.render_state
     }
 
     /// Whether the device was lost.
     fn is_lost(&self) -> bool {
-        // A device says it when it is asked how it does; it needs to say nothing else.
+        // A lost device is reported while it is polled; the result of the poll itself does not matter.
         let _ = self.render_state.device.poll(wgpu::PollType::Poll);
         gpu::Gpu::of(&self.context).is_some_and(|gpu| gpu.lost().is_some())
     }
 
-    /// Makes a new device in place of the lost one, and brings to it what the lost one had.
+    /// Creates a device in place of the lost one, and uploads the toolkit's textures to it.
     fn set_up_again(&mut self) -> Result<(), OffscreenError> {
         self.render_state = new_render_state(&self.setup)?;
         gpu::install(&self.context, &self.render_state);
@@ -115,7 +113,7 @@ impl Offscreen {
         Ok(())
     }
 
-    /// Runs one frame with `events` as input and answers when the window wants the next one.
+    /// Runs one frame with `events` as input; returns the time until the window wants the next one.
     pub fn frame(&mut self, events: Vec<egui::Event>, draw: impl FnMut(&mut egui::Ui)) -> Duration {
         let mut input = egui::RawInput {
             screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, self.size_points)),
@@ -141,10 +139,10 @@ impl Offscreen {
         output.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay)
     }
 
-    /// Draws the last frame. Where the device was lost a new one is set up; where that is lost too, that is an error.
+    /// Draws the last frame. A lost device is set up again, once.
     ///
     /// # Errors
-    /// When the card fails or does not answer.
+    /// When the card fails, does not answer, or loses the second device too.
     pub fn image(&mut self) -> Result<RgbaImage, OffscreenError> {
         if !self.is_lost() {
             let drawn = self.draw();
@@ -199,7 +197,7 @@ impl Offscreen {
     }
 }
 
-/// Instance, adapter and device, without a display.
+/// Creates instance, adapter and device, without a display.
 fn new_render_state(setup: &WgpuSetup) -> Result<RenderState, OffscreenError> {
     let instance = pollster::block_on(setup.new_instance());
     let configuration = WgpuConfiguration { wgpu_setup: setup.clone(), ..Default::default() };
@@ -212,10 +210,10 @@ fn new_render_state(setup: &WgpuSetup) -> Result<RenderState, OffscreenError> {
     })
 }
 
-/// Draws a whole app to a picture: makes it with `make`, runs frames of `draw` until `is_idle` says that it has come to
-/// rest, `max_duration` is over or `monitor` is cancelled, and draws the last frame.
+/// Draws a whole app to a picture: makes it with `make`, runs frames of `draw` until `is_idle` says that it has
+/// settled, `max_duration` is over or `monitor` is cancelled, and draws the last frame.
 ///
-/// `make` gets what an eframe app gets from its creation context; canvases are already prepared (see [`gpu::install`]).
+/// `make` gets the context and render state of an eframe app; canvases are already installed (see [`gpu::install`]).
 ///
 /// # Errors
 /// As [`Offscreen::new`] and [`Offscreen::image`].
@@ -234,7 +232,7 @@ pub fn render_offscreen<App>(
     let mut idle_frames = 0;
     for frame in 1.. {
         let delay = offscreen.frame(Vec::new(), |ui| draw(&mut app, ui));
-        // One more frame after the last answer shows it.
+        // One more frame after the last answer shows the answer.
         idle_frames = if is_idle(&mut app) { idle_frames + 1 } else { 0 };
         if frame >= MIN_FRAMES && idle_frames >= 2 {
             break;

@@ -1,15 +1,15 @@
-//! Pixels back from the card.
+//! Reads pixels back from the card.
 
 use super::error::OffscreenError;
 use image::RgbaImage;
 use std::time::Duration;
 
-/// Time that the card may take for each [`TIMED_PIXELS`] of a frame. A software adapter needs a fraction of a second.
+/// Time allowed to the card for each [`TIMED_PIXELS`] of a frame. A software adapter needs a fraction of a second.
 const CARD_TIMEOUT: Duration = Duration::from_secs(30);
-/// Pixels of a large screen.
+/// Number of pixels of a large screen.
 const TIMED_PIXELS: u32 = 1 << 23;
 
-/// Brings the pixels of an 8-bit RGBA texture back.
+/// Reads the pixels of an 8-bit RGBA texture back.
 pub(super) fn read_back(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -41,7 +41,7 @@ pub(super) fn read_back(
     let timeout = CARD_TIMEOUT * (width * height).div_ceil(TIMED_PIXELS);
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // Nobody waits any longer when the receiver is gone.
+        // The receiver is gone when the wait has timed out.
         let _ = sender.send(result);
     });
     let failed = |error: &dyn std::fmt::Display| OffscreenError::Card(error.to_string());
@@ -54,7 +54,7 @@ pub(super) fn read_back(
     for row in mapped.chunks_exact(padded_bytes) {
         bytes.extend_from_slice(&row[..row_bytes]);
     }
-    // Without a surface egui's target is Rgba8Unorm; other formats would need their channels put in order.
+    // Without a surface egui's target is Rgba8Unorm; other formats would need their channels reordered.
     debug_assert_eq!(texture.format(), wgpu::TextureFormat::Rgba8Unorm);
     RgbaImage::from_raw(width, height, bytes).ok_or_else(|| failed(&"the answer had the wrong size"))
 }

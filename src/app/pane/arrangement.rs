@@ -1,16 +1,16 @@
-//! Where panes are on the screen: rows and columns of them within one another, and tabs. Plain values; [`super::tiles`]
-//! lends them to the widget.
+//! Arrangement of panes on the screen: nested rows and columns, and tabs. Plain values; [`super::tiles`] converts them
+//! for the widget.
 
 use super::PaneId;
 use serde::{Deserialize, Serialize};
 
-/// At most this many panes are open: more than the largest preset needs, and few enough that each can still be seen.
+/// Maximum number of open panes: more than the largest preset needs, and few enough that each can still be seen.
 pub const MAX_PANES: usize = 16;
 
-/// Arrangements from files are cut off at this depth.
+/// Maximum depth of an arrangement; those read from files are cut off there.
 const MAX_DEPTH: usize = 8;
 
-/// Into which direction a pane is split.
+/// Direction in which a pane is split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     /// The new pane is on the right.
@@ -19,12 +19,12 @@ pub enum Direction {
     Down,
 }
 
-/// A part of a row or column.
+/// Part of a row or column.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// How much of the room it has, in relation to the other parts.
+    /// Share of the space, relative to the other parts.
     pub share: f32,
-    /// What is there.
+    /// Content of the part.
     pub inner: Arrangement,
 }
 
@@ -34,7 +34,7 @@ impl Part {
     }
 }
 
-/// Where panes are.
+/// Arrangement of panes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Arrangement {
@@ -44,17 +44,18 @@ pub enum Arrangement {
     Row(Vec<Part>),
     /// From top to bottom.
     Column(Vec<Part>),
-    /// In one place, one of them on show.
+    /// In one place, with one of them visible.
     Tabs {
-        /// All of them.
+        /// Arrangements in this place.
         parts: Vec<Arrangement>,
-        /// The place of the one on show.
+        /// Index of the visible one.
         active: usize,
     },
 }
 
 impl Arrangement {
-    /// Rows of panes, below one another, all of one size as far as rows have as many. At least one pane must be given.
+    /// Arranges rows of panes below one another, all panes of one size where the rows have equally many. At least one
+    /// pane must be given.
     pub fn rows(rows: &[Vec<PaneId>]) -> Self {
         let row = |row: &Vec<PaneId>| match row.as_slice() {
             [one] => Self::Pane(*one),
@@ -66,7 +67,7 @@ impl Arrangement {
         }
     }
 
-    /// The panes, in reading order.
+    /// Panes, in reading order.
     pub fn panes(&self) -> Vec<PaneId> {
         match self {
             Self::Pane(id) => vec![*id],
@@ -75,7 +76,7 @@ impl Arrangement {
         }
     }
 
-    /// The panes in rows, as far as the arrangement has any: for a figure.
+    /// Panes in rows, as far as the arrangement has rows; used by figures.
     pub fn in_rows(&self) -> Vec<Vec<PaneId>> {
         match self {
             Self::Column(parts) => parts.iter().map(|part| part.inner.panes()).collect(),
@@ -83,13 +84,13 @@ impl Arrangement {
         }
     }
 
-    /// Puts `new` beside `id`, which gives it half of its room. Answers whether `id` is there.
+    /// Puts `new` beside `id`, which gives half of its space to it. Returns whether `id` was found.
     pub fn split(&mut self, id: PaneId, direction: Direction, new: PaneId) -> bool {
         let along = |arrangement: &Self| match direction {
             Direction::Right => matches!(arrangement, Self::Row(_)),
             Direction::Down => matches!(arrangement, Self::Column(_)),
         };
-        // In a row a pane that is split to the right becomes two parts of the same row.
+        // In a row, a pane that is split to the right becomes two parts of that row; likewise downwards in a column.
         if along(self)
             && let Self::Row(parts) | Self::Column(parts) = self
             && let Some(place) = parts.iter().position(|part| part.inner == Self::Pane(id))
@@ -153,15 +154,15 @@ impl Arrangement {
         }
     }
 
-    /// Takes `id` away; the others get its room. The only pane stays.
+    /// Removes `id`; the others get its space. The only pane stays.
     pub fn remove(&mut self, id: PaneId) {
         if let Some(rest) = self.clone().filtered(&mut |pane| pane != id, MAX_DEPTH) {
             *self = rest;
         }
     }
 
-    /// What makes sense of it: each pane that `keep` knows once, with shares that are numbers, not too deep. What comes
-    /// from a file may be anything.
+    /// Removes invalid parts, as files may have: keeps each pane that `keep` accepts once, makes shares finite, and
+    /// limits number and depth. `None` if no pane is left.
     #[must_use]
     pub fn sanitised(self, mut keep: impl FnMut(PaneId) -> bool) -> Option<Self> {
         let mut seen = Vec::new();
@@ -177,7 +178,7 @@ impl Arrangement {
         )
     }
 
-    /// Only the panes that `keep` wants, without containers of one part; `None` if nothing is left.
+    /// Keeps only the panes that `keep` accepts, without containers of one part; `None` if no pane is left.
     fn filtered(self, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Option<Self> {
         fn parts(parts: Vec<Part>, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Vec<Part> {
             parts

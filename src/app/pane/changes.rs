@@ -1,4 +1,5 @@
-//! Panes come and go: split, closed, laid out anew, restored from a session, changed with the bursts that are open.
+//! Changes of the set of panes: splitting, closing, laying out anew, restoring from a session, and following the open
+//! bursts.
 
 use super::preset::Laid;
 use super::set::{PLACES, place_of};
@@ -9,7 +10,7 @@ use crate::detector::DetectorParams;
 use std::collections::BTreeMap;
 
 impl Panes {
-    /// Splits the pane called `id`: the new pane shows the same and gets the focus. Nothing happens once there are
+    /// Splits pane `id`: the new pane shows the same and gets the focus. Returns the new pane, or `None` once there are
     /// [`MAX_PANES`].
     pub fn split(&mut self, id: PaneId, direction: Direction) -> Option<PaneId> {
         if self.shown().len() >= MAX_PANES {
@@ -25,7 +26,7 @@ impl Panes {
         Some(new)
     }
 
-    /// Splits the pane in focus and shows in the new one what `change` makes of it.
+    /// Splits the focused pane, and applies `change` to the new one.
     pub fn split_with(&mut self, direction: Direction, change: impl FnOnce(&mut Pane)) -> Option<PaneId> {
         let new = self.split(self.focus(), direction)?;
         if let Some(pane) = self.get_mut(new) {
@@ -34,8 +35,8 @@ impl Panes {
         Some(new)
     }
 
-    /// Shows in pane `id` the burst of `side`. The two panes that are always there stay on their bursts: a new pane
-    /// takes the place of such a one.
+    /// Shows the burst of `side` in pane `id`. The two permanent panes stay on their bursts: a new pane takes the place
+    /// of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
         let Some(pane) = self.get(id).filter(|pane| pane.side != side) else { return };
         let changed = Pane { side, picture: None, problem: None, ..pane.clone() };
@@ -61,8 +62,8 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Closes a pane on the screen, unless it is the only one. Panes that show something of it go back to what their
-    /// cursors say.
+    /// Closes a pane on the screen, unless it is the only one. Panes that show its picture go back to their own
+    /// cursors.
     pub fn close(&mut self, id: PaneId) {
         self.close_in(self.open, id);
     }
@@ -80,11 +81,11 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Lays out a preset, made from the pane in focus.
+    /// Lays out a preset, made from the focused pane.
     pub fn lay_out(&mut self, preset: Preset, params: &DetectorParams) {
         let Some(base) = self.get(self.focus()) else { return };
         let Laid { rows, focus } = preset.lay_out(base, params);
-        // The pane in focus keeps its name; all others are new.
+        // The focused pane keeps its id; all others are new.
         let kept = self.focus();
         let mut ids = Vec::new();
         let mut place = 0;
@@ -102,15 +103,15 @@ impl Panes {
         self.replace(self.open, Arrangement::rows(&ids), made, kept);
     }
 
-    /// Shows in *Inspect* only `id`, which must be there.
+    /// Shows only `id` in *Inspect*; the pane must exist.
     pub fn show_alone(&mut self, id: PaneId) {
         if let Some(pane) = self.get(id).cloned() {
             self.replace(place_of(Workspace::Inspect), Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
         }
     }
 
-    /// Takes the panes of `workspace` from a session: `panes` by their names, and where they are. What makes no sense
-    /// is left out.
+    /// Replaces the panes of `workspace` by those of a session: `panes` by their ids, and their arrangement. Invalid
+    /// parts are left out.
     pub fn restore(
         &mut self,
         workspace: Workspace,
@@ -122,7 +123,7 @@ impl Panes {
         self.replace(place_of(workspace), arrangement, panes, focus);
     }
 
-    /// Puts other panes into the workspace at `place`.
+    /// Replaces the panes of the workspace at `place`.
     pub(super) fn replace(
         &mut self,
         place: usize,
@@ -137,7 +138,7 @@ impl Panes {
         for (id, pane) in panes.into_iter().filter(|(id, _)| shown.contains(id)) {
             self.next = self.next.max(id.0.saturating_add(1));
             match self.sides.get_mut(id.0 as usize) {
-                // The two that are always there stay on their bursts.
+                // The two permanent panes stay on their bursts.
                 Some(own) => *own = Pane { side: own.side, method: None, ..pane },
                 None => {
                     self.more.insert(id, pane);
@@ -148,14 +149,14 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Forgets panes that are in no workspace any more.
+    /// Removes panes that are in no workspace.
     fn drop_unplaced(&mut self) {
         let mut more = std::mem::take(&mut self.more);
         more.retain(|id, _| self.is_placed(*id));
         self.more = more;
     }
 
-    /// Nothing is shown of panes that are not beside the one that shows it.
+    /// Panes stop showing pictures of panes that share no workspace with them.
     pub(super) fn forget_missing(&mut self) {
         let ids: Vec<PaneId> = self.iter().map(|(id, _)| id).collect();
         for id in ids {
@@ -169,8 +170,8 @@ impl Panes {
         }
     }
 
-    /// Closes the panes on the burst of `side`, which is not open any more. One that is left alone goes to the other
-    /// burst; *Two bursts* goes back to one pane for each.
+    /// Closes the panes on the burst of `side`, which was closed. A pane that is left alone goes to the other burst;
+    /// *Two bursts* goes back to one pane for each.
     pub fn close_side(&mut self, side: Side) {
         for (place, workspace) in PLACES.into_iter().enumerate() {
             if workspace == Workspace::Pair {
@@ -189,8 +190,8 @@ impl Panes {
         }
     }
 
-    /// What was A is B, and the other way round. The two panes that are always there change places. The others of
-    /// *Inspect* stay on their bursts, those of the workspaces that show both stay on their sides.
+    /// Swaps A and B. The two permanent panes swap places. The others of *Inspect* stay on their bursts, those of the
+    /// workspaces that show both stay on their sides.
     pub fn swap_sides(&mut self) {
         self.sides.swap(0, 1);
         for (pane, side) in self.sides.iter_mut().zip(Side::BOTH) {

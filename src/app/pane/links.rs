@@ -1,25 +1,25 @@
-//! What panes share: a pane that has a link moves, and is moved by, every other pane that has it.
+//! Links between panes: a pane with a link moves, and is moved by, every other pane with that link.
 
 use serde::{Deserialize, Serialize};
 
-/// What can be shared.
+/// Kind of link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Link {
     /// Zoom and pan.
     View,
     /// Value range and colour map.
     Display,
-    /// Frame, slope, octave and level: they move by the same steps, so that panes stay as far apart as they are.
+    /// Frame, slope, octave and level: they move by equal steps, so that differences between panes stay.
     Cursor,
     /// The place under the pointer.
     Place,
 }
 
 impl Link {
-    /// All of them, in the order of the switches.
+    /// All links, in the order of the switches.
     pub const ALL: [Self; 4] = [Self::View, Self::Display, Self::Cursor, Self::Place];
 
-    /// Its name.
+    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::View => "Link view",
@@ -39,7 +39,7 @@ impl Link {
         }
     }
 
-    /// What it does.
+    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::View => "Zoom and pan together with the other panes that are linked so",
@@ -52,7 +52,7 @@ impl Link {
     }
 }
 
-/// What one pane shares.
+/// Links of one pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PaneLinks {

@@ -1,4 +1,4 @@
-//! Ready-made arrangements of *Methods*, and what happens there when a method is switched on or off.
+//! Presets of *Methods*, and changes there when a method is switched on or off.
 
 use super::preset::in_rows;
 use super::set::place_of;
@@ -10,26 +10,26 @@ use crate::app::project::workspace::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A ready-made arrangement of methods.
+/// Preset arrangement of methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MethodsPreset {
-    /// A pane for each.
+    /// One pane for each method.
     #[default]
     Panes,
     /// Two in one place, with a line between them that can be moved.
     Wipe,
     /// Two in one place, one after the other.
     Flip,
-    /// A row for each with its matches between A and B.
+    /// One row for each method, with its matches between A and B.
     Matches,
 }
 
 impl MethodsPreset {
-    /// All of them, in the order of the buttons.
+    /// All presets, in the order of the buttons.
     pub const ALL: [Self; 4] = [Self::Panes, Self::Wipe, Self::Flip, Self::Matches];
 
-    /// Its name.
+    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Panes => "Panes",
@@ -39,7 +39,7 @@ impl MethodsPreset {
         }
     }
 
-    /// What it shows.
+    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::Panes => "A picture for each method, side by side",
@@ -51,8 +51,8 @@ impl MethodsPreset {
 }
 
 impl Panes {
-    /// Lays out *Methods*: `methods` on A, and on B as well where the preset shows matches and `both` are open. Where
-    /// two are laid over one another these are SIFT on one frame and BuFF, as far as they are compared.
+    /// Lays out *Methods*: `methods` on A, and on B as well where the preset shows matches and `both` are open. A wipe
+    /// or flip takes SIFT on one frame and BuFF, where these are compared.
     pub fn lay_out_methods(&mut self, preset: MethodsPreset, methods: &[Contender], both: bool) {
         let usual = [Contender::Sift, Contender::Buff1d];
         let mut two = usual.into_iter().chain(methods.iter().copied()).filter(|method| methods.contains(method));
@@ -86,7 +86,7 @@ impl Panes {
         self.replace(place_of(Workspace::Methods), arrangement, made, focus);
     }
 
-    /// Adds panes for a method that has none in *Methods*: on A, and in a row of its own with B where the others have
+    /// Adds panes for a method that has none in *Methods*: on A, and with B in a row of its own where the others have
     /// such rows.
     pub fn add_method(&mut self, method: Contender, both: bool) {
         let place = place_of(Workspace::Methods);
@@ -117,7 +117,7 @@ impl Panes {
         }
     }
 
-    /// A pane on what `method` looks at: beside the other methods of its side, at the same place.
+    /// Creates a pane on the input of `method`: beside the other methods of its side, at their place.
     fn of_method(&self, method: Contender, side: Side) -> Pane {
         let shown = self.shown_in(Workspace::Methods);
         let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(Contender::Gold) && pane.side == side;
@@ -131,7 +131,7 @@ impl Panes {
             ..Pane::new(side)
         };
         if method == Contender::Gold {
-            // It was taken with another light.
+            // It was taken in other light.
             pane.links.set(Link::Display, false);
             pane.own_ranges = Some(Ranges::default());
         }

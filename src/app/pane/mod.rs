@@ -1,13 +1,12 @@
 //! Panes: each shows one picture of one open burst.
 //!
-//! A [`Pane`] is a plain value: which burst, and as which method sees it; where in it ([`Cursor`]: frame, slope,
-//! octave, level), which kind of picture, pan and zoom, a range of its own if it has one, and what it shares with other
-//! panes ([`PaneLinks`]). [`Panes`] holds all of them. *Inspect*, *Two bursts* and *Methods* have an [`Arrangement`]
-//! each, with one pane in focus: the one that sliders and keys move. Two panes are always there, one for each of the
-//! two bursts.
+//! A [`Pane`] is a plain value: its burst, and the method whose input it shows; its place there ([`Cursor`]: frame,
+//! slope, octave, level), kind of picture, pan and zoom, own value range if it has one, and links to other panes
+//! ([`PaneLinks`]). [`Panes`] holds all of them. *Inspect*, *Two bursts* and *Methods* have an [`Arrangement`] each,
+//! with one focused pane, which sliders and keys move. Two panes are permanent, one for each of the two bursts.
 //!
-//! What every pane wants to show follows from its values alone ([`wanted`](Pane::wanted)). The window asks the engine
-//! for it under the pane's own number, and puts the answer into [`Pane::picture`].
+//! The picture that a pane needs follows from its values alone ([`wanted`](Pane::wanted)). The window requests it from
+//! the engine under the pane's own number, and stores the answer in [`Pane::picture`].
 
 mod arrangement;
 mod changes;
@@ -40,50 +39,50 @@ use crate::detector::{DetectorParams, Method};
 use crate::requests::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
-/// Names a pane, for as long as it is open.
+/// Id of a pane, for as long as it is open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct PaneId(pub u32);
 
 impl PaneId {
-    /// The pane that is always there for the burst of `side`.
+    /// The permanent pane for the burst of `side`.
     pub fn of(side: Side) -> Self {
         Self(side as u32)
     }
 }
 
-/// What a pane shows.
+/// Content of a pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
-    /// What its cursor says: a frame, a motion stack or a DoG response.
+    /// Picture at the cursor: a frame, a motion stack or a DoG response.
     #[default]
     Cursor,
     /// The frames of its burst, aligned and merged into one image.
     Merge,
-    /// What decides in the search, by place, where the cursor is.
+    /// Map of a quantity that decides in the search, at the cursor.
     Map(MapKind),
     /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
-    /// A slice through the frames at the place that is probed.
+    /// Slice through the frames at the probed place.
     Slice(SliceAxis),
 }
 
-/// Which way a slice through the frames runs.
+/// Direction of a slice through the frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SliceAxis {
-    /// Along the motion of what is probed: the x–t slice where that is to the side.
+    /// Along the probed motion: the x–t slice for horizontal motion.
     Along,
-    /// Across it: the y–t slice then.
+    /// Across it: the y–t slice for horizontal motion.
     Across,
 }
 
 impl SliceAxis {
-    /// Both.
+    /// Both directions.
     pub const ALL: [Self; 2] = [Self::Along, Self::Across];
 
-    /// Its name.
+    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Along => "Slice along the motion",
@@ -91,7 +90,7 @@ impl SliceAxis {
         }
     }
 
-    /// What it shows.
+    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::Along => {
@@ -102,28 +101,28 @@ impl SliceAxis {
     }
 }
 
-/// Another pane's picture in the same place, to compare the two.
+/// Another pane's picture in the same place, for comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Over {
-    /// Right of a line that can be moved.
+    /// On the right of a line that can be moved.
     Wipe {
-        /// The pane whose picture it is.
+        /// Pane of the other picture.
         other: PaneId,
-        /// Where the line is, 0 … 1 from the left.
+        /// Position of the line, 0 … 1 from the left.
         at: f32,
     },
-    /// One after the other.
+    /// In turn with the pane's own.
     Flip {
-        /// The pane whose picture it is.
+        /// Pane of the other picture.
         other: PaneId,
-        /// Whether the other's picture is on show.
+        /// Whether the other's picture is visible.
         flipped: bool,
     },
 }
 
 impl Over {
-    /// The same with another pane's picture.
+    /// Returns the same comparison with another pane's picture.
     #[must_use]
     pub fn with_other(self, other: PaneId) -> Self {
         match self {
@@ -132,7 +131,7 @@ impl Over {
         }
     }
 
-    /// The pane whose picture it is.
+    /// Pane of the other picture.
     pub fn other(self) -> PaneId {
         match self {
             Self::Wipe { other, .. } | Self::Flip { other, .. } => other,
@@ -140,17 +139,17 @@ impl Over {
     }
 }
 
-/// One picture of one open burst.
+/// View of one open burst.
 #[derive(Debug, Clone)]
 pub struct Pane {
-    /// Which of the open bursts.
+    /// Open burst that the pane shows.
     pub side: Side,
-    /// As which method sees it, where methods are compared.
+    /// Method whose input the pane shows, where methods are compared.
     pub method: Option<Contender>,
-    /// What it shows.
+    /// Content.
     pub content: Content,
-    /// Where in the burst it is. A linked pane may have been moved beyond what there is; [`Pane::cursor_within`] is
-    /// what is shown.
+    /// Place in the burst. A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits
+    /// it.
     pub cursor: Cursor,
     /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
     pub slope_chosen: bool,
@@ -158,18 +157,18 @@ pub struct Pane {
     pub view: View,
     /// Value ranges and colour maps of its own; `None` shares those of all.
     pub own_ranges: Option<Ranges>,
-    /// What it shares with the other panes.
+    /// Links to the other panes.
     pub links: PaneLinks,
     /// Another pane's picture in the same place.
     pub over: Option<Over>,
     /// The last good picture.
     pub picture: Option<Picture>,
-    /// A picture that could not be made, and why.
+    /// Request that failed, and why.
     pub problem: Option<(PictureRequest, String)>,
 }
 
 impl Pane {
-    /// A pane on the burst of `side`.
+    /// Creates a pane on the burst of `side`.
     pub fn new(side: Side) -> Self {
         Self {
             side,
@@ -186,7 +185,7 @@ impl Pane {
         }
     }
 
-    /// Shows one of the kinds of picture that the cursor moves through.
+    /// Shows one of the cursor's kinds of picture.
     pub fn show(&mut self, kind: ViewKind) {
         (self.content, self.cursor.kind) = (Content::Cursor, kind);
     }
@@ -196,25 +195,25 @@ impl Pane {
         (self.content, self.over, self.picture) = (Content::Slice(axis), None, None);
     }
 
-    /// Shows the burst as `method` sees it.
+    /// Shows the input of `method`.
     pub fn show_method(&mut self, method: Option<Contender>) {
         if self.method != method {
             (self.method, self.picture, self.problem) = (method, None, None);
         }
     }
 
-    /// Whether it shows this kind of picture.
+    /// Whether the pane shows this kind of picture.
     pub fn shows(&self, kind: ViewKind) -> bool {
         self.content == Content::Cursor && self.cursor.kind == kind
     }
 
-    /// A slope was moved, which cannot be seen in a frame: shows the motion stack then. Maps are of a slope.
+    /// Switches to the motion stack where the content does not depend on the slope, after the slope was moved.
     pub fn show_slope(&mut self) {
         self.slope_chosen = true;
         let is_seen = match self.content {
             Content::Cursor => self.cursor.kind != ViewKind::Frame,
             Content::Map(map) => map.is_of_slope(),
-            // There the slope is a line.
+            // A slice shows the slope as a line.
             Content::Slice(_) => true,
             Content::Merge | Content::Difference(..) => false,
         };
@@ -223,20 +222,20 @@ impl Pane {
         }
     }
 
-    /// Octave or level was moved, which can be seen in few pictures: shows the DoG where it cannot.
+    /// Switches to the DoG where the content does not depend on octave and level, after one of them was moved.
     pub fn show_scale(&mut self) {
         if !matches!(self.content, Content::Map(map) if map.is_of_octave()) {
             self.show(ViewKind::Dog);
         }
     }
 
-    /// The cursor, brought into what the burst and the parameters have.
+    /// Cursor, limited to the ranges of the burst and the parameters.
     pub fn cursor_within(&self, burst: &OpenBurst, params: &DetectorParams) -> Cursor {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
 
-    /// The picture that it wants of its own burst; `None` for a difference, which is made of other panes' pictures, and
-    /// a slice.
+    /// Picture that the pane needs of its own burst; `None` for a difference, which is made of other panes' pictures,
+    /// and for a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = match self.content {
             Content::Cursor => self.seen_by_method(self.cursor_within(burst, params).picture_kind(), burst, params),
@@ -250,8 +249,8 @@ impl Pane {
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
     }
 
-    /// Where methods are compared, what the method looks at instead of a motion stack: SIFT at one frame, or at the
-    /// merged frames.
+    /// Where methods are compared, replaces a motion stack by the method's input: one frame or the merged frames for
+    /// SIFT.
     fn seen_by_method(&self, kind: PictureKind, burst: &OpenBurst, params: &DetectorParams) -> PictureKind {
         match (kind, params.method) {
             (PictureKind::Stack { .. }, Method::Sift) if self.method.is_some() => {
@@ -262,7 +261,7 @@ impl Pane {
         }
     }
 
-    /// The panes whose pictures it shows besides its own.
+    /// Panes whose pictures this one shows besides its own.
     pub fn others(&self) -> Vec<PaneId> {
         let mut others = match self.content {
             Content::Difference(a, b) => vec![a, b],

@@ -1,16 +1,16 @@
-//! The same place of a scene in two panes.
+//! Corresponding places of a scene in two panes.
 
 use crate::app::project::cursor::Cursor;
 use crate::requests::PictureKind;
 use egui::{Pos2, vec2};
 use std::ops::Range;
 
-/// Where the place under the pointer of one pane is in another, both of bursts of which the frames `used` are searched:
-/// in image pixels.
+/// Maps the place under the pointer of one pane to another, in image pixels; the frames `used` are searched in both
+/// bursts.
 ///
-/// Pictures that are made of many frames show a place where it is at mid-burst. A frame shows it moved along its slope
-/// by the frames in between: the slope is that of the pane that is no frame, or of the pane that is pointed at if both
-/// are frames.
+/// Pictures made of many frames show a place where it is at mid-burst. A frame shows it moved along its slope by the
+/// frames in between: the slope is that of the pane that shows no frame, or that of the pane under the pointer if both
+/// show frames.
 pub fn place_in(
     pos_image: Pos2,
     (from_kind, from): (PictureKind, &Cursor),

@@ -1,17 +1,17 @@
-//! Ready-made arrangements: what a person lays beside one another most often.
+//! Preset arrangements of *Inspect*.
 
 use super::{Content, Pane, SliceAxis};
 use crate::app::project::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
 use crate::detector::{DetectorParams, Slope};
 
-/// A ready-made arrangement.
+/// Preset arrangement of panes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
-    /// The pane in focus alone.
+    /// The focused pane alone.
     Single,
     /// A frame beside the motion stack.
     FrameAndStack,
-    /// A slope beside the grid's next one, each moved on its own.
+    /// The slope beside the grid's next one, with their cursors not linked.
     TwoSlopes,
     /// Neighbouring slopes of the grid, three to nine.
     Slopes(usize),
@@ -19,11 +19,11 @@ pub enum Preset {
     Scales,
     /// Frame, motion stack, DoG response and merged frames.
     TwoByTwo,
-    /// The motion stack above slices through the frames at the place that is probed.
+    /// The motion stack above slices through the frames at the probed place.
     Slice,
 }
 
-/// How many neighbouring slopes a strip can have.
+/// Numbers of neighbouring slopes that a strip can have.
 pub const STRIPS: [usize; 4] = [3, 5, 7, 9];
 
 /// Panes to lay out.
@@ -31,12 +31,12 @@ pub const STRIPS: [usize; 4] = [3, 5, 7, 9];
 pub struct Laid {
     /// Rows of panes, from top to bottom.
     pub rows: Vec<Vec<Pane>>,
-    /// Which of them, in reading order, goes on from the pane that was in focus.
+    /// Index of the pane, in reading order, that continues the focused one.
     pub focus: usize,
 }
 
 impl Preset {
-    /// All of them, in the order of the menu.
+    /// All presets, in the order of the menu.
     pub const ALL: [Self; 10] = [
         Self::Single,
         Self::FrameAndStack,
@@ -50,7 +50,7 @@ impl Preset {
         Self::Slice,
     ];
 
-    /// Its name.
+    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Single => "Single pane",
@@ -66,7 +66,7 @@ impl Preset {
         }
     }
 
-    /// What it shows.
+    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::Single => "The pane in focus alone",
@@ -79,7 +79,7 @@ impl Preset {
         }
     }
 
-    /// The panes, made from the one in focus, whose burst is searched with `params`.
+    /// Makes the panes from the focused one, `base`, whose burst is searched with `params`.
     pub fn lay_out(self, base: &Pane, params: &DetectorParams) -> Laid {
         let base = Pane { over: None, content: Content::Cursor, ..base.clone() };
         let at = |change: &dyn Fn(&mut Pane)| {
@@ -87,7 +87,7 @@ impl Preset {
             change(&mut pane);
             pane
         };
-        // A frame shows no slope.
+        // A frame does not depend on the slope.
         let moving = if base.cursor.kind == ViewKind::Frame { ViewKind::Stack } else { base.cursor.kind };
         match self {
             Self::Single => Laid { rows: vec![vec![base]], focus: 0 },
@@ -146,7 +146,7 @@ impl Preset {
     }
 }
 
-/// Up to three in a row; more in rows that are as even as can be.
+/// Splits panes into rows: up to three in one row, more in rows as even as possible.
 pub(super) fn in_rows<T: Clone>(panes: Vec<T>) -> Vec<Vec<T>> {
     let rows = match panes.len() {
         0..=3 => 1,
@@ -157,7 +157,7 @@ pub(super) fn in_rows<T: Clone>(panes: Vec<T>) -> Vec<Vec<T>> {
     panes.chunks(longest.max(1)).map(<[T]>::to_vec).collect()
 }
 
-/// The slope itself and the grid's next one, or the one before where it is the last.
+/// The slope itself and the grid's next one, or the previous one where it is the last.
 fn two_slopes(slope: Slope, params: &DetectorParams) -> [Slope; 2] {
     let grid = &params.slopes;
     let along_v = grid.u.count <= 1 && grid.v.count > 1;
@@ -165,9 +165,9 @@ fn two_slopes(slope: Slope, params: &DetectorParams) -> [Slope; 2] {
     [slope, if next == slope { stepped(grid, slope, along_v, false) } else { next }]
 }
 
-/// `count` neighbouring slopes along the grid's first axis that has several, with the nearest to `slope` in the middle
-/// as far as the grid reaches; and the place of that one. A grid of one slope has its neighbours a quarter of a pixel
-/// per frame apart.
+/// `count` neighbouring slopes along the grid's first axis with several, with the nearest to `slope` in the middle as
+/// far as the grid reaches; and the index of that nearest one. On a grid of one slope the neighbours are 0.25 px/frame
+/// apart.
 fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (Vec<Slope>, usize) {
     let grid = &params.slopes;
     let along_v = grid.u.count <= 1 && grid.v.count > 1;

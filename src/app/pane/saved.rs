@@ -1,4 +1,4 @@
-//! The panes of a workspace as a session keeps them: without pictures, which are made again.
+//! Panes of a workspace as a session stores them: without pictures, which are made again.
 
 use super::set::PLACES;
 use super::{Arrangement, Content, Over, Pane, PaneId, PaneLinks, Panes};
@@ -11,64 +11,64 @@ use crate::app::view::View;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The panes of one workspace.
+/// Saved panes of one workspace.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedPanes {
-    /// Which had the focus.
+    /// Focused pane.
     pub focus: PaneId,
-    /// Where they were.
+    /// Arrangement of the panes.
     pub arrangement: Arrangement,
-    /// Each of them.
+    /// All panes of the arrangement.
     pub panes: Vec<SavedPane>,
 }
 
-/// One pane.
+/// Saved pane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedPane {
-    /// Its name.
+    /// Id.
     pub id: PaneId,
-    /// Which burst it showed.
+    /// Burst.
     #[serde(default)]
     pub side: Side,
-    /// As which method saw it.
+    /// Method whose input the pane showed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<Contender>,
-    /// What it showed.
+    /// Content.
     #[serde(default)]
     pub content: Content,
-    /// Where its cursor was.
+    /// Cursor.
     #[serde(default)]
     pub cursor: Cursor,
     /// Pan and zoom.
     #[serde(default)]
     pub view: View,
-    /// What it shared.
+    /// Links.
     #[serde(default)]
     pub links: PaneLinks,
     /// Value ranges of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own_ranges: Option<Ranges>,
-    /// What was laid over it.
+    /// Picture over the pane's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<Over>,
 }
 
-/// The panes of all workspaces that have some.
+/// Saved panes of all workspaces that have panes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SavedWorkspaces {
-    /// Of *Inspect*, *Two bursts* and *Methods*; those that are not kept stay as they are.
+    /// Panes of *Inspect*, *Two bursts* and *Methods*; `None` leaves a workspace unchanged.
     pub placed: [Option<SavedPanes>; PLACES.len()],
 }
 
 impl SavedWorkspaces {
-    /// All of them.
+    /// Saves the panes of all workspaces.
     pub fn of(panes: &Panes) -> Self {
         Self { placed: PLACES.map(|workspace| Some(SavedPanes::of(panes, workspace))) }
     }
 
-    /// Puts them into `panes`.
+    /// Restores them in `panes`.
     pub fn apply(&self, panes: &mut Panes) {
         for (saved, workspace) in self.placed.iter().zip(PLACES) {
             saved.iter().for_each(|saved| saved.apply(panes, workspace));
@@ -77,7 +77,7 @@ impl SavedWorkspaces {
 }
 
 impl SavedPanes {
-    /// Those of `workspace`.
+    /// Saves the panes of `workspace`.
     pub fn of(panes: &Panes, workspace: Workspace) -> Self {
         let saved = |id: PaneId| {
             let Pane { side, method, content, cursor, view, links, own_ranges, over, .. } = panes.get(id)?.clone();
@@ -88,8 +88,7 @@ impl SavedPanes {
         Self { focus, arrangement: arrangement.clone(), panes: all }
     }
 
-    /// Puts them into `panes` as those of `workspace`, in place of those that are there. What makes no sense is left
-    /// out.
+    /// Restores them in `panes` as those of `workspace`, in place of the present ones. Invalid parts are left out.
     pub fn apply(&self, panes: &mut Panes, workspace: Workspace) {
         let pane = |saved: &SavedPane| {
             let SavedPane { id, side, method, content, cursor, view, links, own_ranges, over } = saved.clone();
@@ -99,7 +98,7 @@ impl SavedPanes {
                 }
                 flip @ Over::Flip { .. } => flip,
             });
-            // A pane that shares its display has none of its own, and the other way round.
+            // A pane that shares its display has no own ranges; any other pane has.
             let own_ranges = if links.display { None } else { Some(own_ranges.unwrap_or_default().sanitised()) };
             let pane =
                 Pane { method, content, cursor, view, links, own_ranges, over, slope_chosen: true, ..Pane::new(side) };
@@ -145,7 +144,7 @@ mod tests {
         let mut other = Panes::default();
         read.apply(&mut other, Workspace::Inspect);
         assert_eq!(SavedPanes::of(&other, Workspace::Inspect), saved);
-        // The names of new panes are new.
+        // New panes get unused ids.
         let new = other.split(other.focus(), Direction::Right).expect("there is room");
         assert!(saved.panes.iter().all(|pane| pane.id != new));
     }

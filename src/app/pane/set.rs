@@ -1,4 +1,4 @@
-//! All panes, where those of each workspace are, and which of them the sliders move.
+//! All panes, their arrangement in each workspace, and the focus.
 
 use super::{Arrangement, Over, Pane, PaneId};
 use crate::app::project::method::Contender;
@@ -9,22 +9,22 @@ use std::collections::BTreeMap;
 /// Workspaces that have panes of their own.
 pub(super) const PLACES: [Workspace; 3] = [Workspace::Inspect, Workspace::Pair, Workspace::Methods];
 
-/// Where the panes of one workspace are, and which of them has the focus.
+/// Arrangement of the panes of one workspace, and the focused pane.
 #[derive(Debug)]
 pub(super) struct Placed {
     pub(super) arrangement: Arrangement,
     pub(super) focus: PaneId,
 }
 
-/// All panes. Two of them are always there, one for each burst; *Inspect* begins with A's, *Two bursts* with both. A
-/// pane that is in two workspaces shows the same in both.
+/// All panes. Two are permanent, one for each burst; *Inspect* begins with A's, *Two bursts* with both. A pane that is
+/// in two workspaces shows the same in both.
 #[derive(Debug)]
 pub struct Panes {
-    /// The two that are always there.
+    /// The two permanent panes.
     pub(super) sides: [Pane; 2],
     pub(super) more: BTreeMap<PaneId, Pane>,
     pub(super) placed: [Placed; PLACES.len()],
-    /// The place of the workspace that is open among [`PLACES`].
+    /// Index of the open workspace in [`PLACES`].
     pub(super) open: usize,
     pub(super) next: u32,
 }
@@ -33,7 +33,7 @@ impl Default for Panes {
     fn default() -> Self {
         let focus = PaneId::of(Side::A);
         let mut sides = Side::BOTH.map(Pane::new);
-        // The same pixel of another burst is not the same place.
+        // A pixel position in another burst is not the same place of the scene.
         sides[Side::B as usize].links.place = false;
         let placed = PLACES.map(|workspace| {
             let arrangement = match workspace {
@@ -53,45 +53,44 @@ impl Arrangement {
     }
 }
 
-/// The place of `workspace` among [`PLACES`]; those without panes of their own have the inspector's.
+/// Index of `workspace` in [`PLACES`]; workspaces without panes of their own have that of *Inspect*.
 pub(super) fn place_of(workspace: Workspace) -> usize {
     PLACES.iter().position(|place| *place == workspace).unwrap_or(0)
 }
 
 impl Panes {
-    /// Turns to the panes of `workspace`: they are on the screen, and split, closed and moved, until it is turned to
-    /// others.
+    /// Makes the panes of `workspace` those on the screen, which are split, closed and moved.
     pub fn turn_to(&mut self, workspace: Workspace) {
         self.open = place_of(workspace);
     }
 
-    /// The pane called `id`.
+    /// Returns pane `id`.
     pub fn get(&self, id: PaneId) -> Option<&Pane> {
         self.sides.get(id.0 as usize).or_else(|| self.more.get(&id))
     }
 
-    /// The same, to be changed.
+    /// Returns pane `id` for changing.
     pub fn get_mut(&mut self, id: PaneId) -> Option<&mut Pane> {
         self.sides.get_mut(id.0 as usize).or_else(|| self.more.get_mut(&id))
     }
 
-    /// The pane that is always there for the burst of `side`.
+    /// Permanent pane for the burst of `side`.
     pub fn of(&self, side: Side) -> &Pane {
         &self.sides[side as usize]
     }
 
-    /// The same, to be changed.
+    /// Permanent pane for the burst of `side`, for changing.
     pub fn of_mut(&mut self, side: Side) -> &mut Pane {
         &mut self.sides[side as usize]
     }
 
-    /// All of them, on the screen or not.
+    /// Iterates over all panes, on the screen or not.
     pub fn iter(&self) -> impl Iterator<Item = (PaneId, &Pane)> {
         let sides = Side::BOTH.into_iter().map(|side| (PaneId::of(side), self.of(side)));
         sides.chain(self.more.iter().map(|(id, pane)| (*id, pane)))
     }
 
-    /// The same, to be changed.
+    /// Iterates over all panes for changing.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (PaneId, &mut Pane)> {
         let sides = Side::BOTH.into_iter().map(PaneId::of).zip(&mut self.sides);
         sides.chain(self.more.iter_mut().map(|(id, pane)| (*id, pane)))
@@ -105,18 +104,19 @@ impl Panes {
         &mut self.placed[self.open]
     }
 
-    /// Where the panes on the screen are.
+    /// Arrangement of the panes on the screen.
     pub fn arrangement(&self) -> &Arrangement {
         &self.here().arrangement
     }
 
-    /// Where the panes of `workspace` are, and which has the focus there.
+    /// Arrangement of the panes of `workspace`, and its focused pane.
     pub fn placed_in(&self, workspace: Workspace) -> (&Arrangement, PaneId) {
         let placed = &self.placed[place_of(workspace)];
         (&placed.arrangement, placed.focus)
     }
 
-    /// Takes what the pointer made of the arrangement: panes may have moved and have other sizes, but are the same.
+    /// Takes an arrangement that the pointer changed: panes may have moved and changed size; one with other panes is
+    /// ignored.
     pub fn rearrange(&mut self, arrangement: Arrangement) {
         let mut panes = [arrangement.panes(), self.shown()];
         panes.iter_mut().for_each(|ids| ids.sort_unstable());
@@ -125,28 +125,28 @@ impl Panes {
         }
     }
 
-    /// The panes on the screen, in reading order.
+    /// Panes on the screen, in reading order.
     pub fn shown(&self) -> Vec<PaneId> {
         self.arrangement().panes()
     }
 
-    /// The panes of `workspace`, in reading order.
+    /// Panes of `workspace`, in reading order.
     pub fn shown_in(&self, workspace: Workspace) -> Vec<PaneId> {
         self.placed[place_of(workspace)].arrangement.panes()
     }
 
-    /// The panes on the screen that look at the burst of `side`, and what `method` makes of it, if that is said.
+    /// Panes on the screen with the burst of `side` and this `method`, in reading order.
     pub fn shown_of(&self, side: Side, method: Option<Contender>) -> Vec<PaneId> {
         let is_of = |id: &PaneId| self.get(*id).is_some_and(|pane| pane.side == side && pane.method == method);
         self.shown().into_iter().filter(is_of).collect()
     }
 
-    /// Whether `id` is in any workspace.
+    /// Whether any workspace has `id`.
     pub(super) fn is_placed(&self, id: PaneId) -> bool {
         self.placed.iter().any(|placed| placed.arrangement.panes().contains(&id))
     }
 
-    /// The panes that are in a workspace together with `id`.
+    /// Panes that share a workspace with `id`.
     pub(super) fn beside(&self, id: PaneId) -> Vec<PaneId> {
         let panes = self.placed.iter().map(|placed| placed.arrangement.panes());
         let mut beside: Vec<PaneId> = panes.filter(|panes| panes.contains(&id)).flatten().collect();
@@ -156,34 +156,34 @@ impl Panes {
         beside
     }
 
-    /// Whether there is more than one pane on the screen.
+    /// Whether several panes are on the screen.
     pub fn are_many(&self) -> bool {
         !matches!(self.arrangement(), Arrangement::Pane(_))
     }
 
-    /// The number of a pane on the screen as a person reads it: its place in reading order, from 1.
+    /// Number of a pane on the screen, as shown: its place in reading order, from 1.
     pub fn number(&self, id: PaneId) -> Option<usize> {
         self.shown().iter().position(|shown| *shown == id).map(|place| place + 1)
     }
 
-    /// What is laid over pane `id`, if the other pane is on the screen too.
+    /// Picture over that of pane `id`, if the other pane is on the screen too.
     pub fn over(&self, id: PaneId) -> Option<Over> {
         self.get(id)?.over.filter(|over| self.shown().contains(&over.other()))
     }
 
-    /// The pane that sliders and keys move.
+    /// Focused pane, which sliders and keys move.
     pub fn focus(&self) -> PaneId {
         self.here().focus
     }
 
-    /// Lets sliders and keys move `id`, if it is on the screen.
+    /// Focuses `id`, if it is on the screen.
     pub fn set_focus(&mut self, id: PaneId) {
         if self.shown().contains(&id) {
             self.here_mut().focus = id;
         }
     }
 
-    /// The same in `workspace`.
+    /// Focuses `id` in `workspace`, if it is there.
     pub fn set_focus_in(&mut self, workspace: Workspace, id: PaneId) {
         let placed = &mut self.placed[place_of(workspace)];
         if placed.arrangement.panes().contains(&id) {
@@ -191,7 +191,7 @@ impl Panes {
         }
     }
 
-    /// Lets them move the pane after (or before) the one in focus, in reading order, round and round.
+    /// Focuses the next (or previous) pane in reading order, cyclically.
     pub fn focus_next(&mut self, forward: bool) {
         let (shown, focus) = (self.shown(), self.focus());
         let place = shown.iter().position(|id| *id == focus).unwrap_or(0);
@@ -199,7 +199,7 @@ impl Panes {
         self.here_mut().focus = shown[(place + step) % shown.len()];
     }
 
-    /// A name that no pane has.
+    /// Returns an unused id.
     pub(super) fn fresh(&mut self) -> PaneId {
         let id = PaneId(self.next);
         self.next += 1;

@@ -1,4 +1,4 @@
-//! Ready-made arrangements of *Two bursts*.
+//! Preset arrangements of *Two bursts*.
 
 use super::set::place_of;
 use super::{Arrangement, Content, Pane, PaneId, Panes};
@@ -7,7 +7,7 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use std::collections::BTreeMap;
 
-/// A ready-made arrangement of two bursts.
+/// Preset arrangement of two bursts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SidesPreset {
     /// A beside B.
@@ -21,10 +21,10 @@ pub enum SidesPreset {
 }
 
 impl SidesPreset {
-    /// All of them, in the order of the menu.
+    /// All presets, in the order of the menu.
     pub const ALL: [Self; 4] = [Self::SideBySide, Self::Stacked, Self::StackAndDog, Self::Difference];
 
-    /// Its name.
+    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::SideBySide => "A beside B",
@@ -34,7 +34,7 @@ impl SidesPreset {
         }
     }
 
-    /// What it shows.
+    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::SideBySide => "One picture of each burst, A on the left",
@@ -46,7 +46,7 @@ impl SidesPreset {
 }
 
 impl Panes {
-    /// Lays out *Two bursts*, beginning from the panes that are always there.
+    /// Lays out *Two bursts*, beginning with the permanent panes.
     pub fn lay_out_sides(&mut self, preset: SidesPreset) {
         let own = Side::BOTH.map(PaneId::of);
         let mut made = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! What panes promise: each workspace has its own, linked ones follow, what is shown of a pane goes with it.
+//! Tests of panes: each workspace has its own, linked panes follow, and a closed pane's picture disappears from others.
 
 use super::*;
 use crate::app::canvas::Zoom;
@@ -122,7 +122,7 @@ fn each_workspace_has_its_own_panes_and_what_is_in_two_is_the_same() {
     panes.turn_to(Workspace::Inspect);
     assert_eq!(panes.shown(), [A, right]);
     assert!(panes.get(below).is_some(), "the other workspace has it");
-    // A burst that is closed takes its panes out of all of them.
+    // Closing a burst removes its panes from all workspaces.
     panes.close_side(Side::B);
     assert_eq!((panes.shown_in(Workspace::Pair), panes.get(below).is_none()), (vec![A, PaneId(1)], true));
 }

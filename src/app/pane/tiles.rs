@@ -1,15 +1,15 @@
-//! The arrangement, lent to the widget that draws and changes it (`egui_tiles`) and taken back.
+//! Conversion of the arrangement to the widget that draws and changes it (`egui_tiles`), and back.
 //!
-//! The widget's tree is made anew in each pass from the arrangement, with the same numbers for the same panes, so that
-//! it may hold on to what is being dragged; what the pointer changed is read from it afterwards.
+//! The widget's tree is made anew from the arrangement in each pass, with stable ids of the panes, so that dragging
+//! goes on; changes by the pointer are read from it afterwards.
 
 use super::{Arrangement, PaneId, Part};
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
-/// Containers are numbered from here on, panes below.
+/// First id of a container; panes have smaller ones.
 const FIRST_CONTAINER: u64 = 1 << 32;
 
-/// The widget's tree for an arrangement.
+/// Makes the widget's tree of an arrangement.
 pub fn tree_of(arrangement: &Arrangement) -> Tree<PaneId> {
     let mut tiles = Tiles::default();
     let mut next = FIRST_CONTAINER;
@@ -48,7 +48,7 @@ fn insert(tiles: &mut Tiles<PaneId>, arrangement: &Arrangement, next: &mut u64) 
     tile
 }
 
-/// The arrangement that the widget's tree has now; `None` if it holds no pane.
+/// Reads the arrangement of the widget's tree; `None` if it holds no pane.
 pub fn arrangement_of(tree: &Tree<PaneId>) -> Option<Arrangement> {
     read(&tree.tiles, tree.root()?)
 }
@@ -71,7 +71,7 @@ fn read(tiles: &Tiles<PaneId>, tile: TileId) -> Option<Arrangement> {
             let parts: Vec<Arrangement> = parts.into_iter().map(|(_, part)| part).collect();
             (!parts.is_empty()).then_some(Arrangement::Tabs { parts, active })
         }
-        // The window makes no grids; one that came all the same is a row.
+        // The window makes no grids; a grid is read as a row.
         Tile::Container(Container::Grid(grid)) => {
             let parts: Vec<Part> =
                 grid.children().filter_map(|id| Some(Part { share: 1.0, inner: read(tiles, *id)? })).collect();

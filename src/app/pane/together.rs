@@ -1,11 +1,11 @@
-//! What panes do together: they follow one another where they are linked, and lie over one another.
+//! Linked panes: they follow one another, and lie over one another.
 
 use super::{Link, Over, Pane, PaneId, Panes};
 use crate::app::project::cursor::Cursor;
 use crate::app::view::View;
 
 impl Panes {
-    /// The panes that share `link` with `first`, in one workspace or over several of them.
+    /// Panes linked to `first` by `link`, in one workspace or over several of them; empty if `first` lacks the link.
     pub(super) fn linked_to(&self, first: PaneId, link: Link) -> Vec<PaneId> {
         let has = |id: PaneId| self.get(id).is_some_and(|pane| pane.links.has(link));
         if !has(first) {
@@ -21,14 +21,13 @@ impl Panes {
         linked.split_off(1)
     }
 
-    /// The panes that follow the cursor of the one in focus, and so may go beyond what there is.
+    /// Panes whose cursors follow the focused one, and may so leave the burst's range.
     pub fn followers(&self) -> Vec<PaneId> {
         self.linked_to(self.focus(), Link::Cursor)
     }
 
-    /// Lets the panes that are linked so follow when the cursor of `moved` was moved since it was at `before`: by the
-    /// same steps. When it shows another kind of picture, those of other bursts and methods that showed the same kind
-    /// do so too.
+    /// Moves the linked cursors as that of `moved` moved from `before`: by equal steps. When `moved` changed its kind
+    /// of picture, linked panes of other bursts and methods that showed the former kind change too.
     pub fn follow_cursor(&mut self, moved: PaneId, before: Cursor) {
         let Some(leader) = self.get(moved) else { return };
         let (after, side, method) = (leader.cursor, leader.side, leader.method);
@@ -42,7 +41,7 @@ impl Panes {
         }
     }
 
-    /// Lets the panes that are linked so follow when the view of `moved` was moved since it was `before`.
+    /// Moves the linked views as that of `moved` changed from `before`.
     pub fn follow_view(&mut self, moved: PaneId, before: &View) {
         let Some(after) = self.get(moved).map(|pane| pane.view).filter(|after| after != before) else { return };
         for id in self.linked_to(moved, Link::View) {
@@ -52,12 +51,12 @@ impl Panes {
         }
     }
 
-    /// Whether all panes on the screen share `link`.
+    /// Whether all panes on the screen have `link`.
     pub fn all_share(&self, link: Link) -> bool {
         self.shown().into_iter().filter_map(|id| self.get(id)).all(|pane| pane.links.has(link))
     }
 
-    /// Lays the next pane over the one in focus: as a wipe, then as a flip, then not any more.
+    /// Lays the next pane's picture over the focused one: first as a wipe, then as a flip, then not any more.
     pub fn next_over(&mut self) {
         let (focus, shown) = (self.focus(), self.shown());
         let place = shown.iter().position(|id| *id == focus).unwrap_or(0);
@@ -71,7 +70,7 @@ impl Panes {
         };
     }
 
-    /// Shows the other picture of the flip in focus.
+    /// Shows the other picture of the focused flip.
     pub fn flip(&mut self) {
         let focus = self.focus();
         if let Some(Pane { over: Some(Over::Flip { flipped, .. }), .. }) = self.get_mut(focus) {

@@ -1,4 +1,4 @@
-//! What this is.
+//! The "about" box.
 
 /// Draws the box if it is open.
 pub fn about_ui(ctx: &egui::Context, open: &mut bool) {

@@ -1,11 +1,12 @@
-//! What a detection with little or nothing in it advises, in one line.
+//! Advice after a detection with few or no features, in one line.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use egui::{Label, RichText, Ui};
 
-/// Why there is nothing or little, or most of it at the slope limit, as long as that is so with the present parameters.
+/// Draws the reason why there are no or few features, or why most lie at the slope limit, while the features belong to
+/// the present parameters.
 pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let advice = model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
     if let Some(advice) = advice {

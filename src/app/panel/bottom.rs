@@ -1,4 +1,4 @@
-//! Below the pictures: the table of features, the tally, the noise, and what was measured on the pictures, as tabs.
+//! Tabs below the pictures: the table of features, the tally, the noise, and measurements on the pictures.
 
 use crate::app::actions::Queue;
 use crate::app::inspector::PaneWidgets;
@@ -8,12 +8,12 @@ use crate::app::project::{BottomTab, Model};
 use crate::teach::Part;
 use egui::{Align, Layout, Ui};
 
-/// Where there is less room than this, in points, the tabs stand closer.
+/// Minimum width with widely spaced tabs, in points.
 const ROOMY: f32 = 600.0;
 
-/// Draws the tabs and the one that is open.
+/// Draws the tabs and the content of the open one.
 pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
-    // What stands beside the tabs goes below them where there is no room for it.
+    // Widgets beside the tabs go below them where there is no space.
     let tabs = ui.horizontal_wrapped(|ui| {
         if ui.available_width() < ROOMY {
             (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (4.0, 3.0);

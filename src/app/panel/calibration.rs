@@ -1,20 +1,21 @@
-//! How the values of files become light: bias and flat frame, black level and full scale, linear light, raw colours.
+//! Dialog of the calibration, from values in files to intensities: bias and flat frame, black level and full scale,
+//! linear light, raw colours.
 
 use crate::app::dialogs::Purpose;
 use crate::burst::{OpenOptions, RawColour};
 use egui::{DragValue, Ui};
 use std::path::PathBuf;
 
-/// What a person chose.
+/// Request of the calibration dialog.
 #[derive(Debug)]
 pub enum CalibrationChoice {
-    /// A file is to be chosen.
+    /// Ask for a file of this purpose.
     Choose(Purpose),
-    /// Bursts are to be opened like this from now on.
+    /// Open bursts with these options from now on.
     Apply(OpenOptions),
 }
 
-/// The colours of raw frames by their names.
+/// Choices of the raw frames' colours, with names and descriptions.
 const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Luma, "Luma", "The mean of the four pixels of a square: all the light there is"),
     (RawColour::Green, "Green", "The mean of the two green pixels"),
@@ -22,7 +23,7 @@ const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Blue, "Blue", "The blue pixel alone"),
 ];
 
-/// Draws the dialog if there is a draft; closing it forgets the draft.
+/// Draws the dialog if there is a draft; closing it drops the draft.
 pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> Option<CalibrationChoice> {
     let options = draft.as_mut()?;
     let (mut choice, mut close) = (None, false);
@@ -87,7 +88,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
     choice
 }
 
-/// A file that is chosen or not; answers whether one is to be chosen.
+/// Draws the choice of an optional file; returns whether to ask for one.
 fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
     let mut choose = false;
     ui.horizontal(|ui| {
@@ -111,7 +112,7 @@ fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
     choose
 }
 
-/// A level of one's own, or the files'.
+/// Draws the choice between an own level and that of the files.
 fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip: &str) {
     let mut own = level.is_some();
     ui.checkbox(&mut own, label).on_hover_text(tip);

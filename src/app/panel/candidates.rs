@@ -1,4 +1,4 @@
-//! The candidates that one test took, over the picture: where they were, and by how much they failed it.
+//! Candidates that one test rejected, over the picture: their places, and by how much they failed.
 
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
@@ -14,7 +14,7 @@ use crate::requests::ProbeQuestion;
 use egui::{Align2, Color32, Frame, Label, Margin, Pos2, RichText, Sense, Ui, pos2, vec2};
 use std::sync::Arc;
 
-/// More marks than this are not drawn, the strongest are.
+/// Maximum number of marks drawn; of more, the strongest are drawn.
 const MOST: usize = 20_000;
 
 /// Draws the candidates over the picture of pane `id`, and lets the pointer choose one.
@@ -49,7 +49,7 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
     let pointed = circle_at(shown.iter().map(|&index| circle(&survey.marks[index])), output.ui_from_image, pointer);
     let pointed = pointed.map(|place| shown[place]);
-    // What is drawn on top is pointed at, not the features that it lies on.
+    // The pointer meets the topmost marks, not the features below them.
     model.explained.pointed = pointed;
     if pointed.is_some() {
         model.hovered = None;
@@ -66,7 +66,7 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     }
 }
 
-/// The indices of the marks that are drawn: all of them, or the strongest.
+/// Indices of the drawn marks: all of them, or the strongest.
 fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
     let mut indices: Vec<usize> = (0..survey.marks.len()).collect();
     if indices.len() > MOST {
@@ -78,20 +78,20 @@ fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
     indices
 }
 
-/// Where a candidate is `dt` frames after mid-burst, and the radius of its circle, image pixels.
+/// Place of a candidate `dt` frames after mid-burst, and the radius of its circle, image pixels.
 fn circle_of(mark: &CandidateMark, slope: Slope, dt: f32) -> (Pos2, f32) {
     let [u, v] = mark.pos_image;
     (pos2(u, v) + dt * vec2(slope.u, slope.v), std::f32::consts::SQRT_2 * mark.sigma)
 }
 
-/// Yellow for what nearly passed, dark for what was far from it.
+/// Colour of a margin: yellow for nearly passed, dark for far from it.
 fn margin_colour(margin: Option<f32>) -> Color32 {
     let t = 1.0 + margin.unwrap_or(-0.5).clamp(-1.0, 0.0);
     let [r, g, b] = ColourMap::Viridis.lut()[(255.0 * (0.25 + 0.75 * t)) as usize];
     Color32::from_rgb(r, g, b)
 }
 
-/// The numbers of a candidate.
+/// Describes a candidate by its numbers.
 fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
     let [u, v] = mark.pos_image;
     let fails = match (mark.first_failed, mark.margin) {
@@ -113,7 +113,7 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
     )
 }
 
-/// The data of the candidate that is selected, and what can be done with it.
+/// Draws the data of the selected candidate, and its actions.
 pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     let Some(mark) = model.selected_candidate().copied() else { return };
     let Some(slope) = model.slots.a.found.as_ref().map(|found| found.detection.slopes.slope(mark.slope_index)) else { return };
@@ -145,7 +145,7 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// A line over the picture that says what the marks are.
+/// Draws a line over the picture that explains the marks.
 fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
     let painter = &output.painter;
     let rect = output.response.rect.intersect(painter.clip_rect());
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn of_very_many_candidates_the_strongest_are_drawn() {
         let survey = |count: usize| {
-            // Weak and strong ones in turn.
+            // Weak and strong marks alternate.
             let marks = (0..count).map(|i| mark(if i % 2 == 0 { 3.0 } else { 9.0 + i as f32 })).collect();
             Arc::new(Survey { marks, counts: Vec::new(), candidates: count as u64, kept: 0 })
         };

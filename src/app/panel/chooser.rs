@@ -1,10 +1,10 @@
-//! A folder that holds several bursts: which of them is to be opened.
+//! Choice of one burst in a folder of several.
 
 use crate::requests::BurstSource;
 use egui::{RichText, ScrollArea, Ui, vec2};
 
-/// Draws the choice among `bursts` if there are any. The chosen one is answered; then, or when it is closed, `bursts`
-/// becomes empty.
+/// Draws the choice among `bursts` if there are any. Returns the chosen one; then, or when the dialog is closed,
+/// `bursts` becomes empty.
 pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<BurstSource> {
     if bursts.is_empty() {
         return None;
@@ -34,7 +34,7 @@ pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<
 }
 
 fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
-    // Stacks of one name in several folders are told apart by their folder.
+    // Stacks of one name in several folders are distinguished by their folders.
     let folder = match burst {
         BurstSource::Paths(paths) => paths.first().and_then(|p| p.parent()?.file_name()),
         BurstSource::Demo

@@ -1,4 +1,4 @@
-//! What the colours of a map mean, in the lower right corner of its picture.
+//! Colour bar of a map, in the lower right corner of its picture.
 
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::{ColourBy, ColourScale};
@@ -8,9 +8,9 @@ use crate::app::project::look::RangeClass;
 use crate::plane::display::Display;
 use egui::{Align2, Color32, Mesh, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2};
 
-/// Size of the key with its ground, points.
+/// Size of the key with its background, points.
 const SIZE: egui::Vec2 = vec2(196.0, 50.0);
-/// Pictures smaller than this, in points, have no room for it.
+/// Minimum size of a picture with a colour bar, in points.
 const ROOM: egui::Vec2 = vec2(430.0, 150.0);
 
 /// Draws the colour bar of pane `id` over its picture in `rect`, if the picture is a map.
@@ -44,7 +44,7 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     response.on_hover_text(format!("{text}; change it in the display panel"));
 }
 
-/// What the colours of winning slopes mean: a wheel of directions.
+/// Draws the key of winning slopes: a wheel of directions.
 fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let motion = model.panes.get(id).and_then(|pane| pane.picture.as_ref()?.motion.as_ref());
     let Some(motion) = motion.filter(|_| rect.width() >= ROOM.x && rect.height() >= ROOM.y) else { return };
@@ -58,7 +58,7 @@ fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     });
 }
 
-/// The colours of a display from its lowest to its highest value.
+/// Draws the colours of a display from its lowest to its highest value.
 pub fn bar_ui(ui: &Ui, bar: Rect, display: &Display) {
     const STEPS: usize = 96;
     let colours = display.colours();

@@ -1,4 +1,4 @@
-//! The cursor: frame, slope, octave and level, with the grid's slopes marked, and the buttons that move through them.
+//! Cursor: frame, slope, octave and level, with the grid's slopes marked, and the buttons that move it.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::slope_pad::slope_pad_ui;
@@ -44,7 +44,7 @@ fn frame_row(ui: &mut Ui, model: &mut Model) {
 fn slope_rows(ui: &mut Ui, model: &mut Model) {
     let grid = model.cursor_params().slopes;
     let limit = slope_limit(&grid);
-    // A turned grid's slopes are marked where they fall on each axis.
+    // The slopes of a rotated grid are marked by their components on each axis.
     let marks = |of: fn(crate::detector::Slope) -> f32| {
         let mut marks: Vec<f32> = grid.slopes().map(of).collect();
         marks.sort_by(f32::total_cmp);

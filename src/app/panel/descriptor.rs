@@ -1,9 +1,9 @@
-//! A descriptor as 4×4 roses of eight directions each.
+//! Descriptor, drawn as 4×4 roses of eight directions each.
 
 use crate::detector::Descriptor;
 use egui::{Color32, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, vec2};
 
-/// Cells on a side, and directions in a cell.
+/// Number of cells on a side, and of directions in a cell.
 const CELLS: usize = 4;
 const DIRECTIONS: usize = 8;
 
@@ -34,8 +34,8 @@ pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32
     );
 }
 
-/// The direction of a descriptor's element within its cell, from +u towards +v of the feature's own frame. In UBC's
-/// order the directions run the other way round, the first stays.
+/// Direction of a descriptor's element within its cell, radians from +u towards +v of the feature's own frame. In UBC's
+/// layout the directions run the other way round; the first one stays.
 fn angle_of(direction: usize) -> f32 {
     -std::f32::consts::TAU * direction as f32 / DIRECTIONS as f32
 }

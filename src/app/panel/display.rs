@@ -1,4 +1,4 @@
-//! How values become colours: histogram, range, gamma, colour map; and what is drawn over the picture.
+//! Display of the pictures: histogram, range, gamma, colour map, and overlays.
 
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::histogram::HistogramPanel;
@@ -8,7 +8,7 @@ use crate::app::project::Model;
 use crate::app::project::look::RangeClass;
 use egui::Ui;
 
-/// What the panel keeps from pass to pass: a histogram for each class of picture.
+/// State of the panel, kept between passes: a histogram for each class of picture.
 #[derive(Default)]
 pub struct DisplayState {
     intensity: HistogramPanel,
@@ -28,12 +28,12 @@ pub fn display_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     });
 }
 
-/// Draws the section without what concerns features.
+/// Draws the section without the rows for features.
 pub fn ranges_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     section_ui(ui, "Display", |ui| range_ui(ui, model, widgets));
 }
 
-/// The range of the pane in focus.
+/// Draws the range of the focused pane.
 fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     let PaneWidget { picture: pictures, display: state, .. } = widgets.of(model.focus());
     pictures.refresh(model.picture());
@@ -56,7 +56,7 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     panel.ui(ui, pictures.shown(), pictures.visible_image, model.hand_ranges_mut().display_mut(class));
 }
 
-/// What of the features is drawn.
+/// Draws the switches of the overlays.
 fn overlay_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
@@ -73,7 +73,7 @@ fn overlay_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// By what features are coloured.
+/// Draws the choice of the features' colours.
 fn colouring_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let label = crate::app::panel::widgets::label_ui(ui, "Colour by", 69.0);
@@ -84,7 +84,7 @@ fn colouring_ui(ui: &mut Ui, model: &mut Model) {
             .show_ui(ui, |ui| {
                 for by in ColourBy::ALL {
                     if ui.selectable_value(&mut model.colour_by, by, by.name()).clicked() {
-                        // What was cancelled is computed after all.
+                        // Choosing a quantity again starts its computation again, if that was cancelled.
                         model.coherence.try_again();
                     }
                 }

@@ -1,4 +1,4 @@
-//! The features over the picture: drawn, pointed at, selected, and what their colours mean.
+//! Features over the picture: drawing, hovering, selection, and the legend.
 
 use crate::app::canvas::{CanvasOutput, overlay, signed_number};
 use crate::app::pane::PaneId;
@@ -14,46 +14,46 @@ use crate::requests::{Picture, PictureKind};
 use egui::{Color32, Frame, Margin, Pos2, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
-/// How features are drawn over one picture.
+/// Options for features over one picture.
 #[derive(Debug, Clone, Copy)]
 pub struct FeatureOptions {
-    /// Whether there is room for the legend.
+    /// Whether there is space for the legend.
     pub legend: bool,
 }
 
-/// The features of a pane as they lie over its picture: what the canvas draws, and what a figure shows.
+/// Features over the picture of a pane, as the canvas and a figure draw them.
 #[derive(Debug, Clone)]
 pub struct FeatureLayer {
-    /// The features, where they are at mid-burst.
+    /// Features, at their places at mid-burst.
     pub detection: Arc<Detection>,
-    /// Where they are in the picture: in a frame at its time, everywhere else at mid-burst.
+    /// Features at their places in the picture: in a frame at its time, otherwise at mid-burst.
     pub placed: Vec<Feature>,
     /// Whether the picture is a frame.
     pub in_frame: bool,
-    /// For each feature whether it is shown at all.
+    /// For each feature, whether it is shown.
     pub shown: Vec<bool>,
-    /// The slope by which the picture was shifted; `None` if it was not, by several, or what was found at other slopes
-    /// is not to be fainter.
+    /// Slope by which the picture was shifted; `None` if it was not, or by several, or if features at other slopes are
+    /// not to be fainter.
     pub slope: Option<Slope>,
     /// The selected feature.
     pub selected: Option<usize>,
     /// The feature under the pointer.
     pub hovered: Option<usize>,
-    /// Whether they are not those of what is set now.
+    /// Whether the features belong to other parameters than the present ones.
     pub stale: bool,
     /// Whether their orientations are drawn.
     pub orientations: bool,
     /// Whether their motions are drawn.
     pub motions: bool,
-    /// Whether the table, the filter and the selection are about them.
+    /// Whether the table, the filter and the selection refer to these features.
     pub is_listed: bool,
-    /// Which method found them, where methods are compared.
+    /// Method that found them, where methods are compared.
     pub method: Option<Contender>,
 }
 
 impl FeatureLayer {
-    /// Those of pane `id`; `None` while none are drawn. In *Inspect* the table, the filter and the selection are A's;
-    /// where two bursts or methods are compared all features are drawn, and only drawn.
+    /// Features of pane `id`; `None` while none are drawn. In *Inspect* the table, the filter and the selection are
+    /// A's; where two bursts or methods are compared, all features are drawn and none are listed.
     pub fn of(model: &Model, id: PaneId) -> Option<Self> {
         let inspected = model.workspace == Workspace::Inspect;
         let are_drawn = match model.workspace {
@@ -87,14 +87,13 @@ impl FeatureLayer {
         })
     }
 
-    /// The colours of the features.
+    /// Colours of the features.
     pub fn scale(&self, model: &Model) -> overlay::ColourScale {
         let scale = overlay::ColourScale::of(model.colour_by, &self.detection.features);
         scale.with_coherences(model.coherence.of(&self.detection))
     }
 
-    /// In a picture that was shifted by a slope, what moves that way is sharp and the rest is smeared: whether the
-    /// feature is one of the rest.
+    /// Whether the feature moves by another slope than that of the picture, in which it is blurred then.
     pub fn is_faint(&self, index: usize) -> bool {
         let Some(slope) = self.slope else { return false };
         let f = &self.placed[index];
@@ -103,7 +102,7 @@ impl FeatureLayer {
     }
 }
 
-/// Draws the features of pane `id` over the canvas that answered `output`, and lets the pointer choose among A's.
+/// Draws the features of pane `id` over the canvas of `output`, and lets the pointer choose among A's.
 pub fn features_ui(
     ui: &mut Ui,
     model: &mut Model,
@@ -114,7 +113,7 @@ pub fn features_ui(
 ) {
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
     if let Some(shown) = model.shown_comparison().filter(|_| layer.is_listed).cloned() {
-        // Colours tell now what became of the features.
+        // The colours now show the comparison's outcome.
         let picture = model.panes.get(id).and_then(|pane| pane.picture.clone());
         marks_ui(ui, model, &shown, picture.as_ref(), output);
         if options.legend && model.look.legend {
@@ -123,7 +122,7 @@ pub fn features_ui(
         return;
     }
     let scale = state.colour_scale(model.colour_by, &layer.detection, model.coherence.of(&layer.detection));
-    // Candidates lie on top of features.
+    // Candidates lie above features.
     let on_top = layer.is_listed && model.explained.pointed.is_none();
     let can_be_pointed_at = on_top || layer.method.is_some();
     let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
@@ -153,7 +152,7 @@ pub fn features_ui(
     }
 }
 
-/// How many frames the frame in `picture` is after the middle of those that were searched; `None` when it is no frame.
+/// Time of the frame in `picture`, in frames after the middle of the searched ones; `None` when it is no frame.
 pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<f32> {
     match picture?.request.kind {
         PictureKind::Frame(t) => {
@@ -164,7 +163,7 @@ pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &
     }
 }
 
-/// The feature where it is `dt` frames after mid-burst.
+/// Returns the feature at its place `dt` frames after mid-burst.
 pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
     Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }
@@ -180,7 +179,7 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
         ..overlay::OverlayStyle::new(scale, layer.detection.frames_used.len())
     };
     if layer.in_frame {
-        // The way over the whole burst stays where it is; the circles move along it.
+        // The motion over the whole burst stays; the circles move along it.
         let ways = overlay::OverlayStyle { circles: false, orientations: false, ..style };
         overlay::draw_features(output, &layer.detection.features, &ways);
         overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { motion: false, ..style });
@@ -203,13 +202,13 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
     overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { shown: Some(&full), ..style });
 }
 
-/// Features within this distance in slope belong to the picture, in pixels per frame: half-way to the grid's next
-/// slope, and a little.
+/// Maximum distance in slope of features that belong to the picture, in pixels per frame: slightly more than half-way
+/// to the grid's next slope.
 fn near_slope(grid: &SlopeGrid) -> f32 {
     (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
 }
 
-/// The numbers of the feature under the pointer.
+/// Shows the numbers of the feature under the pointer.
 fn tip_ui(ui: &Ui, name: &str, f: &Feature, coherence: Option<Option<f32>>) {
     let coherence = coherence.map_or_else(String::new, |c| format!("\ncoherence {}", coherence_words(c)));
     let text = format!(
@@ -226,7 +225,7 @@ fn tip_ui(ui: &Ui, name: &str, f: &Feature, coherence: Option<Option<f32>>) {
         .show(|ui| ui.label(RichText::new(text).monospace()));
 }
 
-/// Why features are grey, if some are.
+/// Reason why features are grey, if some are.
 fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
     let why = match (model.coherence.of(&layer.detection), model.coherence.failure_of(&layer.detection)) {
         (Some(_), _) => "too noisy to tell".to_owned(),
@@ -240,7 +239,7 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
     scale.has_unknown().then(|| format!("Grey: {why}"))
 }
 
-/// What the colours mean, in the lower left corner; smaller where the picture is small.
+/// Draws the legend in the lower left corner; smaller where the picture is small.
 fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, notes: &[String], rect: Rect) {
     let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
     let frame = Frame::new().fill(fill).corner_radius(5).inner_margin(Margin::symmetric(8, 6));

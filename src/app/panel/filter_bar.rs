@@ -1,4 +1,4 @@
-//! Which features are shown: how many, and the ranges of slope, scale and response that let them pass.
+//! Filter of the features: the number that pass, and the accepted ranges of slope, scale and response.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::project::Model;
@@ -45,7 +45,7 @@ fn ranges_ui(ui: &mut Ui, model: &mut Model) {
     range_ui(ui, "|Response|", "of full scale", features, |f| f.response.abs(), &mut model.filter.response);
 }
 
-/// Two handles over the values that the features have; the whole range lets all pass.
+/// Draws two handles over the range of the features' values; the whole range accepts all.
 fn range_ui(
     ui: &mut Ui,
     label: &str,
@@ -70,8 +70,8 @@ fn range_ui(
         ui.spacing_mut().slider_width = 140.0;
         let text = |x: f64, _: std::ops::RangeInclusive<usize>| crate::app::canvas::number(x as f32, 4);
         ui.add(egui::RangeSlider::new(&mut min, &mut max, low..=high).custom_formatter(text)).labelled_by(name.id);
-        // The slider rounds what it shows; only the pointer moves it by more than that. A handle at its end lets
-        // everything beyond pass.
+        // The slider rounds what it shows; only the pointer moves it by more than that. A handle at its end accepts
+        // everything beyond.
         let step = 0.002 * (high - low);
         if (min - set.min).abs() > step || (max - set.max).abs() > step {
             let min = if min - low <= step { low } else { min };

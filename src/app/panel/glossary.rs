@@ -1,4 +1,4 @@
-//! The glossary: every word of the window, to be searched.
+//! Glossary window: every term of the window, with a search field.
 
 use crate::app::lesson::Captions;
 use crate::app::panel::widgets::name_field;
@@ -6,20 +6,20 @@ use crate::app::words::asked_for;
 use crate::teach::glossary::{Word, glossary};
 use egui::{Context, RichText, ScrollArea, Ui, vec2};
 
-/// The glossary, open or not.
+/// State of the glossary window.
 #[derive(Debug, Default)]
 pub struct GlossaryWindow {
     is_open: bool,
     text: String,
-    /// The word that was asked for, to be scrolled to.
+    /// Name of the entry to scroll to.
     wanted: Option<String>,
-    /// Whether the search field is to have the keys.
+    /// Whether the search field is to get the keyboard focus.
     focus: bool,
     captions: Captions,
 }
 
 impl GlossaryWindow {
-    /// Opens it, at the word of this name if one is asked for.
+    /// Opens the window, at the entry `word` if one is given.
     pub fn open(&mut self, word: Option<&str>) {
         (self.is_open, self.text, self.focus) = (true, String::new(), word.is_none());
         if let Some(found) = word.and_then(|word| glossary().find(word)) {
@@ -27,12 +27,12 @@ impl GlossaryWindow {
         }
     }
 
-    /// Whether it is open.
+    /// Whether the window is open.
     pub fn is_open(&self) -> bool {
         self.is_open
     }
 
-    /// Draws it if it is open: beside everything else, which goes on.
+    /// Draws the window if it is open; it does not block the others.
     pub fn ui(&mut self, ctx: &Context) {
         if let Some(word) = asked_for(ctx) {
             self.open(Some(&word));
@@ -73,7 +73,7 @@ impl GlossaryWindow {
                     let bottom = ui.min_rect().right_bottom();
                     let rect = egui::Rect::from_min_max(top, bottom);
                     ui.scroll_to_rect(rect, Some(egui::Align::TOP));
-                    // Scrolled to once; from then on a person scrolls.
+                    // Scrolls to the entry only once, so that the user can scroll on.
                     if ui.clip_rect().contains(rect.left_top()) {
                         self.wanted = None;
                     }

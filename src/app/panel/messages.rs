@@ -1,9 +1,9 @@
-//! Errors, over the picture until they are dismissed.
+//! Error messages over the picture, until they are dismissed.
 
 use crate::app::project::messages::Messages;
 use egui::{Align2, Area, Frame, Id, RichText, vec2};
 
-/// Draws the errors that were not dismissed, in the lower right corner.
+/// Draws the errors that are not dismissed, in the lower right corner.
 pub fn messages_ui(ctx: &egui::Context, messages: &mut Messages) {
     let mut dismissed = None;
     Area::new(Id::unique("messages")).anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -36.0)).show(ctx, |ui| {

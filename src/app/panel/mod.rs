@@ -1,5 +1,4 @@
-//! The parts of the window. Each draws from the model, changes the model, and puts the actions that were asked for into
-//! a queue.
+//! Panels of the window. Each draws from the model, changes the model, and puts requested actions into a queue.
 
 pub mod about;
 pub mod advice;

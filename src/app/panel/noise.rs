@@ -1,5 +1,5 @@
-//! The noise of the burst as the last detection took it: the variance over brightness with the points it was fitted to,
-//! where in the picture the noise is how large, and which assumptions do not hold.
+//! Noise of the burst as the last detection estimated it: the variance over brightness with the fitted points, the map
+//! of the noise, and the assumptions that do not hold.
 
 use crate::app::canvas::number as in_digits;
 use crate::app::pane::Content;
@@ -9,7 +9,7 @@ use crate::plane::colour_map::ColourMap;
 use crate::requests::MapKind;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
-/// A number with the digits that a plot needs.
+/// Formats a number with the digits that a plot needs.
 fn number(value: f32) -> String {
     in_digits(value, 3)
 }
@@ -19,7 +19,7 @@ const PLOT: egui::Vec2 = vec2(280.0, 130.0);
 /// Cells of the map along its longer side.
 const MAP_CELLS: usize = 64;
 
-/// A line of numbers about the noise.
+/// Draws a line of numbers about the noise.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(found) = &model.slots.a.found else {
         ui.weak("No detection yet");
@@ -60,7 +60,7 @@ pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// The curve's numbers, and a button that opens the map in the picture.
+/// Draws the curve's numbers, and a button that shows the map in the picture.
 fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
     let curve = &noise.transfer;
     ui.horizontal(|ui| {
@@ -76,7 +76,7 @@ fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
     });
 }
 
-/// What does not hold of what the search assumes of the noise.
+/// Draws the assumptions about the noise that do not hold.
 pub fn warnings_ui(ui: &mut Ui, found: &FoundFeatures) {
     for warning in &found.detection.noise.warnings {
         ui.add_space(4.0);
@@ -85,7 +85,7 @@ pub fn warnings_ui(ui: &mut Ui, found: &FoundFeatures) {
     }
 }
 
-/// A frame with a heading, for a plot of size [`PLOT`]; gives what is inside.
+/// Draws a frame with a heading, for a plot of size [`PLOT`]; returns its inside.
 fn plot_frame(ui: &mut Ui, heading: &str, hover: &str) -> (Rect, Painter) {
     ui.vertical(|ui| {
         ui.label(RichText::new(heading).small());
@@ -97,7 +97,7 @@ fn plot_frame(ui: &mut Ui, heading: &str, hover: &str) -> (Rect, Painter) {
     .inner
 }
 
-/// σ of a frame over brightness: the fitted curve, and a point for each group of places.
+/// Draws σ of a frame over brightness: the fitted curve, and a point for each group of places.
 fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
     let hover = "The variance of a frame's noise grows with its brightness; each point is a group of places of about the same brightness";
     let (rect, painter) = plot_frame(ui, "σ of a frame over brightness (of full scale)", hover);
@@ -130,7 +130,7 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
     painter.text(rect.right_bottom() + vec2(-4.0, -2.0), Align2::RIGHT_BOTTOM, number(high), font, colour);
 }
 
-/// Where in the picture σ is how large.
+/// Draws the map of σ.
 fn map_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel) {
     let Some(burst) = &model.slots.a.burst else { return };
     let (width, height) = burst.burst.size();

@@ -1,4 +1,4 @@
-//! The pieces of a parameter's row: its name, the editors for each type of value, and the button that gives it its
+//! Parts of a parameter's row: its name, the editors for each type of value, and the button that resets it to its
 //! default.
 
 use crate::app::panel::widgets::hint;
@@ -9,19 +9,19 @@ use crate::teach::Part;
 use crate::teach::glossary::glossary;
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 
-/// Width of the names in front, in points.
+/// Width of the names, in points.
 const LABEL_WIDTH: f32 = 106.0;
 
-/// A list of parameters that is edited: what is wrong, and what each is by default.
+/// Table of edited parameters, with their error and defaults.
 pub struct ParamTable<'a, P> {
-    /// What is wrong, if anything.
+    /// Error in the parameters, if any.
     pub error: Option<&'a ParamError>,
     /// The parameters' defaults.
     pub defaults: P,
 }
 
 impl<P: Clone> ParamTable<'_, P> {
-    /// One parameter: its name and unit, its editor, a button that gives it its default, and what is wrong with it.
+    /// Draws one parameter: its name and unit, its editor, a reset button, and its error.
     pub fn row<T: PartialEq + Clone>(
         &self,
         ui: &mut Ui,
@@ -49,7 +49,7 @@ impl<P: Clone> ParamTable<'_, P> {
     }
 }
 
-/// The parameter's name and unit, with its help as tooltip.
+/// Draws the parameter's name and unit, with its help as tooltip.
 pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
     let help = help_text(doc);
@@ -71,12 +71,12 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     .inner
 }
 
-/// What a person reads about a parameter, with its name on the command line.
+/// Help of a parameter, with its name on the command line.
 fn help_text(doc: &ParamDoc) -> String {
     format!("{}\n--{}", doc.help(), doc.name)
 }
 
-/// A button that gives the parameter its default; it is there only when the value differs.
+/// Draws a button that resets the parameter; it is visible only when the value differs from the default.
 pub fn reset_ui<T: PartialEq>(ui: &mut Ui, doc: &ParamDoc, value: &mut T, default: T) {
     let differs = *value != default;
     let name = format!("Reset {}", doc.label);
@@ -88,12 +88,12 @@ pub fn reset_ui<T: PartialEq>(ui: &mut Ui, doc: &ParamDoc, value: &mut T, defaul
     }
 }
 
-/// A field for a number.
+/// Draws a field for a number.
 pub fn number_ui(ui: &mut Ui, field: DragValue<'_>, label: Id) {
     ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), field).labelled_by(label);
 }
 
-/// A choice between names.
+/// Draws a choice between names.
 pub fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: &[(T, &str)]) {
     let chosen = names.iter().find(|(v, _)| v == value).map_or("", |(_, name)| name);
     let response = egui::ComboBox::from_id_salt(label)
@@ -108,7 +108,7 @@ pub fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, nam
     response.labelled_by(label);
 }
 
-/// Slopes that are found, or given in the rows below.
+/// Draws the choice between slopes that are found and those given in the rows below.
 pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice, _: Id) {
     let mut auto = choice.is_auto();
     if ui.checkbox(&mut auto, "Auto slopes").changed() {
@@ -116,10 +116,10 @@ pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice, _: Id) {
     }
 }
 
-/// Least, greatest and number of slopes.
+/// Draws the fields for minimum, maximum and number of slopes.
 pub fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
     ui.spacing_mut().item_spacing.x = 3.0;
-    // Three fields and what is between them share the room.
+    // Three fields and the texts between them share the space.
     let width = ((ui.available_width() - 24.0) / 3.0).clamp(28.0, 46.0);
     let size = vec2(width, ui.spacing().interact_size.y);
     ui.spacing_mut().button_padding.x = 3.0;
@@ -133,7 +133,7 @@ pub fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
     hint(ui.add_sized(size, count).labelled_by(label), format!("Number of slopes. {tip}"));
 }
 
-/// All frames, or a range of them.
+/// Draws the choice between all frames and a range of them.
 pub fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_count: usize) {
     ui.spacing_mut().item_spacing.x = 3.0;
     let mut all = frames.is_none();
@@ -152,9 +152,9 @@ pub fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_
     }
 }
 
-/// The noise gate: automatic, strict, or a factor.
+/// Draws the choice of the noise gate: automatic, strict, or a factor.
 pub fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, label: Id) {
-    /// What a person gets who switches to a factor: about what automatic gives for a small search.
+    /// First value when switching to a factor: about that of the automatic gate for a small search.
     const FIRST_FACTOR: f32 = 4.5;
     let mut factor = match gate {
         NoiseGate::Factor(factor) => *factor,
@@ -170,7 +170,7 @@ pub fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, label: Id) {
     }
 }
 
-/// Distinct keypoints: off, or a radius.
+/// Draws the choice of distinct keypoints: off, or a radius.
 pub fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, label: Id) {
     let mut on = *distinct != Distinct::Off;
     if ui.checkbox(&mut on, "On").changed() {

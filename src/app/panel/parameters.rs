@@ -1,5 +1,4 @@
-//! The detector's parameters: every one of them, with its unit, its default, what raising it does, and what is wrong
-//! with it.
+//! Parameters of the detector: all of them, with unit, default, effect of raising it, and error.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::parameter_rows as rows;
@@ -32,7 +31,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         let given = p.slopes;
         let mut defaults = DetectorParams::default();
         if choice.is_auto() {
-            // What was found has no other default.
+            // Found slopes have no other default.
             defaults.slopes = given;
         }
         let table = rows::ParamTable { error: error.as_ref(), defaults };
@@ -43,7 +42,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
-/// What was found of the slopes, as it is said below their switch.
+/// Text of the found slopes, shown below their switch.
 fn slopes_found_text(finding: &SlopeFinding) -> String {
     let summary = finding.summary();
     let (first, rest) = summary.split_at(summary.chars().next().map_or(0, char::len_utf8));

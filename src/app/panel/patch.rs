@@ -1,4 +1,4 @@
-//! A patch: the pixels around a feature, with the feature's circle and orientation over them.
+//! Patch: the pixels around a feature, with the feature's circle and orientation over them.
 
 use crate::app::canvas::overlay::circle_radius_image;
 use crate::detector::Feature;
@@ -8,12 +8,12 @@ use crate::plane::sample::sample_patch_turned;
 use egui::{Color32, Rect, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, pos2};
 use std::sync::Arc;
 
-/// Samples on a side of a patch.
+/// Number of samples on a side of a patch.
 const SAMPLES: usize = 72;
-/// A patch reaches this many σ to each side: as far as the descriptor's 4×4 cells of 3 σ.
+/// Half width of a patch, in σ: the reach of the descriptor's 4×4 cells of 3 σ.
 const SIGMAS: f32 = 6.0;
 
-/// The patch that was drawn last, kept as a texture until another one is asked for.
+/// Last drawn patch, kept as a texture until another one is drawn.
 #[derive(Default)]
 pub struct PatchTexture(Option<(PatchKey, TextureHandle)>);
 
@@ -27,27 +27,27 @@ struct PatchKey {
     dark: bool,
 }
 
-/// What a patch shows.
+/// Content of a patch.
 pub struct PatchView<'a> {
-    /// Its name, for screen readers and tests.
+    /// Name of the patch, for screen readers and tests.
     pub name: &'a str,
-    /// The picture it is cut from, on the input image's pixels.
+    /// Picture that the patch is cut from, on the input image's pixels.
     pub plane: &'a Arc<Plane>,
-    /// The feature, where it is in that picture.
+    /// Feature, at its place in that picture.
     pub feature: Feature,
-    /// Whether the patch is turned so that the feature's orientation points to the right, as its descriptor sees it.
+    /// Whether the patch is rotated so that the feature's orientation points to the right, as its descriptor sees it.
     pub turned: bool,
     /// Range and colours.
     pub display: Display,
 }
 
 impl PatchView<'_> {
-    /// How far it reaches to each side, pixels.
+    /// Half width of the patch, pixels.
     fn half_width_px(&self) -> f32 {
         (SIGMAS * self.feature.sigma).max(4.0)
     }
 
-    /// Draws it into a square of `side` points.
+    /// Draws the patch into a square of `side` points.
     pub fn ui(&self, ui: &mut Ui, texture: &mut PatchTexture, side: f32) -> egui::Response {
         let half_width_px = self.half_width_px();
         let angle_rad = if self.turned { self.feature.orientation } else { 0.0 };
@@ -84,7 +84,7 @@ impl PatchView<'_> {
         let beside = if key.dark { 20 } else { 206 };
         for (pixel, value) in rgba.pixels_mut().zip(patch.data()) {
             if value.is_nan() {
-                // Beside the picture: the same neutral grey as around it.
+                // Outside the picture: the neutral grey that surrounds pictures.
                 pixel.0 = [beside, beside, beside, 255];
             }
         }

@@ -1,4 +1,4 @@
-//! A pane's picture as the canvas knows it, in words, and the warning over it where its features are stale.
+//! Picture of a pane on the canvas, its description, and the warning over it where its features are stale.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{self, Quantity, Readout, overlay};
@@ -10,23 +10,23 @@ use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
-/// What the picture's widget keeps from pass to pass.
+/// State of the picture's widget, kept between passes.
 #[derive(Default)]
 pub struct PictureState {
     /// The value under the pointer.
     pub readout: Option<Readout>,
-    /// What of the image plane is visible, in image pixels.
+    /// Visible part of the image plane, in image pixels.
     pub visible_image: Option<Rect>,
-    /// From image pixels to points of the window, as last drawn.
+    /// Transform from image pixels to points of the window, as last drawn.
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
-    /// The colours of a map that has its own, on the card.
+    /// Colours of a map that has its own, on the card.
     colours: Option<(Arc<MotionMap>, egui::TextureHandle)>,
     scale: Option<(Arc<Detection>, overlay::ColourScale)>,
 }
 
 impl PictureState {
-    /// The picture as the canvas knows it. The same pixels keep their name, so that the card gets them once.
+    /// Updates the picture on the canvas. Unchanged pixels keep their id, so that they are uploaded once.
     pub(in crate::app) fn refresh(&mut self, picture: Option<&Picture>) {
         let Some(picture) = picture else {
             self.shown = None;
@@ -39,7 +39,7 @@ impl PictureState {
         }
     }
 
-    /// The picture on show.
+    /// Shown picture.
     pub fn shown(&self) -> Option<&canvas::Picture> {
         self.shown.as_ref()
     }
@@ -52,7 +52,7 @@ impl PictureState {
         };
         let Some(rect_image) = self.shown.as_ref().map(canvas::Picture::rect_image) else { return };
         if self.colours.as_ref().is_none_or(|(of, _)| !Arc::ptr_eq(of, motion)) {
-            // Every so many pixels, where the card holds no picture this large.
+            // Only every n-th pixel, where the card cannot hold a picture of this size.
             let most = ui.ctx().input(|i| i.max_texture_side).max(1) as u32;
             let (width, height) = motion.colours.dimensions();
             let every = width.max(height).div_ceil(most).max(1);
@@ -72,7 +72,7 @@ impl PictureState {
         }
     }
 
-    /// The colours of the features of `detection`, the same until the next detection or another choice.
+    /// Colours of the features of `detection`, constant until the next detection or another choice.
     pub fn colour_scale(
         &mut self,
         by: overlay::ColourBy,
@@ -91,7 +91,7 @@ impl PictureState {
     }
 }
 
-/// A picture as a canvas knows it, with a fresh name.
+/// Makes a canvas picture with a fresh id.
 pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
     match picture.request.kind {
@@ -107,7 +107,7 @@ pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
     }
 }
 
-/// The value of the picture `shown` of `picture` at `pos_image`, and what it is; `None` beside it.
+/// Value and its quantity at `pos_image` in `shown`, the canvas picture of `picture`; `None` outside it.
 pub(in crate::app) fn readout_of(
     picture: &Picture,
     shown: &canvas::Picture,
@@ -130,7 +130,7 @@ pub(in crate::app) fn readout_of(
     Some(Readout { quantity, ..readout })
 }
 
-/// What a picture shows, in one line.
+/// Describes a picture in one line.
 pub fn describe(picture: &Picture) -> String {
     let first = describe_request(&picture.request);
     match picture.request.minus() {
@@ -145,7 +145,7 @@ fn describe_request(request: &PictureRequest) -> String {
         PictureKind::Frame(index) => {
             let name = burst.frame_names.get(index).map_or("", String::as_str);
             let place = format!("Frame {index} of {} (0 … {})", burst.len(), burst.len() - 1);
-            // Bursts without files call their frames by their number, which was said already.
+            // Bursts without files name their frames by number, which the text already has.
             if name.is_empty() || *name == format!("frame {index}") { place } else { format!("{place}  ·  {name}") }
         }
         PictureKind::Stack { slope } => format!("Motion stack  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v),
@@ -165,7 +165,7 @@ fn describe_request(request: &PictureRequest) -> String {
     }
 }
 
-/// Says over a picture that the features on it are not those of what is set now.
+/// Draws a warning over a picture whose features belong to other parameters.
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
     if !model.look.overlay || model.slots.a.detecting.is_pending() {

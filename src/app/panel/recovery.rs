@@ -1,11 +1,11 @@
-//! The offer to restore what was open when the program last ended otherwise than in the ordinary way.
+//! Offer to restore the session after the program ended unexpectedly.
 
 use crate::app::recovery::Offer;
 use crate::inspect::words::counted;
 use egui::{Button, RichText, Ui};
 use std::time::Duration;
 
-/// What was chosen.
+/// Choice of the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecoveryChoice {
     /// Open it.
@@ -14,7 +14,7 @@ pub enum RecoveryChoice {
     Forget,
 }
 
-/// Draws the offer.
+/// Draws the offer. Returns the choice, once it is made.
 pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
     let mut choice = None;
     ui.horizontal_wrapped(|ui| {
@@ -37,7 +37,7 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
     choice
 }
 
-/// How long ago something was, in the largest unit that fits.
+/// Describes an age in the largest unit that fits.
 fn ago(age: Duration) -> String {
     let minutes = age.as_secs() / 60;
     let (count, unit) = match minutes {

@@ -1,5 +1,4 @@
-//! The selected feature: all its numbers, its patch where the burst agrees and where one frame shows it, its
-//! descriptor.
+//! Selected feature: all its numbers, its patch in the motion stack at its slope and in one frame, its descriptor.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::signed_number;
@@ -12,14 +11,14 @@ use crate::detector::Feature;
 use crate::requests::PictureKind;
 use egui::{RichText, Sense, Ui, Vec2};
 
-/// What the panel keeps from pass to pass: the two patches.
+/// State of the panel, kept between passes: the two patches.
 #[derive(Default)]
 pub struct SelectionState {
     stack: PatchTexture,
     frame: PatchTexture,
 }
 
-/// The buttons that walk through what is listed, features or matches.
+/// Draws the buttons that walk through the listed features or matches.
 pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -123,7 +122,7 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
             ui.set_width(side);
             let t = model.cursor().frame.min(burst.burst.len() - 1);
             let used = model.slots.a.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
-            // Frames move the feature along its slope away from the middle of those used.
+            // In a frame the feature lies further along its slope, away from the middle of the frames used.
             let dt = t as f32 - (used.start + used.end - 1) as f32 / 2.0;
             let (u, v) = (feature.u + dt * feature.slope.u, feature.v + dt * feature.slope.v);
             let plane = &burst.burst.frames[t];

@@ -1,5 +1,5 @@
-//! The slope plane: the grid's slopes as dots, as large as features were found there; drag to move the slope in both
-//! directions at once.
+//! Slope plane: the grid's slopes as dots, whose size grows with the number of features there; dragging moves the slope
+//! in both directions at once.
 
 use crate::app::project::Model;
 use crate::app::project::cursor::slope_limit;

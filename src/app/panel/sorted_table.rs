@@ -1,5 +1,5 @@
-//! A table of which a click on a heading sorts and a click on a row selects. Only the visible rows are drawn, however
-//! many there are.
+//! Table in which a click on a heading sorts and a click on a row selects. Only the visible rows are drawn, so that it
+//! can be long.
 
 use crate::app::project::order::Order;
 use crate::app::words::{explained, word};
@@ -11,40 +11,40 @@ pub(in crate::app) const ROW_HEIGHT: f32 = 18.0;
 
 /// Columns that a table can have.
 pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
-    /// All of them, from left to right.
+    /// All columns, from left to right.
     const COLUMNS: &'static [Self];
-    /// What stands above it.
+    /// Heading.
     fn heading(self) -> &'static str;
-    /// What it holds, with its unit.
+    /// Description, with the unit.
     fn help(self) -> &'static str;
-    /// The glossary's word for it, by its name.
+    /// Name of the glossary entry for the column.
     fn word(self) -> Option<&'static str>;
-    /// Points that its numbers need; what is over is shared.
+    /// Width that the numbers need, points; the remaining space is shared.
     fn width(self) -> f32;
 }
 
-/// The items that a table lists, by their indices.
+/// Items that a table lists, by their indices.
 pub(in crate::app) struct Listed<'a> {
-    /// In the table's order.
+    /// Items in the table's order.
     pub items: &'a [usize],
-    /// The one that is selected.
+    /// Selected item.
     pub selected: Option<usize>,
-    /// The one that is pointed at here or elsewhere.
+    /// Item under the pointer, here or elsewhere.
     pub hovered: Option<usize>,
 }
 
-/// What the pointer did.
+/// Result of drawing the table.
 pub(in crate::app) struct Pointed<C> {
-    /// The order, perhaps another one.
+    /// Order, changed by a click on a heading.
     pub order: Order<C>,
-    /// What is selected, perhaps another item or none.
+    /// Selected item after a click, or none.
     pub selected: Option<usize>,
-    /// The item under the pointer.
+    /// Item under the pointer.
     pub hovered: Option<usize>,
 }
 
-/// Draws the table. `text` is what a column holds of an item, `name` what screen readers call it, and `menu` draws what
-/// a click with the second button on its row shows.
+/// Draws the table. `text` is the content of an item's cell, `name` the item's name for screen readers, and `menu`
+/// draws the menu that the secondary button opens on its row.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
     order: Order<C>,
@@ -70,7 +70,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
         for column in C::COLUMNS.iter().skip(1) {
             table = table.column(TableColumn::remainder().at_least(column.width()));
         }
-        // Follow the selection when it was made elsewhere, and only then.
+        // Scrolls to the selection once, when it was made elsewhere.
         if let Some(row) = selected_row.filter(|_| selected != scrolled_to) {
             table = table.scroll_to_row(row, None);
         }
@@ -111,7 +111,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     pointed
 }
 
-/// A heading; `sorted` says whether the table is sorted by it, and whether the largest come first.
+/// Draws a heading; `sorted` is `Some` if the table is sorted by it, and true if the largest come first.
 pub(in crate::app) fn heading_ui(ui: &mut Ui, heading: &str, sorted: Option<bool>) {
     let arrow = match sorted {
         Some(true) => " ⏷",
@@ -123,7 +123,7 @@ pub(in crate::app) fn heading_ui(ui: &mut Ui, heading: &str, sorted: Option<bool
     cell_ui(ui, text);
 }
 
-/// A text at the right end of its cell. (The whole table cannot be laid out from the right: cells would then take
+/// Draws a text at the right end of its cell. (The whole table cannot be laid out from the right: cells would then take
 /// clicks of their neighbours.)
 pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -1,4 +1,4 @@
-//! The status bar: the value under the pointer, the last note, the open burst.
+//! Status bar: the value under the pointer, the last note, the open burst.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::panel::widgets::progress_text;
@@ -58,12 +58,13 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
 fn burst_text(model: &Model) -> String {
     let side = model.active_side();
     let Some(open) = model.burst_of(side) else { return "No burst open".to_owned() };
-    // Where there are two, it is said which one this is.
+    // With two bursts, the text names this one.
     let which = if model.workspace == Workspace::Pair { format!("{}: ", side.name()) } else { String::new() };
     let burst = &open.burst;
     let (width, height) = burst.size();
     let depth = if burst.quantisation_step > 0.0 {
-        // Twelve bits at the top of a 16-bit word end a little below full scale: whole steps, and the level at zero.
+        // Twelve bits in the upper part of a 16-bit word end slightly below full scale: whole steps, and the level at
+        // zero.
         format!(" · {:.0} levels", (1.0 / burst.quantisation_step + 0.02).floor() + 1.0)
     } else {
         " · float".to_owned()

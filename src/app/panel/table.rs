@@ -1,4 +1,4 @@
-//! The table of features.
+//! Table of features.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::clipboard::feature_text;
@@ -73,7 +73,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
-    // Elsewhere it may be over a picture, which says of what.
+    // The pointer may be over a picture instead, which then sets the hovered feature.
     if is_pointed_at {
         model.hovered = pointed.hovered;
     }

@@ -1,4 +1,4 @@
-//! The tally: how many candidates each test rejected, as bars that can be read.
+//! Tally: numbers of candidates that each test rejected, as bars.
 
 use crate::app::actions::Queue;
 use crate::app::project::Model;
@@ -6,7 +6,7 @@ use crate::detector::advice::grouped;
 use crate::detector::{NoiseGate, Test};
 use egui::{Rect, RichText, ScrollArea, Sense, Ui, vec2};
 
-/// A line of numbers about the detection.
+/// Draws a line of numbers about the detection.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(found) = &model.slots.a.found else {
         ui.weak("No detection yet");
@@ -28,7 +28,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
 }
 
-/// Draws the bars. Rows of tests that take candidates are switches: they show these in the picture.
+/// Draws the bars. Rows of tests that reject candidates are switches: they show these candidates in the picture.
 pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let Some(found) = model.slots.a.found.clone() else {
         ui.centered_and_justified(|ui| ui.weak("Press Detect to see what each test rejects"));
@@ -64,7 +64,8 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
-/// Whether candidates can fail the test first: what is no extremum at its own slope and scale is no candidate.
+/// Whether a candidate can fail the test first: a sample that is no extremum at its own slope and scale is no
+/// candidate.
 fn takes_candidates(test: Test) -> bool {
     !matches!(test, Test::SpaceExtremum | Test::ScaleExtremum)
 }
@@ -74,17 +75,17 @@ const NAME_WIDTH: f32 = 250.0;
 /// Width of each count, points.
 const COUNT_WIDTH: f32 = 96.0;
 
-/// A line of the tally.
+/// Row of the tally.
 struct Row<'a> {
     name: &'a str,
     samples: u64,
-    /// Those of them that were candidates, as far as that is known.
+    /// Number of samples that were candidates, as far as known.
     candidates: Option<u64>,
-    /// The count that fills the bar, and whether it is of what was kept.
+    /// Count shown by the bar, and whether it is that of the kept ones.
     bar: Option<(u64, bool)>,
 }
 
-/// What the columns are.
+/// Draws the headings.
 fn head_ui(ui: &mut Ui, with_candidates: bool) {
     ui.horizontal(|ui| {
         let hint = RichText::new("Click a test to see its candidates in the picture").small().weak();
@@ -101,7 +102,7 @@ fn head_ui(ui: &mut Ui, with_candidates: bool) {
     });
 }
 
-/// A number or its heading, to the right end of its column.
+/// Draws a number or its heading, at the right end of its column.
 fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
     let size = vec2(COUNT_WIDTH, 16.0);
     ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -111,8 +112,8 @@ fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
     .inner
 }
 
-/// One test: its reason, its counts, and a bar whose length grows with the logarithm of the count. With `shown` its
-/// name is a switch.
+/// Draws one test: its reason, its counts, and a bar whose length grows with the logarithm of the count. With `shown`
+/// the name is a switch.
 fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
     ui.horizontal(|ui| {
         match shown {

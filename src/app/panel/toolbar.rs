@@ -1,4 +1,4 @@
-//! The toolbar: open, the kind of picture, detect.
+//! Toolbar: open, the kind of picture, detect.
 
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, shown_by, tooltip};
 use crate::app::panel::widgets::progress_text;
@@ -98,7 +98,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
 }
 
-/// What runs that takes its time, and for which of two bursts.
+/// Running task, and the burst that it works on where there are two.
 fn activity(model: &Model) -> Option<(&'static str, Running)> {
     let [a, b] = model.slots.both().map(|slot| slot.detecting.running());
     if model.workspace != Workspace::Pair {
@@ -108,7 +108,7 @@ fn activity(model: &Model) -> Option<(&'static str, Running)> {
     in_a.or(b.map(|running| ("B: ", running))).or(model.pair.matching.running().map(|running| ("", running)))
 }
 
-/// How many features and matches there are.
+/// Draws the numbers of features and matches.
 fn pair_found_ui(ui: &mut Ui, model: &Model) {
     let counts: Vec<String> = pair::Side::BOTH
         .into_iter()
@@ -126,7 +126,7 @@ fn pair_found_ui(ui: &mut Ui, model: &Model) {
     ui.weak(text);
 }
 
-/// Where a panel is.
+/// Side of a panel.
 #[derive(Clone, Copy)]
 enum Side {
     Left,
@@ -134,7 +134,7 @@ enum Side {
     Bottom,
 }
 
-/// A small picture of the window with the panel marked in it; a click shows or hides the panel.
+/// Draws a small picture of the window with the panel marked in it; a click shows or hides the panel.
 fn panel_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, side: Side) {
     let action = id.action();
     let on = checked(id, model).unwrap_or(false);

@@ -1,4 +1,4 @@
-//! What the window shows before a burst is open, and while files are held over it.
+//! Page shown before a burst is open, and the hint shown while files are dragged over the window.
 
 use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
@@ -7,7 +7,7 @@ use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2};
 
-/// The bursts that are offered to look at.
+/// Example bursts offered on the page.
 const EXAMPLES: [ActionId; 7] = [
     ActionId::OpenDepths,
     ActionId::OpenStreet,
@@ -17,10 +17,10 @@ const EXAMPLES: [ActionId; 7] = [
     ActionId::OpenTripod,
     ActionId::OpenHotPixels,
 ];
-/// How wide they are in one line, points.
+/// Width of the examples in one line, points.
 const EXAMPLES_WIDTH: f32 = 500.0;
 
-/// Draws the first page: what this is, how to open a burst, what was open before.
+/// Draws the first page: a description, how to open a burst, the recently opened ones. Returns the chosen lesson.
 pub fn welcome_ui(
     ui: &mut Ui,
     model: &Model,
@@ -85,7 +85,7 @@ pub fn welcome_ui(
         ui.add_space(14.0);
         ui.label(RichText::new("Examples").strong());
         ui.horizontal_wrapped(|ui| {
-            // In the middle as everything else, as far as that can be known before it is drawn.
+            // Centred as everything else, as far as that can be computed before drawing.
             ui.add_space((0.5 * (ui.available_width() - EXAMPLES_WIDTH)).max(0.0));
             for id in EXAMPLES {
                 let action = id.action();
@@ -103,8 +103,8 @@ pub fn welcome_ui(
     chosen
 }
 
-/// Says that files can be let go while they are held over the window; `panes` are the places where what is dropped
-/// opens, with what is said there.
+/// Draws a hint while files are dragged over the window; `panes` are the places where dropped files open, each with its
+/// text.
 pub fn drop_hint_ui(ctx: &egui::Context, panes: &[(Rect, &str)]) {
     if ctx.input(|i| i.raw.hovered_files.is_empty()) {
         return;

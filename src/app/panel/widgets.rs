@@ -1,4 +1,4 @@
-//! Small pieces that several panels are made of.
+//! Widgets that several panels share.
 
 use crate::app::words::{explained, word};
 use crate::monitor::Progress;
@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A part of a side panel with a heading that folds it.
+/// Draws a section of a side panel, with a heading that folds it.
 pub fn section_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) {
     egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
         ui.add_space(2.0);
@@ -18,17 +18,17 @@ pub fn section_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) 
     });
 }
 
-/// One line of the cursor's panel: a label, a slider with marks, and a field for the number.
+/// Row of the cursor's panel: a label, a slider with marks, and a field for the number.
 pub struct CursorRow<'a> {
-    /// Its name, on screen and for screen readers.
+    /// Name, on screen and for screen readers.
     pub label: &'a str,
-    /// What it does.
+    /// Description.
     pub help: &'a str,
-    /// What can be reached with it.
+    /// Range of values.
     pub range: RangeInclusive<f32>,
-    /// Places that are marked on the slider.
+    /// Values that are marked on the slider.
     pub marks: &'a [f32],
-    /// Only whole numbers.
+    /// Whether only whole numbers are allowed.
     pub whole: bool,
     /// Unit, after the number.
     pub suffix: &'a str,
@@ -40,7 +40,7 @@ const LABEL_WIDTH: f32 = 52.0;
 const VALUE_WIDTH: f32 = 58.0;
 
 impl CursorRow<'_> {
-    /// Draws it; says whether `value` was changed.
+    /// Draws the row; returns whether `value` was changed.
     pub fn ui(self, ui: &mut Ui, value: &mut f32) -> bool {
         let before = *value;
         let row = ui.horizontal(|ui| {
@@ -76,7 +76,7 @@ impl CursorRow<'_> {
     }
 }
 
-/// The part of the window that the row of this label is.
+/// Part of the window that the row of this label is.
 fn part_of(label: &str) -> Option<Part> {
     match label {
         "Frame" => Some(Part::Frame),
@@ -88,7 +88,7 @@ fn part_of(label: &str) -> Option<Part> {
     }
 }
 
-/// The glossary's word for the row of this label, by its name.
+/// Name of the glossary entry for the row of this label.
 fn word_of(label: &str) -> Option<&'static str> {
     match label {
         "Frame" | "Frames" => Some("frame"),
@@ -99,8 +99,8 @@ fn word_of(label: &str) -> Option<&'static str> {
     }
 }
 
-/// Where the slider of a [`CursorRow`] has its handle's centre, from the one end to the other, if the row is drawn
-/// here; and the width of the row.
+/// Range of the handle's centre on the slider of a [`CursorRow`] that is drawn here, in points; and the width of the
+/// row.
 pub fn slider_track(ui: &Ui) -> (egui::Rangef, f32) {
     let spacing = ui.spacing();
     let width = ui.available_width();
@@ -110,17 +110,18 @@ pub fn slider_track(ui: &Ui) -> (egui::Rangef, f32) {
     (egui::Rangef::new(left, left + slider).shrink(handle), width)
 }
 
-/// A tooltip that goes away while its widget is dragged: it would lie over what is looked at, and over the next slider.
+/// Adds a tooltip that is hidden while its widget is dragged, so that it covers neither the picture nor the next
+/// slider.
 pub fn hint(response: egui::Response, help: impl Into<WidgetText>) -> egui::Response {
     if response.is_pointer_button_down_on() || response.dragged() { response } else { response.on_hover_text(help) }
 }
 
-/// How far a piece of work is: what is being done, how much of it, and how long it still takes.
+/// Text of a task's progress: its stage, the fraction done, and the remaining time.
 pub fn progress_text(running: &Running) -> String {
     stage_text(running.progress, running.time_left())
 }
 
-/// The same of work that has reported `progress` and still takes `time_left`.
+/// Text of the progress of work that has reported `progress` and still takes `time_left`.
 pub fn stage_text(progress: Option<Progress>, time_left: Option<Duration>) -> String {
     let Some(progress) = progress else { return "Starting".to_owned() };
     let left = time_left.map_or_else(String::new, |left| format!("  {}", time_left_text(left)));
@@ -134,8 +135,8 @@ fn time_left_text(left: Duration) -> String {
     }
 }
 
-/// A text in one line of at most `width` points. Where it is longer its middle is left out: names of one dataset differ
-/// at their ends.
+/// Lays out a text in one line of at most `width` points. The middle of a longer text is left out: names in one dataset
+/// differ at their ends.
 pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color32, width: f32) -> Arc<Galley> {
     let lay_out = |text: String| painter.layout_no_wrap(text, font.clone(), colour);
     let whole = lay_out(text.to_owned());
@@ -144,7 +145,7 @@ pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color
     }
     let letters: Vec<char> = text.chars().collect();
     let shortened = |kept: usize| {
-        // The end has the larger half.
+        // The end gets the larger half.
         let (head, tail) = (kept / 2, kept - kept / 2);
         letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect::<String>()
     };
@@ -160,21 +161,21 @@ pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color
     lay_out(shortened(fits))
 }
 
-/// How wide a text is in one line, points.
+/// Width of a text in one line, points.
 pub fn text_width(ui: &Ui, text: impl Into<WidgetText>) -> f32 {
     let wrap = Some(egui::TextWrapMode::Extend);
     text.into().into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body).size().x
 }
 
-/// Goes on in the next line of a row that wraps, where `width` points do not fit into this one. Things of several parts
-/// would be cut at its end.
+/// Continues a wrapping row on its next line if `width` points do not fit into this one. Items of several parts would
+/// be cut at the line's end.
 pub fn make_room(ui: &mut Ui, width: f32) {
     if ui.available_size_before_wrap().x < width {
         ui.end_row();
     }
 }
 
-/// A label of fixed width, so that what follows is aligned.
+/// Draws a label of fixed width, so that the widgets after it are aligned.
 pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> egui::Response {
     let size = vec2(width, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -184,9 +185,9 @@ pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> egui::R
     .inner
 }
 
-/// Short marks under a slider's rail.
+/// Draws short marks under a slider's rail.
 fn marks_ui(ui: &Ui, rect: egui::Rect, range: &RangeInclusive<f32>, marks: &[f32]) {
-    // Where the handle's centre goes: the slider keeps its handle inside.
+    // Range of the handle's centre: the slider keeps its handle inside.
     let x_range = rect.x_range().shrink(rect.height() / 2.5);
     let (low, high) = (*range.start(), *range.end());
     let points_per_mark = x_range.span() / marks.len().max(1) as f32;
@@ -201,13 +202,13 @@ fn marks_ui(ui: &Ui, rect: egui::Rect, range: &RangeInclusive<f32>, marks: &[f32
     }
 }
 
-/// A small filled circle, as a key to a colour.
+/// Draws a small filled circle, as a key to a colour.
 pub fn dot_ui(ui: &mut Ui, colour: Color32) {
     let (rect, _) = ui.allocate_exact_size(vec2(9.0, 12.0), Sense::hover());
     ui.painter().circle_filled(rect.center(), 4.0, colour);
 }
 
-/// A name on the left and a value on the right of a line, for tables of numbers.
+/// Draws a name on the left and a value on the right of a line, for tables of numbers.
 pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
     let response = ui.label(RichText::new(name).weak());
     response.on_hover_text(help);
@@ -217,7 +218,7 @@ pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
     ui.end_row();
 }
 
-/// Names a text field for screen readers and tests.
+/// Sets the name of a text field for screen readers and tests.
 pub fn name_field(response: &egui::Response, name: &str, text: &str) {
     response.widget_info(|| egui::WidgetInfo {
         label: Some(name.to_owned()),
@@ -253,7 +254,7 @@ mod tests {
             assert!(a.size().x <= 60.0 && a.text().starts_with('b') && a.text().contains('…'), "{}", a.text());
             assert!(a.text() != b.text() && a.text().ends_with("12"), "{} {}", a.text(), b.text());
         });
-        // Nobody draws what was laid out here.
+        // Nothing that was laid out here is drawn.
         output.textures_delta.clear();
     }
 }

@@ -1,8 +1,8 @@
-//! What the colour of a feature tells.
+//! Quantity that the colour of a feature shows.
 
 use serde::{Deserialize, Serialize};
 
-/// What the colour of a feature tells.
+/// Quantity that the colour of a feature shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ColourBy {
@@ -19,9 +19,9 @@ pub enum ColourBy {
     Response,
     /// The signal-to-noise ratio, in logarithmic steps.
     Snr,
-    /// Whether it was found at the limit of the slopes, so that its true motion may lie beyond.
+    /// Whether the feature was found at the limit of the searched slopes; its true motion may lie beyond.
     Limit,
-    /// How evenly the frames answer along its way, 0 … 1; known once it was computed.
+    /// Evenness of the frames' responses along its motion, 0 … 1; known once it was computed.
     Coherence,
 }
 
@@ -38,7 +38,7 @@ impl ColourBy {
         Self::Coherence,
     ];
 
-    /// The name that a person reads, in sentence case.
+    /// Name, in sentence case.
     pub fn name(self) -> &'static str {
         match self {
             Self::SlopeDirection => "Slope (direction and magnitude)",
@@ -52,7 +52,7 @@ impl ColourBy {
         }
     }
 
-    /// The unit of the numbers at a legend.
+    /// Unit of the numbers in a legend.
     pub fn unit(self) -> &'static str {
         match self {
             Self::SlopeDirection | Self::SlopeU | Self::SlopeV => "px/frame",

@@ -1,5 +1,5 @@
-//! How pictures and features are seen, as plain values: pan and zoom ([`View`]), the way from one plane of coordinates
-//! to another, what colours tell, and numbers as people read them. The project keeps such values, the canvas draws by
+//! How pictures and features are seen, as plain values: pan and zoom ([`View`]), transforms between coordinate systems,
+//! the quantity that colours show, and numbers as people read them. The project keeps these values, the canvas draws by
 //! them.
 
 mod colour_by;

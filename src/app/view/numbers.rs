@@ -1,7 +1,6 @@
 //! Numbers as people read them.
 
-/// A number with `digits` significant digits, without trailing zeros, as people read values: `0.0123`, `1234`,
-/// `−3.2e−7`, `NaN`.
+/// Formats a number with `digits` significant digits, without trailing zeros: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
 pub fn number(value: f32, digits: usize) -> String {
     if value.is_nan() {
         return "NaN".to_owned();
@@ -29,7 +28,7 @@ pub fn number(value: f32, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// The same with its sign, also before what is above 0.
+/// Formats as `number` does, with a `+` before positive numbers.
 pub fn signed_number(value: f32, digits: usize) -> String {
     let text = number(value, digits);
     if value > 0.0 { format!("+{text}") } else { text }

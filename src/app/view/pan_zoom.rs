@@ -1,4 +1,4 @@
-//! Which part of the image a canvas shows, and how large.
+//! Pan and zoom of a canvas.
 
 use super::transform::RectTransform;
 use egui::{Pos2, Rect, Vec2, pos2};
@@ -7,43 +7,42 @@ use serde::{Deserialize, Serialize};
 /// The largest zoom, in points per image pixel.
 pub const MAX_POINTS_PER_PIXEL: f32 = 128.0;
 
-/// Empty points around an image that is fitted.
+/// Margin around a fitted image, in points.
 const FIT_MARGIN_POINTS: f32 = 6.0;
 
-/// How large a [`View`] shows the image.
+/// Zoom of a [`View`].
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Zoom {
-    /// As large as the whole image fits; follows the size of the canvas.
+    /// The whole image fits; follows the size of the canvas.
     #[default]
     Fit,
     /// Points of the window for each pixel of the image.
     PointsPerPixel(f32),
 }
 
-/// Which part of the image a canvas shows, and how large. It knows the input image's pixels only, so that frames,
-/// motion-stack images and DoG responses of any octave share one view. Several canvases that share a `View` pan and
-/// zoom together.
+/// Pan and zoom of a canvas, in the input image's pixels only, so that frames, motion-stack images and DoG responses of
+/// any octave share one view. Several canvases that share a `View` pan and zoom together.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct View {
-    /// How large.
+    /// Zoom.
     pub zoom: Zoom,
-    /// The place of the image in the middle of the canvas, (u, v) in image pixels. Follows the image while it is
-    /// fitted.
+    /// Place of the image at the centre of the canvas, (u, v) in image pixels. It is the image's centre while the image
+    /// is fitted.
     pub centre_image: [f32; 2],
-    /// What the last canvas made of [`Zoom::Fit`]; 0 before the first frame.
+    /// Zoom of [`Zoom::Fit`] on the last canvas, points per image pixel; 0 before the first frame.
     #[serde(skip)]
     fit_points_per_pixel: f32,
 }
 
 impl View {
-    /// A view of `zoom` with `centre_image` = (u, v) in the middle.
+    /// Creates a view of `zoom` with `centre_image` = (u, v) at the centre.
     pub fn new(zoom: Zoom, centre_image: [f32; 2]) -> Self {
         Self { zoom, centre_image, fit_points_per_pixel: 0.0 }
     }
 
-    /// The whole image.
+    /// View of the whole image.
     pub fn fit() -> Self {
         Self::default()
     }
@@ -58,17 +57,17 @@ impl View {
         self.zoom == Zoom::Fit
     }
 
-    /// One image pixel for each pixel of the screen, about the same centre. `pixels_per_point` is the screen's.
+    /// Shows one image pixel for each pixel of the screen, about the same centre. `pixels_per_point` is the screen's.
     pub fn set_one_to_one(&mut self, pixels_per_point: f32) {
         self.zoom = Zoom::PointsPerPixel(1.0 / pixels_per_point);
     }
 
-    /// Zooms by `factor` (above 1: larger) about the middle of the canvas.
+    /// Zooms by `factor` (above 1: larger) about the centre of the canvas.
     pub fn zoom_by(&mut self, factor: f32) {
         self.zoom = Zoom::PointsPerPixel(self.limited(self.points_per_pixel() * factor));
     }
 
-    /// Brings `pos_image` into the middle, with at least `min_points_per_pixel`.
+    /// Centres `pos_image`, with at least `min_points_per_pixel`.
     pub fn look_at(&mut self, pos_image: Pos2, min_points_per_pixel: f32) {
         self.zoom = Zoom::PointsPerPixel(self.limited(self.points_per_pixel().max(min_points_per_pixel)));
         self.centre_image = pos_image.into();
@@ -95,7 +94,7 @@ impl View {
         self.zoom = Zoom::PointsPerPixel(after);
     }
 
-    /// Moves the image with the pointer, by `delta_ui` points. A fitted image becomes a free one.
+    /// Moves the image with the pointer, by `delta_ui` points. A fitted image is no longer fitted then.
     pub fn pan(&mut self, delta_ui: Vec2) {
         if delta_ui != Vec2::ZERO {
             let zoom = self.points_per_pixel();
@@ -108,15 +107,15 @@ impl View {
         self.centre_image = [self.centre_image[0] + delta_image.x, self.centre_image[1] + delta_image.y];
     }
 
-    /// From half the fitted size, or a quarter point a pixel if that is smaller (1:1 must be in reach on a screen of
-    /// any density), to [`MAX_POINTS_PER_PIXEL`].
+    /// Limits the zoom: from half the fitted size, or 0.25 points per pixel if that is smaller (1:1 must be in reach on
+    /// a screen of any density), to [`MAX_POINTS_PER_PIXEL`].
     fn limited(&self, points_per_pixel: f32) -> f32 {
         let fit = if self.fit_points_per_pixel > 0.0 { self.fit_points_per_pixel } else { 1.0 };
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
 
-    /// Moves as another view has moved from `before` to `after`, and zooms as it does. Places stay apart as they were,
-    /// until both are fitted.
+    /// Pans and zooms as another view did from `before` to `after`. The distance between the two places stays, until
+    /// both are fitted.
     pub fn follow(&mut self, before: &Self, after: &Self) {
         if (before.zoom, before.centre_image) == (after.zoom, after.centre_image) {
             return;
@@ -131,8 +130,8 @@ impl View {
         self.zoom = after.zoom;
     }
 
-    /// Fits the view to this frame's canvas `rect_ui` and image of `image_size` = (columns, rows), keeps the middle of
-    /// the canvas on the image, and answers `ui_from_image`.
+    /// Adapts the view to this frame's canvas `rect_ui` and an image of `image_size` = (columns, rows), keeps the
+    /// canvas's centre on the image, and returns `ui_from_image`.
     pub fn settle(&mut self, rect_ui: Rect, image_size: (usize, usize), pixels_per_point: f32) -> RectTransform {
         let (width, height) = (image_size.0.max(1) as f32, image_size.1.max(1) as f32);
         let room = (rect_ui.size() - Vec2::splat(2.0 * FIT_MARGIN_POINTS)).max(Vec2::splat(1.0));
@@ -141,7 +140,7 @@ impl View {
         match &mut self.zoom {
             Zoom::Fit => self.centre_image = [0.5 * last.x, 0.5 * last.y],
             Zoom::PointsPerPixel(zoom) => {
-                // What comes from a session file may be anything.
+                // Values from a session file may be anything.
                 let wanted = if zoom.is_finite() { *zoom } else { self.fit_points_per_pixel };
                 self.zoom = Zoom::PointsPerPixel(self.limited(wanted));
                 for (x, end) in self.centre_image.iter_mut().zip([last.x, last.y]) {
@@ -154,7 +153,7 @@ impl View {
     }
 }
 
-/// Moves the picture by less than half a pixel of the screen so that pixel borders fall on the screen's, when all of
+/// Moves the picture by less than half a pixel of the screen, so that pixel borders fall on the screen's, where all of
 /// them can: at 1:1 and at whole multiples. Otherwise a border in the middle of a screen pixel would flicker between
 /// its two neighbours.
 fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {

@@ -1,12 +1,12 @@
-//! From one plane of coordinates to another: a uniform scale and a shift.
+//! Transforms between coordinate systems: a uniform scale and a shift.
 
 use egui::{Pos2, Rect, Vec2};
 
 /// A uniform scale and shift, as `ui_from_image` or its inverse: names say "to from".
 ///
-/// It is kept as a pair of corresponding points and a scale, not as an offset: near the anchor, which is what a person
-/// looks at, positions stay exact even at 128-fold zoom in the corner of a huge picture, where an offset would have
-/// lost its fraction.
+/// It is stored as a pair of corresponding points and a scale, not as an offset: positions near the anchor, where the
+/// user looks, stay exact even at 128-fold zoom in the corner of a huge picture, where an offset would lose its
+/// fraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectTransform {
     anchor_from: Pos2,
@@ -15,51 +15,51 @@ pub struct RectTransform {
 }
 
 impl RectTransform {
-    /// The transform that brings `anchor_from` to `anchor_to` and multiplies lengths by `scale`, which must be finite
-    /// and positive.
+    /// Creates the transform that maps `anchor_from` to `anchor_to` and multiplies lengths by `scale`, which must be
+    /// finite and positive.
     pub fn new(anchor_from: Pos2, anchor_to: Pos2, scale: f32) -> Self {
         debug_assert!(scale.is_finite() && scale > 0.0, "a scale is positive, not {scale}");
         Self { anchor_from, anchor_to, scale }
     }
 
-    /// Length of the image of a unit length.
+    /// Factor by which lengths grow.
     pub fn scale(&self) -> f32 {
         self.scale
     }
 
-    /// The point near which the transform is most exact, before …
+    /// Anchor before the transform; positions near it are the most exact.
     pub fn anchor_from(&self) -> Pos2 {
         self.anchor_from
     }
 
-    /// … and after it.
+    /// Anchor after the transform.
     pub fn anchor_to(&self) -> Pos2 {
         self.anchor_to
     }
 
-    /// Brings a position over.
+    /// Transforms a position.
     pub fn pos(&self, from: Pos2) -> Pos2 {
         self.anchor_to + self.scale * (from - self.anchor_from)
     }
 
-    /// Brings a direction with a length over.
+    /// Transforms a vector.
     pub fn vec(&self, from: Vec2) -> Vec2 {
         self.scale * from
     }
 
-    /// Brings a rectangle over.
+    /// Transforms a rectangle.
     pub fn rect(&self, from: Rect) -> Rect {
         Rect::from_min_max(self.pos(from.min), self.pos(from.max))
     }
 
-    /// The way back.
+    /// Inverse transform.
     #[must_use]
     pub fn inverse(&self) -> Self {
         Self { anchor_from: self.anchor_to, anchor_to: self.anchor_from, scale: 1.0 / self.scale }
     }
 
-    /// The same transform for coordinates that are `factor` times smaller than those it took before: with
-    /// `ui_from_image` and a picture whose pixels are `factor` image pixels apart, this is `ui_from_picture`.
+    /// Returns the transform for source coordinates that are `factor` times smaller: with `ui_from_image` and a picture
+    /// whose pixels are `factor` image pixels apart, this is `ui_from_picture`.
     #[must_use]
     pub fn from_scaled(&self, factor: f32) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl RectTransform {
         }
     }
 
-    /// The same transform, shifted by `delta` in the coordinates it leads to.
+    /// Returns the transform shifted by `delta`, in target coordinates.
     #[must_use]
     pub fn shifted(&self, delta: Vec2) -> Self {
         Self { anchor_to: self.anchor_to + delta, ..*self }

@@ -1,5 +1,5 @@
-//! One burst: scrubbing and parameters left, the panes in the middle with the table below them, the selected feature
-//! and the display right.
+//! One burst: cursor and parameters on the left, the panes in the centre with the table below them, the selected
+//! feature and the display on the right.
 
 use crate::app::inspector::{Change, inspector_ui};
 use crate::app::panel;
@@ -7,7 +7,7 @@ use crate::app::project::BottomTab;
 use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
 use egui::{CentralPanel, Frame, Panel, ScrollArea};
 
-/// Draws the workspace. Answers what panes asked for.
+/// Draws the workspace. Returns the panes' requests.
 pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, selection, probe, regions, queue, .. } = parts;
     let width = side_width(ui);
@@ -44,7 +44,7 @@ pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts
         crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());
         inspector_ui(ui, model, widgets, queue)
     });
-    // What the pointer was over is marked as long as it is there: in a picture, or in a row of the table that is open.
+    // A hovered feature stays marked while the pointer is over it, in a picture or in a row of the open table.
     if pictures.inner.drawn.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
         model.hovered = model.hovered.filter(|_| over_rows == Some(BottomTab::Table));
         model.against.hovered = model.against.hovered.filter(|_| over_rows == Some(BottomTab::Compared));

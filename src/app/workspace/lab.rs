@@ -1,4 +1,4 @@
-//! The Lab: what is studied left, the curves in the middle, the chart behind a point right.
+//! Lab: settings of the study on the left, the curves in the centre, the chart behind a point on the right.
 
 use crate::app::actions::Queue;
 use crate::app::panel::lab::{chart, curves, settings};

@@ -1,4 +1,5 @@
-//! The matches of a whole dataset: which pairs and how left, the matrix in the middle, the list of pairs right.
+//! Matches of a whole dataset: choice of the pairs on the left, the matrix in the centre, the list of pairs on the
+//! right.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::filmstrip::working_ui;
@@ -55,7 +56,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: 
     }
 }
 
-/// What to do while no dataset is open.
+/// Draws the page without a dataset.
 fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.3).max(12.0));
@@ -68,7 +69,7 @@ fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-/// Which pairs are matched.
+/// Draws the choice of the pairs to match.
 fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     section_ui(ui, "Pairs", |ui| {
         let choice = &mut model.datasets.choice;
@@ -107,7 +108,7 @@ fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
-/// The numbers of the selected pair.
+/// Draws the numbers of the selected pair.
 fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Selected pair", |ui| {
         let Some(dataset) = &model.datasets.open else { return };

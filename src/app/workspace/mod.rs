@@ -1,4 +1,4 @@
-//! The workspaces of the window: each lays out its panels between the toolbar above and the status bar below.
+//! Workspaces of the window: each lays out its panels between the toolbar above and the status bar below.
 
 pub mod compare;
 pub mod inspect;
@@ -16,38 +16,38 @@ use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use pair::PairPanels;
 
-/// What a workspace reads and changes: the project, and what its widgets keep from pass to pass.
+/// State that a workspace reads and changes: the project, and the widgets' state kept between passes.
 pub struct WorkspaceParts<'a> {
-    /// What is open.
+    /// Project.
     pub model: &'a mut Model,
-    /// What the panes' widgets keep.
+    /// State of the panes' widgets.
     pub widgets: &'a mut PaneWidgets,
-    /// What the panels of two bursts keep.
+    /// State of the panels of *Two bursts*.
     pub pair: &'a mut PairPanels,
-    /// What the panel of the selected feature keeps.
+    /// State of the selected feature's panel.
     pub selection: &'a mut SelectionState,
-    /// What the panel of the probe keeps.
+    /// State of the probe's panel.
     pub probe: &'a mut ProbePanel,
-    /// What was computed of the rectangle that is measured.
+    /// Statistics of the measured rectangle.
     pub regions: &'a mut RegionCache,
-    /// The Lab's chart as a texture.
+    /// Lab's chart as a texture.
     pub lab_picture: &'a mut PlaneTexture,
-    /// The actions that were asked for.
+    /// Requested actions.
     pub queue: &'a mut Queue,
 }
 
-/// What a workspace asks for that it cannot do itself.
+/// Requests that a workspace cannot fulfil itself.
 #[derive(Debug, Default)]
 pub struct WorkspaceWishes {
-    /// Panes that come, go or are laid out anew.
+    /// Changes of the set of panes.
     pub changes: Vec<Change>,
     /// Trajectories are to be compared again.
     pub compare_again: bool,
-    /// The image of this camera is to be opened.
+    /// Camera whose image is to be opened.
     pub camera: Option<String>,
 }
 
-/// The actions that lead to the workspaces, in the order of the switch.
+/// Actions that open the workspaces, in the order of the switch.
 const SWITCHES: [ActionId; 6] = [
     ActionId::WorkspaceInspect,
     ActionId::WorkspacePair,
@@ -70,7 +70,7 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the workspace that is open.
+/// Draws the open workspace.
 pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> WorkspaceWishes {
     let changes = match parts.model.workspace {
         Workspace::Inspect => inspect::inspect_workspace_ui(ui, parts),
@@ -90,20 +90,20 @@ pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Worksp
     WorkspaceWishes { changes, ..WorkspaceWishes::default() }
 }
 
-/// How high a panel below the pictures can be dragged, in points.
+/// Range of the height of a panel below the pictures, in points.
 const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
 
-/// The pictures have so much height at first, in points, and what is below them what is left.
+/// Height left to the pictures at first, in points; the panel below them gets the rest.
 const PICTURES_HEIGHT: f32 = 320.0;
 
-/// The frame of a panel at the side of the window.
+/// Frame of a panel at the side of the window.
 fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
-/// A panel below the pictures, `height` points high until it is dragged, or less in a small window. It keeps its height
-/// whatever it holds, so that nothing moves under the pointer when features come or another tab is opened. Answers
-/// whether the pointer is over it.
+/// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window. Its height
+/// does not depend on its content, so that nothing moves under the pointer when features come or another tab is opened.
+/// Returns whether the pointer is over it.
 fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnOnce(&mut egui::Ui)) -> bool {
     let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4));
     let height = height.min(ui.available_height() - PICTURES_HEIGHT).max(*BOTTOM_HEIGHTS.start());
@@ -115,7 +115,7 @@ fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnO
     ui.rect_contains_pointer(shown.response.rect)
 }
 
-/// Width of a panel at the side, in points: on a small screen the picture needs the room more than the panels do.
+/// Width of a panel at the side, in points; smaller in a small window, where the picture needs the space more.
 fn side_width(ui: &egui::Ui) -> f32 {
     (0.235 * ui.available_width()).clamp(256.0, 300.0)
 }

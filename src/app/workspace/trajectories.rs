@@ -1,4 +1,5 @@
-//! Two trajectories: the plane in the middle, the points and errors of each image below it, files and errors right.
+//! Two trajectories: the plane in the centre, the points and errors of each image below it, files and errors on the
+//! right.
 
 use crate::app::actions::Queue;
 use crate::app::dataset::{camera_list, errors_panel, plane_view, points_strip};
@@ -9,7 +10,7 @@ use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui, vec2};
 /// Height of the strip of points, in points of the window.
 const STRIP_HEIGHT: f32 = 84.0;
 
-/// Draws the workspace. Answers what it cannot do itself.
+/// Draws the workspace. Returns its requests.
 pub(super) fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {
     let width = side_width(ui).max(330.0);
     let mut again = false;

@@ -1,4 +1,4 @@
-//! Every parameter is an option, and every option reaches its parameter.
+//! Tests that every parameter is an option, and that every option sets its parameter.
 
 use super::*;
 use clap::{CommandFactory, Parser};
@@ -23,7 +23,7 @@ fn every_parameter_is_an_option_with_its_help() {
         let text = |help: Option<&clap::builder::StyledStr>| help.expect("it has help").to_string();
         assert!(text(arg.get_help()).starts_with(doc.meaning.trim_end_matches('.')));
         assert!(text(arg.get_long_help()).starts_with(&doc.help()));
-        // The default that is shown is one that can be typed, or says how it is chosen.
+        // The shown default can be typed, or says how it is chosen.
         let default = default_of(doc);
         let option = format!("--{}", doc.name);
         if doc.name != doc::FRAMES.name && !doc.name.starts_with("slope") || doc.name == doc::SLOPE_NEIGHBOURS.name {

@@ -1,13 +1,13 @@
-//! No files use one another in a circle.
+//! Checks that no files use one another in a circle.
 
 use super::reading::{modules, paths_of};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The modules that `code` of `module` uses, but for the folder that it is in and the files of its own folder: what a
-/// folder's `mod.rs` hands on is no circle.
+/// Modules that the code of `module` uses, except its own folder and the files in its own folder: re-exports of a
+/// folder's `mod.rs` are no circle.
 fn modules_used(module: &[String], code: &str, modules: &BTreeMap<Vec<String>, String>) -> BTreeSet<Vec<String>> {
     let mut paths = Vec::new();
-    // A `use` begins its line, perhaps after its visibility; words of a string do not end in a path.
+    // A `use` begins its line, perhaps after its visibility; words in a string do not end in a path.
     let is_start = |at: usize| {
         let line = code[..at].rfind('\n').map_or(0, |end| end + 1);
         let before = code[line..at].trim();
@@ -43,7 +43,7 @@ fn modules_used(module: &[String], code: &str, modules: &BTreeMap<Vec<String>, S
     used
 }
 
-/// A way from `start` back to it, if there is one.
+/// Finds a path from `start` back to it.
 fn circle<'a>(
     start: &'a Vec<String>,
     uses: &'a BTreeMap<Vec<String>, BTreeSet<Vec<String>>>,
@@ -69,7 +69,7 @@ fn no_files_use_one_another_in_a_circle() {
     let uses: BTreeMap<_, _> =
         modules.iter().map(|(module, code)| (module.clone(), modules_used(module, code, &modules))).collect();
     assert!(uses.values().map(BTreeSet::len).sum::<usize>() > 1000, "too few uses were read to be all");
-    // The shell owns the window, and what works for it is written as its methods.
+    // The shell owns the window; its parts are written as methods of the shell.
     let of_the_shell = |module: &[String]| {
         let name = module.join("::");
         ["app::window", "app::shell", "app::overlays", "app::files"].contains(&name.as_str())

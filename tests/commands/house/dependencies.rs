@@ -1,11 +1,11 @@
-//! What the crate depends on: with which features, whether it is used, under which licence.
+//! Checks the crate's dependencies: their features, their use, and their licences.
 
 use super::reading::sources;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-/// The libraries in the tree of `package` with `features` alone.
+/// Libraries in the tree of `package` with only `features`.
 fn tree(package: &str, features: &[&str]) -> BTreeSet<String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
@@ -57,7 +57,7 @@ fn the_library_holds_no_window_and_no_command_line() {
     assert!(!pure.contains("rawler"), "the library without features is under MIT or Apache-2.0 alone");
     assert!(!has(&pure, &database), "{pure:?}");
 
-    // The program hands its features on.
+    // The program passes its features on.
     let none = tree("burstscope", &[]);
     assert!(!has(&none, &window) && !has(&none, &commands) && !has(&none, &database) && !none.contains("rawler"));
     let cli = tree("burstscope", &["cli"]);
@@ -101,7 +101,7 @@ fn every_dependency_is_used() {
     }
 }
 
-/// Whether a licence expression can be met by those in `allowed`: one of alternatives, all of what is joined by AND.
+/// Whether the `allowed` licences satisfy an expression: one of its alternatives, and all parts joined by AND.
 fn is_met(expression: &str, allowed: &[String]) -> bool {
     let plain = expression.replace(['(', ')'], " ").replace('/', " OR ");
     plain.split(" AND ").all(|part| part.split(" OR ").any(|licence| allowed.iter().any(|a| a == licence.trim())))
@@ -118,7 +118,7 @@ fn dependencies_have_known_licences_and_known_duplicates() {
         .collect();
     let skipped: BTreeSet<&str> =
         rules["bans"]["skip"].as_array().expect("a list").iter().filter_map(|skip| skip["name"].as_str()).collect();
-    // `cargo tree` looks at this system's packages alone, and so needs nothing that is not here already.
+    // `cargo tree` needs only this system's packages, and so no download.
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .args([

@@ -1,4 +1,4 @@
-//! The documents say what the program says, and their links lead somewhere.
+//! Checks that the documents agree with the program, and that their links lead to files.
 
 use burstscope::detector::params::doc;
 use std::fs;
@@ -8,7 +8,7 @@ const REFERENCE: &str = "docs/REFERENCE.md";
 const START: &str = "<!-- parameters -->\n";
 const END: &str = "<!-- end of parameters -->";
 
-/// The table of all parameters of the search, from their descriptions.
+/// Table of all search parameters, from their descriptions.
 fn table() -> String {
     let row = |doc: &doc::ParamDoc| {
         let text = format!("{} {}", doc.meaning, doc.effect).replace('|', "\\|");
@@ -31,12 +31,12 @@ fn the_reference_has_the_programs_own_words_for_each_parameter() {
     assert!(written == table(), "{REFERENCE} is not what the program says; UPDATE_DOCS=1 writes it anew");
 }
 
-/// The targets of links and pictures in a Markdown text that are files.
+/// Targets of links and pictures in a Markdown text that are files.
 fn targets(text: &str) -> impl Iterator<Item = &str> {
     text.match_indices("](").filter_map(|(at, _)| {
         let target = text[at + 2..].split_once(')')?.0;
         let file = target.split_once('#').map_or(target, |(file, _)| file);
-        // Addresses elsewhere, and words of the glossary.
+        // Skips addresses elsewhere and links to the glossary.
         (!file.is_empty() && !file.contains(':')).then_some(file)
     })
 }

@@ -1,9 +1,9 @@
-//! Which room stands on which.
+//! Checks the order of the rooms, which are the top-level modules.
 
 use super::reading::{code, files, rooms_used};
 
-/// The rooms from the bottom up; those up to floor 8 are the library, which Cargo keeps from those above. A room uses
-/// those of lower numbers; those of one number do not know one another.
+/// Rooms from the bottom up; those up to floor 8 are the library, which Cargo separates from those above. A room uses
+/// rooms of lower numbers only, and none of its own number.
 const FLOORS: [(&str, u32); 19] = [
     ("monitor", 0),
     ("files", 0),
@@ -26,7 +26,7 @@ const FLOORS: [(&str, u32); 19] = [
     ("app", 12),
 ];
 
-/// What a room above is used for all the same: the commands that open the window or draw it.
+/// Files that may use a room above: the commands that open the window or draw it.
 const DOORS: [(&str, &str); 6] = [
     ("cli/mod.rs", "app"),
     ("cli/window.rs", "app"),

@@ -1,5 +1,5 @@
-//! The walls of the house: which part of the packages may use which, read from the code itself, and what the library
-//! depends on. That the library knows nothing of the program is kept by Cargo.
+//! Checks the code's structure: which module may use which, read from the code itself, and the library's dependencies.
+//! Cargo ensures that the library does not use the program.
 
 mod circles;
 mod dependencies;

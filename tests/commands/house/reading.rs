@@ -1,9 +1,9 @@
-//! Reading the workspace's own code: which files there are, and what each of them uses.
+//! Reads the workspace's own code: its files, and the modules that each of them uses.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// The Rust files below `folder`.
+/// Finds the Rust files below `folder`.
 pub fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -15,13 +15,13 @@ pub fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
     }
 }
 
-/// The code of a file without comments and without its tests, which may use anything.
+/// Code of a file without comments and without its tests, which may use anything.
 pub fn code(text: &str) -> String {
     let tests = text.find("#[cfg(test)]\nmod tests {").unwrap_or(text.len());
     text[..tests].lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
 }
 
-/// The rooms that follow `crate::` in `code`, also those in braces.
+/// Top-level modules ("rooms") that follow `crate::` in `code`, also those in braces.
 pub fn rooms_used(code: &str) -> BTreeSet<String> {
     let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let mut rooms = BTreeSet::new();
@@ -54,7 +54,7 @@ pub fn rooms_used(code: &str) -> BTreeSet<String> {
     rooms
 }
 
-/// The Rust files of both packages, each with its path below its package's `src`. No room is in both.
+/// Rust files of both packages, each with its path below its package's `src`. No top-level module is in both.
 pub fn files() -> Vec<(PathBuf, PathBuf)> {
     let mut both = Vec::new();
     for folder in ["src", "core/src"] {
@@ -66,8 +66,8 @@ pub fn files() -> Vec<(PathBuf, PathBuf)> {
     both
 }
 
-/// The files of both packages by their module's path, without their tests. The program hands on the library's modules,
-/// so `crate::` leads to a module of either.
+/// Files of both packages by their module's path, without their tests. The program re-exports the library's modules, so
+/// `crate::` leads to a module of either.
 pub fn modules() -> BTreeMap<Vec<String>, String> {
     let mut modules = BTreeMap::new();
     for (name, path) in files() {
@@ -83,7 +83,7 @@ pub fn modules() -> BTreeMap<Vec<String>, String> {
     modules
 }
 
-/// The paths of a `use` tree, written out.
+/// Paths of a `use` tree, written out.
 pub fn paths_of(tree: &str, before: &[&str], into: &mut Vec<Vec<String>>) {
     let (mut depth, mut start) = (0, 0);
     let mut branches = Vec::new();

@@ -1,4 +1,4 @@
-//! Walls within rooms, and names that say nothing.
+//! Checks boundaries within the top-level modules, and forbidden type names.
 
 use super::reading::modules;
 
@@ -52,7 +52,7 @@ fn the_project_knows_no_widget_and_no_worker() {
     assert!(requests > 10, "{requests} files use requests: too few to be all");
 }
 
-/// What is asked for and answered has one path.
+/// Requests and their answers are reached by one path.
 #[test]
 fn the_engine_hands_on_no_requests() {
     for (module, code) in modules() {
@@ -63,7 +63,7 @@ fn the_engine_hands_on_no_requests() {
     }
 }
 
-/// A name says which answer, which pair: these words alone say nothing.
+/// A type's name says which answer or which pair it is: these words alone do not.
 #[test]
 fn no_type_is_called_only_answer_found_pair_or_job() {
     for (module, code) in modules() {

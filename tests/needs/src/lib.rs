@@ -1,9 +1,9 @@
-//! Attributes for tests that need something which is not on every machine.
+//! Attributes for tests that need software or data that is not on every machine.
 //!
-//! Where it is missing, the test is compiled with `#[ignore = "…"]`, so that the list of the test runner says which
-//! tests did not run, and why. An attribute stands above `#[test]`. It looks while the test program is compiled: after
-//! the missing thing was installed, touch a file of the test program, or run what is ignored with
-//! `cargo test -- --include-ignored`.
+//! Where it is missing, the test is compiled with `#[ignore = "…"]`, so that the test runner lists the tests that did
+//! not run, with the reason. An attribute stands above `#[test]`. It checks while the test program is compiled: after
+//! installing the missing thing, touch a file of the test program, or run ignored tests with `cargo test --
+//! --include-ignored`.
 
 use proc_macro::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
 use std::path::PathBuf;
@@ -37,7 +37,7 @@ pub fn pycolmap(_: TokenStream, test: TokenStream) -> TokenStream {
     with_ignore((!imported.is_ok_and(|output| output.status.success())).then_some(&reason), test)
 }
 
-/// The folder of the real input: that of `BURSTSCOPE_SHARED`, or `shared` beside the folder that holds `Cargo.lock`.
+/// Folder of the real input: that of `BURSTSCOPE_SHARED`, or `shared` beside the folder that holds `Cargo.lock`.
 fn shared_root() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("BURSTSCOPE_SHARED") {
         return Some(named.into());
@@ -47,7 +47,7 @@ fn shared_root() -> Option<PathBuf> {
     Some(checkout.parent()?.join("shared"))
 }
 
-/// The text of a string literal without escapes.
+/// Text of a string literal without escapes.
 fn text(token: TokenTree) -> Option<String> {
     match token {
         TokenTree::Literal(literal) => Some(literal.to_string().trim_matches('"').to_owned()),
@@ -55,12 +55,12 @@ fn text(token: TokenTree) -> Option<String> {
     }
 }
 
-/// The variables that say where to look. The compiler notes which ones `option_env!` reads, and compiles the test
-/// program again when they change; it does not note what an attribute reads.
+/// Code that reads the variables of the lookup. The compiler notes which ones `option_env!` reads, and compiles the
+/// test program again when they change; it does not note what an attribute reads.
 const VARIABLES: &str = "const _: [Option<&str>; 3] = [option_env!(\"BURSTSCOPE_SHARED\"), \
      option_env!(\"BURSTSCOPE_REQUIRE_SHARED\"), option_env!(\"BURSTSCOPE_PYTHON\")];";
 
-/// `test`, with `#[ignore = "reason"]` above it where there is a reason.
+/// Returns `test`, with `#[ignore = "reason"]` above it where there is a reason.
 fn with_ignore(reason: Option<&String>, test: TokenStream) -> TokenStream {
     // Once `#[test]` is expanded, `#[ignore]` has no effect.
     if !test.to_string().replace(' ', "").contains("#[test]") {
@@ -82,7 +82,7 @@ fn with_ignore(reason: Option<&String>, test: TokenStream) -> TokenStream {
     out
 }
 
-/// An error of the compiler, at the attribute.
+/// Compiler error at the attribute.
 fn error(message: &str) -> TokenStream {
     format!("compile_error!({message:?});").parse().expect("it is Rust")
 }

@@ -1,4 +1,4 @@
-//! What the colour of a feature tells, and the legend that says so. The one place where features get their colours.
+//! Colours of features, and their legend. All features get their colours here.
 
 use crate::app::view::ColourBy;
 use crate::detector::feature::Feature;
@@ -6,27 +6,27 @@ use crate::plane::colour_map::{ColourMap, direction_colour};
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
 
-/// A [`ColourBy`] with the range of values that its colours span, so that the same colour means the same until the next
+/// A [`ColourBy`] with the range of values that its colours span, so that a colour keeps its meaning until the next
 /// detection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourScale {
-    /// What the colour tells.
+    /// Quantity that the colour shows.
     pub by: ColourBy,
-    /// The value of the first colour, in the quantity's unit; unused (0) by [`ColourBy::SlopeDirection`].
+    /// Value of the first colour, in the quantity's unit; unused (0) for [`ColourBy::SlopeDirection`].
     pub min: f32,
-    /// The value of the last colour; the length of full saturation for [`ColourBy::SlopeDirection`].
+    /// Value of the last colour; the magnitude of full saturation for [`ColourBy::SlopeDirection`].
     pub max: f32,
     /// 256 colours from min to max.
     table: Vec<Color32>,
-    /// For [`ColourBy::Coherence`], that of each feature, as far as it is known.
+    /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
     coherences: Option<Arc<Vec<Option<f32>>>>,
 }
 
-/// The colour of a feature of which the quantity is not known.
+/// Colour of features whose quantity is not known.
 const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
-    /// The scale that spans `features`: all of them for slopes and σ, ± the largest magnitude for the response.
+    /// Creates the scale that spans `features`: all of them for slopes and σ, ± the largest magnitude for the response.
     pub fn of(by: ColourBy, features: &[Feature]) -> Self {
         let range = |value: fn(&Feature) -> f32| {
             features.iter().map(value).filter(|x| x.is_finite()).fold(None, |range: Option<(f32, f32)>, x| {
@@ -48,7 +48,7 @@ impl ColourScale {
         Self::with_range(by, min, max)
     }
 
-    /// A scale over a range of one's own; made usable when it is empty.
+    /// Creates a scale over a given range; an empty range is widened.
     pub fn with_range(by: ColourBy, min: f32, max: f32) -> Self {
         let (min, max) = match by {
             ColourBy::Scale | ColourBy::Snr => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
@@ -68,20 +68,20 @@ impl ColourScale {
         Self { by, min, max, table, coherences: None }
     }
 
-    /// The same with the coherences of the features, in their order; without them all features are grey where it is the
-    /// coherence that their colour tells.
+    /// Adds the coherences of the features, in their order. Without them all features are grey when their colour shows
+    /// the coherence.
     #[must_use]
     pub fn with_coherences(self, coherences: Option<&Arc<Vec<Option<f32>>>>) -> Self {
         Self { coherences: coherences.cloned(), ..self }
     }
 
-    /// Whether some features are grey, because the quantity is not known of them.
+    /// Whether some features are grey, because their quantity is not known.
     pub fn has_unknown(&self) -> bool {
         let is_unknown = |values: &Arc<Vec<Option<f32>>>| values.iter().any(Option::is_none);
         self.by == ColourBy::Coherence && self.coherences.as_ref().is_none_or(is_unknown)
     }
 
-    /// The colour of feature `index`, which is `feature`.
+    /// Colour of `feature`, whose index is `index`.
     pub fn colour(&self, index: usize, feature: &Feature) -> Color32 {
         match self.by {
             ColourBy::SlopeDirection => {
@@ -102,12 +102,12 @@ impl ColourScale {
         }
     }
 
-    /// The colour of what is not known.
+    /// Colour of unknown quantities.
     pub fn unknown(&self) -> Color32 {
         UNKNOWN
     }
 
-    /// The colour of a value on the bar.
+    /// Colour of a value.
     pub fn along(&self, value: f32) -> Color32 {
         let t = if matches!(self.by, ColourBy::Scale | ColourBy::Snr) {
             (value.max(1e-6) / self.min).ln() / (self.max / self.min).ln()
@@ -161,7 +161,7 @@ impl ColourScale {
             }
         }
         ui.painter().add(Shape::mesh(mesh));
-        // Covers the polygon's rough rim.
+        // Covers the polygon's jagged rim.
         ui.painter().circle_stroke(centre, RADIUS_POINTS, Stroke::new(1.5, ui.visuals().weak_text_color()));
         let arrow = Stroke::new(1.0, Color32::from_black_alpha(160));
         ui.painter().line_segment([centre, centre + vec2(RADIUS_POINTS - 1.0, 0.0)], arrow);
@@ -207,7 +207,7 @@ fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// The map and the part of it that is used: ends too dark to be seen over a dark picture are left out.
+/// Colour map and the part of it that is used: ends too dark to be seen over a dark picture are left out.
 fn map_of(by: ColourBy) -> (ColourMap, f32, f32) {
     match by {
         // Turbo stands out from grey pictures and from the diverging maps of DoG responses alike.
@@ -215,8 +215,8 @@ fn map_of(by: ColourBy) -> (ColourMap, f32, f32) {
             (ColourMap::Turbo, 0.08, 0.92)
         }
         ColourBy::Scale | ColourBy::Snr => (ColourMap::Magma, 0.45, 1.0),
-        // What does not answer evenly is told at a glance, red; most features are at the other end, which is light
-        // enough for a dark picture.
+        // Uneven responses stand out in red; most features are at the other end, which is light enough for a dark
+        // picture.
         ColourBy::Coherence => (ColourMap::Turbo, 0.92, 0.25),
     }
 }
@@ -234,7 +234,7 @@ mod tests {
         assert_eq!(ColourScale::of(ColourBy::Response, &features).min, -0.1);
         for by in ColourBy::ALL {
             let scale = ColourScale::of(by, &features);
-            // Both have this in common.
+            // The two features have this quantity in common.
             if matches!(by, ColourBy::SlopeV | ColourBy::Snr | ColourBy::Limit | ColourBy::Coherence) {
                 assert_eq!(scale.colour(0, &features[0]), scale.colour(1, &features[1]));
             } else {
@@ -251,7 +251,7 @@ mod tests {
             let scale = ColourScale::of(by, &[weak, strong]);
             assert_ne!(scale.colour(0, &weak), scale.colour(1, &strong), "{by:?}");
         }
-        // Without noise the ratio is infinite, and has a colour all the same.
+        // Without noise the ratio is infinite; it still has a colour.
         let noiseless = Feature { snr: f32::INFINITY, ..weak };
         ColourScale::of(ColourBy::Snr, &[noiseless]).colour(0, &noiseless);
     }

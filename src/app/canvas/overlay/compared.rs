@@ -1,22 +1,22 @@
-//! Features of ours and of others over a picture: circles of true scale in a colour for what became of each, dashed
-//! where only the others have it, with a line from where it was.
+//! Our features and those of others over a picture: circles of true scale, coloured by the outcome of the comparison,
+//! dashed for features that only the others have, with a line from the compared place.
 
 use super::strokes::Strokes;
 use super::{CanvasOutput, MIN_RADIUS_POINTS};
 use egui::{Color32, Pos2, Shape};
 
-/// A feature as it is drawn.
+/// Mark of a compared feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedMark {
-    /// Where it is, image pixels.
+    /// Place, image pixels.
     pub pos_image: Pos2,
     /// Scale σ, image pixels.
     pub sigma: f32,
-    /// Where it was, image pixels.
+    /// Previous place of a feature that moved, image pixels; a line is drawn from it.
     pub from_image: Option<Pos2>,
-    /// Its colour.
+    /// Colour of the circle.
     pub colour: Color32,
-    /// Whether it is not one of ours.
+    /// Whether the feature is not one of ours.
     pub dashed: bool,
 }
 
@@ -26,7 +26,7 @@ impl ComparedMark {
     }
 }
 
-/// Draws `marks` over the canvas that answered `output`; the one that is `highlighted` lies above all others.
+/// Draws `marks` over the canvas of `output`; the `highlighted` one lies above all others.
 pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted: Option<usize>) {
     let mut strokes = Strokes::new(output.painter.pixels_per_point());
     let edge = Color32::from_black_alpha(110);
@@ -59,7 +59,7 @@ fn draw_one(strokes: &mut Strokes, output: &CanvasOutput, mark: &ComparedMark, w
     }
 }
 
-/// The mark under the pointer: the one whose circle or middle is nearest, within a few points.
+/// Finds the mark under the pointer: that with the nearest circle or centre, within a few points.
 pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> Option<usize> {
     const REACH_POINTS: f32 = 8.0;
     let t = output.ui_from_image;

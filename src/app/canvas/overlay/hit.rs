@@ -1,14 +1,14 @@
-//! Which feature is under the pointer.
+//! Finds the feature under the pointer.
 
 use super::{circle_radius_image, is_shown};
 use crate::app::canvas::RectTransform;
 use crate::detector::feature::Feature;
 use egui::Pos2;
 
-/// How near the pointer must come to a centre or a circle line, in points.
+/// Maximum distance of the pointer from a centre or a circle line, in points.
 const TOLERANCE_POINTS: f32 = 7.0;
 
-/// Index of the feature under `pos_ui`: the one whose centre or circle line is nearest within a few points; else the
+/// Index of the feature under `pos_ui`: that with the nearest centre or circle line within a few points; otherwise the
 /// smallest circle around the pointer. `shown` is as in [`super::OverlayStyle`].
 pub fn feature_at(
     features: &[Feature],
@@ -26,7 +26,7 @@ pub fn feature_at(
         }
         let to_mark = distance.min((distance - radius).abs());
         if to_mark <= TOLERANCE_POINTS {
-            // Of equally near ones the smaller, which is harder to hit.
+            // Of equally near ones, the smaller one is chosen, which is harder to hit.
             if near.is_none_or(|(d, r, _)| (to_mark, radius) < (d, r)) {
                 near = Some((to_mark, radius, i));
             }

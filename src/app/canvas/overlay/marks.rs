@@ -1,28 +1,28 @@
-//! Circles over a picture that are no features: candidates, for example.
+//! Circles over a picture that are no features, such as candidates.
 
 use super::strokes::Strokes;
 use crate::app::canvas::{CanvasOutput, RectTransform};
 use egui::{Color32, Pos2, Shape};
 
-/// A circle at a place of the image.
+/// Circle at a place of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CircleMark {
-    /// Its middle, image pixels.
+    /// Centre, image pixels.
     pub centre: Pos2,
-    /// Its radius, image pixels.
+    /// Radius, image pixels.
     pub radius: f32,
-    /// Its colour.
+    /// Colour of the circle.
     pub colour: Color32,
-    /// Whether it stands out.
+    /// Whether the circle stands out.
     pub strong: bool,
 }
 
-/// A mark is pointed at from within this distance of its circle's middle or line, points.
+/// Maximum distance of the pointer from a mark's centre, points; from its line, half as much.
 const REACH: f32 = 6.0;
-/// No circle is smaller than this, points.
+/// Minimum radius of a circle, points.
 const MIN_RADIUS: f32 = 2.0;
 
-/// Draws the marks that can be seen.
+/// Draws the visible marks.
 pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>) {
     let rect = output.painter.clip_rect();
     let mut strokes = Strokes::new(output.painter.ctx().pixels_per_point());
@@ -40,8 +40,8 @@ pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>
     output.painter.add(Shape::mesh(strokes.into_mesh()));
 }
 
-/// Which of the circles (middle and radius, image pixels) is pointed at: the one whose middle is nearest, of those
-/// within reach.
+/// Finds the circle (centre and radius, image pixels) under the pointer: of those within reach, that with the nearest
+/// centre.
 pub fn circle_at(
     marks: impl Iterator<Item = (Pos2, f32)>,
     ui_from_image: RectTransform,

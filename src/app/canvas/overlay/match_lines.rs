@@ -1,27 +1,27 @@
-//! Lines from features of one picture to those of another: drawn, and found under the pointer.
+//! Match lines between features of two pictures: drawing, and finding the line under the pointer.
 //!
-//! Inliers are solid and yellow, outliers dashed and vermilion: two signs each, so that nobody depends on telling the
-//! colours apart. A line is drawn where both its ends are in sight; an end whose other end is outside its pane is
-//! marked by a small ring.
+//! Inliers are solid and yellow, outliers dashed and vermilion: two signs each, so that the colours alone need not be
+//! told apart. A line is drawn where both its ends are visible; an end whose other end is outside its pane is marked by
+//! a small ring.
 
 use super::super::RectTransform;
 use super::strokes::Strokes;
 use crate::export::{INLIER_COLOR, OUTLIER_COLOR};
 use egui::{Color32, Painter, Pos2, Rect, Shape};
 
-/// What is known of a match.
+/// Verification state of a match.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineKind {
-    /// It agrees with the geometry.
+    /// Agrees with the geometry.
     Inlier,
-    /// It does not.
+    /// Does not agree with it.
     Outlier,
     /// No geometry was asked for.
     Unverified,
 }
 
 impl LineKind {
-    /// The kind of a match that is (or is not) an inlier, or was not verified.
+    /// Kind of a match that is (or is not) an inlier; `None` means not verified.
     pub fn of(inlier: Option<bool>) -> Self {
         match inlier {
             Some(true) => Self::Inlier,
@@ -30,7 +30,7 @@ impl LineKind {
         }
     }
 
-    /// Its colour, which can be seen over dark and bright pictures.
+    /// Colour of the line, visible over dark and bright pictures.
     pub fn colour(self) -> Color32 {
         match self {
             Self::Inlier => rgb(INLIER_COLOR),
@@ -39,26 +39,26 @@ impl LineKind {
         }
     }
 
-    /// Whether its line is dashed.
+    /// Whether the line is dashed.
     pub fn is_dashed(self) -> bool {
         self == Self::Outlier
     }
 }
 
-/// A match as it is drawn.
+/// Line of a match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchLine {
-    /// Its number, by which it is selected.
+    /// Index of the match, by which it is selected.
     pub index: usize,
-    /// Its place in A, image pixels.
+    /// Place in A, image pixels.
     pub a: Pos2,
-    /// Its place in B, image pixels.
+    /// Place in B, image pixels.
     pub b: Pos2,
-    /// What is known of it.
+    /// Kind of the match.
     pub kind: LineKind,
 }
 
-/// Where one of the two pictures is.
+/// Place of one of the two pictures in the window.
 #[derive(Debug, Clone, Copy)]
 pub struct Pane {
     /// From image pixels to points of the window.
@@ -67,29 +67,29 @@ pub struct Pane {
     pub rect_ui: Rect,
 }
 
-/// How the lines are drawn.
+/// Style of the lines.
 #[derive(Debug, Clone, Copy)]
 pub struct MatchLineStyle {
-    /// 0 … 1.
+    /// Opacity, 0 … 1.
     pub opacity: f32,
     /// The selected match, above all others.
     pub selected: Option<usize>,
     /// The match under the pointer, above all others.
     pub hovered: Option<usize>,
-    /// Whether the others are drawn much fainter, so that the selected one stands out.
+    /// Whether the other matches are drawn much fainter than the selected one.
     pub others_faint: bool,
 }
 
-/// How near the pointer must come to an end or to a line, in points.
+/// Maximum distance of the pointer from an end or from a line, in points.
 const END_TOLERANCE_POINTS: f32 = 7.0;
 const LINE_TOLERANCE_POINTS: f32 = 4.0;
 /// Width of a line, in points.
 const WIDTH: f32 = 1.3;
-/// Length of a dash and of the gap behind it, in points.
+/// Length of a dash and of the gap after it, in points.
 const DASH: (f32, f32) = (6.0, 4.5);
 
 impl MatchLine {
-    /// Its two ends in points, each with whether it is in sight.
+    /// Both ends in points, each with whether it is visible.
     fn ends(&self, panes: &[Pane; 2]) -> [(Pos2, bool); 2] {
         let end = |pane: &Pane, at: Pos2| {
             let pos = pane.ui_from_image.pos(at);
@@ -99,12 +99,12 @@ impl MatchLine {
     }
 }
 
-/// Draws `lines` from pane to pane. The painter must reach over both.
+/// Draws `lines` from pane to pane. The painter must cover both panes.
 pub fn draw_match_lines(painter: &Painter, panes: &[Pane; 2], lines: &[MatchLine], style: &MatchLineStyle) {
     let mut strokes = Strokes::new(painter.pixels_per_point());
     let lifted = |line: &MatchLine| [style.selected, style.hovered].contains(&Some(line.index));
     let opacity = style.opacity * if style.others_faint { 0.22 } else { 1.0 };
-    // Outliers lie below: there may be many, and they mean less.
+    // Outliers lie below: there may be many, and they matter less.
     for kind in [LineKind::Outlier, LineKind::Unverified, LineKind::Inlier] {
         for line in lines.iter().filter(|line| line.kind == kind && !lifted(line)) {
             draw_one(&mut strokes, panes, line, WIDTH, line.kind.colour().gamma_multiply(opacity));
@@ -139,8 +139,8 @@ fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, width: f
     }
 }
 
-/// The number of the match under `pos_ui`: the one with the nearest end within a few points, else the one with the
-/// nearest line.
+/// Index of the match under `pos_ui`: that with the nearest end within a few points, otherwise that with the nearest
+/// line.
 pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<usize> {
     let mut best: Option<(bool, f32, usize)> = None;
     for line in lines {

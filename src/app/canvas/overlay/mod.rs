@@ -1,8 +1,8 @@
 //! Features over a picture: circles of true scale, orientation, motion over the burst.
 //!
-//! The circle is the rim of the disc that D answers most strongly at scale σ. The tick points along the orientation.
-//! The arrow runs from where the feature is in the first frame to where it is in the last. Features whose slope lies on
-//! the rim of the searched grid have a dashed circle: their true motion may lie outside.
+//! The circle is the rim of the disc to which D responds most strongly at scale σ. The tick points along the
+//! orientation. The arrow runs from the feature's place in the first frame to that in the last. Features whose slope
+//! lies on the rim of the searched grid have a dashed circle: their true motion may lie outside.
 
 mod colour_by;
 mod compared;
@@ -25,14 +25,14 @@ use egui::{Color32, Mesh, Pos2, Shape, pos2};
 use rayon::prelude::*;
 use strokes::Strokes;
 
-/// How features are drawn.
+/// Style of the features.
 #[derive(Debug, Clone, Copy)]
 pub struct OverlayStyle<'a> {
-    /// What their colours tell.
+    /// Colours of the features.
     pub scale: &'a ColourScale,
-    /// Frames of the burst that were used, N: the arrow spans N − 1 steps.
+    /// Number of frames of the burst that were used, N: the arrow spans N − 1 steps.
     pub frames: usize,
-    /// One flag for each feature, `false` leaves it out; `None` shows all.
+    /// Flag of each feature, `false` hides it; `None` shows all.
     pub shown: Option<&'a [bool]>,
     /// Index of the selected feature.
     pub selected: Option<usize>,
@@ -49,7 +49,7 @@ pub struct OverlayStyle<'a> {
 }
 
 impl<'a> OverlayStyle<'a> {
-    /// Everything shown, nothing selected, for a burst of `frames` frames.
+    /// Style that shows everything and selects nothing, for a burst of `frames` frames.
     pub fn new(scale: &'a ColourScale, frames: usize) -> Self {
         Self {
             scale,
@@ -65,8 +65,8 @@ impl<'a> OverlayStyle<'a> {
     }
 }
 
-/// Radius of a feature's circle, in image pixels: the rim of the disc that D answers most strongly at its scale, for
-/// the usual five levels an octave 1.51·σ (four: 1.54·σ, ten: 1.46·σ).
+/// Radius of a feature's circle, in image pixels: the rim of the disc to which D responds most strongly at its scale;
+/// 1.51·σ for the usual five levels an octave (four: 1.54·σ, ten: 1.46·σ).
 pub fn circle_radius_image(feature: &Feature) -> f32 {
     rim_radius(f64::from(feature.sigma), USUAL_LEVELS) as f32
 }
@@ -74,26 +74,25 @@ pub fn circle_radius_image(feature: &Feature) -> f32 {
 /// Levels of the default parameters.
 const USUAL_LEVELS: usize = 5;
 
-/// Where a feature is in the first and in the last of `frames` frames, in image pixels.
+/// Places of a feature in the first and in the last of `frames` frames, in image pixels.
 pub fn motion_image(feature: &Feature, frames: usize) -> (Pos2, Pos2) {
     let half_span = 0.5 * frames.saturating_sub(1) as f32;
     let (du, dv) = (half_span * feature.slope.u, half_span * feature.slope.v);
     (pos2(feature.u - du, feature.v - dv), pos2(feature.u + du, feature.v + dv))
 }
 
-/// Whether feature `i` is to be shown.
+/// Whether feature `i` is shown.
 fn is_shown(shown: Option<&[bool]>, i: usize) -> bool {
     shown.is_none_or(|flags| flags.get(i).copied().unwrap_or(true))
 }
 
-/// Above this number of visible features the dark edge around the lines is left out: it would only darken the crowd.
+/// Maximum number of visible features with a dark edge around their lines; a larger crowd would only get darker.
 const MAX_WITH_EDGE: usize = 1500;
 
-/// Circles smaller than this, in points, are drawn at this size, so that a feature never vanishes.
+/// Minimum radius of a drawn circle, in points, so that a feature never vanishes.
 const MIN_RADIUS_POINTS: f32 = 1.5;
 
-/// Draws `features` over the canvas that answered `output`. What lies outside costs nothing; thousands draw at display
-/// rate.
+/// Draws `features` over the canvas of `output`. Invisible features cost nothing; thousands are drawn at display rate.
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
     let pixels_per_point = output.painter.pixels_per_point();
     let visible: Vec<usize> = (0..features.len())
@@ -101,7 +100,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
         .collect();
     let opacity = if style.stale { 0.35 } else { 0.95 };
     let edges = visible.len() <= MAX_WITH_EDGE && !style.stale;
-    // Meshes are built in parallel; their order is that of the features.
+    // Meshes are built in parallel, in the features' order.
     let meshes: Vec<Mesh> = visible
         .par_chunks(256)
         .map(|chunk| {
@@ -119,7 +118,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
         .collect();
     output.painter.extend(meshes.into_iter().filter(|mesh| !mesh.is_empty()).map(Shape::mesh));
     let mut strokes = Strokes::new(pixels_per_point);
-    // What is pointed at and what is selected lie above all others.
+    // The hovered and the selected feature lie above all others.
     for (highlight, width) in [(style.hovered, 2.0), (style.selected, 2.6)] {
         let shown = highlight.filter(|&i| is_shown(style.shown, i));
         let Some((index, feature)) = shown.and_then(|i| Some((i, features.get(i)?))) else { continue };
@@ -159,7 +158,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
     }
 }
 
-/// Whether anything of the feature may fall into the canvas.
+/// Whether any part of the feature may be visible in the canvas.
 fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
     let (first, last) = motion_image(feature, frames);
     let reach = circle_radius_image(feature) + 4.0 / output.ui_from_image.scale();
@@ -173,7 +172,7 @@ mod tests {
     use super::*;
     use crate::detector::params::slope_grid::Slope;
 
-    /// A feature with what matters here.
+    /// Test feature with the given values.
     pub(super) fn feature(u: f32, v: f32, sigma: f32, slope: (f32, f32), response: f32) -> Feature {
         Feature {
             u,

@@ -1,6 +1,6 @@
 //! Anti-aliased circles and lines, thousands of them in one mesh.
 //!
-//! egui could draw each as a shape of its own; one mesh for all saves it the sorting and stroking and keeps a full
+//! egui could draw each as a shape of its own; one mesh for all avoids sorting and stroking them, and keeps a full
 //! window at display rate.
 
 use egui::{Color32, Mesh, Pos2, Vec2};
@@ -13,22 +13,22 @@ pub struct Strokes {
 }
 
 impl Strokes {
-    /// For a screen with `pixels_per_point`.
+    /// Creates an empty collection for a screen with `pixels_per_point`.
     pub fn new(pixels_per_point: f32) -> Self {
         Self { mesh: Mesh::default(), feather: 1.0 / pixels_per_point }
     }
 
-    /// All strokes so far.
+    /// Returns the mesh of all strokes.
     pub fn into_mesh(self) -> Mesh {
         self.mesh
     }
 
     /// Adds the vertices across a stroke at one place: `at(distance)` is the position at a distance from its middle.
-    /// Four of them, from one soft edge over the solid part to the other; three for a line so thin that nearly all of
-    /// it is soft edge. Answers how many.
+    /// Adds four vertices, from one soft edge over the solid part to the other, or three for a line so thin that nearly
+    /// all of it is soft edge. Returns their number.
     fn across(&mut self, width: f32, colour: Color32, at: impl Fn(f32) -> Pos2) -> u32 {
         if width < 1.7 * self.feather {
-            // The same area as four vertices would cover.
+            // Covers as much area as four vertices would.
             let reach = width;
             self.mesh.colored_vertex(at(-reach), Color32::TRANSPARENT);
             self.mesh.colored_vertex(at(0.0), colour);
@@ -44,7 +44,7 @@ impl Strokes {
         4
     }
 
-    /// Two rows of `count` vertices become bands of two triangles.
+    /// Joins two rows of `count` vertices by bands of two triangles.
     fn join(&mut self, a: u32, b: u32, count: u32) {
         for band in 0..count - 1 {
             self.mesh.add_triangle(a + band, a + band + 1, b + band);
@@ -52,7 +52,7 @@ impl Strokes {
         }
     }
 
-    /// A circle line. With `dashed` every other piece is left out.
+    /// Adds a circle. With `dashed` every other piece is left out.
     pub fn circle(&mut self, centre: Pos2, radius: f32, width: f32, colour: Color32, dashed: bool) {
         let table = unit_circle(radius);
         let first = self.mesh.vertices.len() as u32;
@@ -61,7 +61,7 @@ impl Strokes {
             count = self.across(width, colour, |offset| centre + (radius + offset).max(0.0) * direction);
         }
         let pieces = table.len() as u32;
-        // Dashes of equal length: as many as divide the circle.
+        // Dashes of equal length: their number divides the circle.
         let per_dash = (pieces / 16).max(1);
         for i in 0..pieces {
             if !dashed || (i / per_dash).is_multiple_of(2) {
@@ -70,7 +70,7 @@ impl Strokes {
         }
     }
 
-    /// A straight line.
+    /// Adds a straight line.
     pub fn line(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32) {
         let along = to - from;
         if along.length_sq() < 1e-6 {
@@ -83,7 +83,7 @@ impl Strokes {
         self.join(first, first + count, count);
     }
 
-    /// A dashed line; `(dash, gap)` are lengths, in points. It begins and ends with a dash.
+    /// Adds a dashed line; `(dash, gap)` are lengths, in points. It begins and ends with a dash.
     pub fn dashed(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32, (dash, gap): (f32, f32)) {
         let length = from.distance(to);
         let count = ((length + gap) / (dash + gap)).round().max(1.0);
@@ -96,7 +96,7 @@ impl Strokes {
         }
     }
 
-    /// A line with an arrow head at `to`.
+    /// Adds a line with an arrow head at `to`.
     pub fn arrow(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32) {
         self.line(from, to, width, colour);
         let along = to - from;
@@ -108,7 +108,7 @@ impl Strokes {
     }
 }
 
-/// Directions around a circle, enough of them for `radius` in points to look round.
+/// Directions around a circle, as many as a circle of `radius` points needs to look round.
 fn unit_circle(radius: f32) -> &'static [Vec2] {
     use std::sync::LazyLock;
     static TABLES: LazyLock<[Vec<Vec2>; 5]> = LazyLock::new(|| {
@@ -116,8 +116,7 @@ fn unit_circle(radius: f32) -> &'static [Vec2] {
             .map(|n| (0..n).map(|i| Vec2::angled(i as f32 * std::f32::consts::TAU / n as f32)).collect())
     });
     let index = match radius {
-        // The largest distance between circle and polygon stays below a sixth of a point (half a point for the very
-        // large).
+        // The distance between circle and polygon stays below a sixth of a point (half a point for the very large).
         r if r < 2.5 => 0,
         r if r < 9.0 => 1,
         r if r < 36.0 => 2,

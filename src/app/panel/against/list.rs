@@ -1,4 +1,4 @@
-//! The list of a comparison: its counts in a line, and a row for each feature.
+//! List of a comparison: its counts in a line, and a row for each feature.
 
 use super::marks::{key_ui, select};
 use crate::app::actions::{ActionId, Queue, button_ui};
@@ -10,7 +10,7 @@ use crate::app::project::against::{Kind, Row, Shown, With};
 use egui::{Align, Label, Layout, ProgressBar, RichText, Sense, Ui, pos2};
 use egui_extras::{Column, TableBuilder};
 
-/// The switch between what is compared with.
+/// Draws the switch between the things to compare with.
 fn switch_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     for with in With::ALL {
         let (on, there) = (model.against.with == Some(with), model.against.has(with));
@@ -39,7 +39,7 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 
 const PROBE_HELP: &str = "Say why there is a feature at its place, or why there is none";
 
-/// Draws the list, or why there is none.
+/// Draws the list, or the reason why there is none.
 pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| switch_ui(ui, model, queue));
     let Some(shown) = model.against.shown.clone() else {
@@ -93,7 +93,7 @@ fn what_to_do(model: &Model) -> &'static str {
     }
 }
 
-/// Draws the rows; answers the one that was clicked, and the one whose place is to be probed.
+/// Draws the rows; returns the clicked row, and the one whose place is to be probed.
 fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Option<usize>) {
     let listed: Vec<usize> = (0..shown.rows.len()).filter(|&row| model.against.shows(shown.rows[row].kind)).collect();
     let (mut clicked, mut hovered, mut probed) = (None, None, None);
@@ -155,7 +155,7 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Op
                 }
             });
         });
-    // Elsewhere it may be over a picture, which says of what.
+    // The pointer may be over a picture instead, which then sets the hovered row.
     if is_pointed_at {
         model.against.hovered = hovered;
     }
@@ -172,7 +172,7 @@ fn cells(row: &Row) -> [String; 5] {
     ]
 }
 
-/// Moves the picture in focus where the row's place cannot be seen.
+/// Moves the focused picture where the row's place is not visible.
 fn bring_into_view(model: &mut Model, widgets: &PaneWidgets, row: &Row) {
     let focus = model.focus();
     let place = pos2(row.pos_image[0], row.pos_image[1]);

@@ -1,4 +1,4 @@
-//! The comparison over a picture: drawn, pointed at, chosen, and what its colours mean.
+//! Comparison over a picture: drawing, hovering, selection, and the legend.
 
 use super::colour;
 use crate::app::canvas::CanvasOutput;
@@ -9,7 +9,7 @@ use crate::app::project::against::{Kind, Row, Shown};
 use crate::requests::Picture;
 use egui::{Frame, Margin, RichText, Sense, Ui, UiBuilder, pos2, vec2};
 
-/// The marks of the rows that are drawn, with their rows' indices; in a frame where it is at its time.
+/// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
 fn marks_of(model: &Model, shown: &Shown, picture: Option<&Picture>) -> (Vec<usize>, Vec<ComparedMark>) {
     let dt = frames_from_middle(picture, &shown.detection).unwrap_or(0.0);
     let drawn = shown.rows.iter().enumerate().filter(|(_, row)| model.against.shows(row.kind));
@@ -29,7 +29,7 @@ fn marks_of(model: &Model, shown: &Shown, picture: Option<&Picture>) -> (Vec<usi
         .unzip()
 }
 
-/// Draws the comparison over the canvas that answered `output`, and lets the pointer choose among its rows.
+/// Draws the comparison over the canvas of `output`, and lets the pointer choose among its rows.
 pub fn marks_ui(ui: &Ui, model: &mut Model, shown: &Shown, picture: Option<&Picture>, output: &CanvasOutput) {
     let (rows, marks) = marks_of(model, shown, picture);
     let clip = output.painter.clip_rect();
@@ -39,10 +39,10 @@ pub fn marks_ui(ui: &Ui, model: &mut Model, shown: &Shown, picture: Option<&Pict
     let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));
     if pointer.is_some() {
         model.against.hovered = pointed.map(|mark| rows[mark]);
-        // Features are not pointed at under the marks.
+        // Features under the marks are not hovered.
         model.hovered = None;
     }
-    // What is selected or pointed at elsewhere is one of ours.
+    // A feature selected or hovered elsewhere is one of ours.
     let of_ours = |feature: usize| rows.iter().position(|row| shown.rows[*row].feature == Some(feature));
     let focus = model.against.hovered.or(model.against.selected);
     let highlighted = focus.and_then(|row| rows.iter().position(|r| *r == row));
@@ -59,7 +59,7 @@ pub fn marks_ui(ui: &Ui, model: &mut Model, shown: &Shown, picture: Option<&Pict
     }
 }
 
-/// Selects a row, and with it our feature.
+/// Selects a row, and our feature in it.
 pub(super) fn select(model: &mut Model, shown: &Shown, row: Option<usize>) {
     model.against.selected = row;
     model.selected = row.and_then(|row| shown.rows.get(row)?.feature);
@@ -76,7 +76,7 @@ fn tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
     });
 }
 
-/// What the colours mean, in the lower left corner of the picture.
+/// Draws the legend in the lower left corner of the picture.
 pub fn legend_ui(ui: &mut Ui, model: &Model, shown: &Shown, output: &CanvasOutput) {
     let rect = output.response.rect;
     let fill = if ui.visuals().dark_mode {
@@ -101,10 +101,10 @@ pub fn legend_ui(ui: &mut Ui, model: &Model, shown: &Shown, output: &CanvasOutpu
     });
 }
 
-/// A small circle as those of the picture.
+/// Draws a small circle in the style of the picture's.
 pub(super) fn key_ui(ui: &mut Ui, shown: &Shown, kind: Kind) {
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
-    // Dark as the pictures are, so that the colours can be told in the light theme too.
+    // Dark as the pictures, so that the colours can be told apart in the light theme too.
     ui.painter().rect_filled(rect, 3.0, egui::Color32::from_gray(40));
     let stroke = egui::Stroke::new(1.6, colour(shown.with, kind));
     if kind == Kind::Theirs {

@@ -1,4 +1,4 @@
-//! The comparison of the features with others: over the picture, its legend, and its list.
+//! Comparison of the features with others: over the picture, its legend, and its list.
 
 mod list;
 mod marks;
@@ -9,7 +9,7 @@ pub use marks::{legend_ui, marks_ui};
 use crate::app::project::against::{Kind, With};
 use egui::Color32;
 
-/// The colours of what became of a feature: apart in hue and in lightness, and all to be seen over a grey picture.
+/// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
 pub fn colour(with: With, kind: Kind) -> Color32 {
     match (with, kind) {
         (_, Kind::Theirs) => Color32::from_rgb(0xff, 0x6b, 0xb5),

@@ -1,4 +1,4 @@
-//! The chart behind a point of a curve: the mean of its frames, and over it what was found, missed and found falsely.
+//! Chart behind a point of a curve: the mean of its frames, with the found and missed discs and the false features.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::overlay::circle_radius_image;
@@ -14,11 +14,11 @@ use crate::plane::display::Display;
 use crate::plane::statistics::{Region, percentiles};
 use egui::{Color32, ComboBox, Pos2, RichText, Sense, Shape, Stroke, Ui, vec2};
 
-/// What was found.
+/// Colour of found discs.
 const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
-/// What was not.
+/// Colour of missed discs.
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
-/// What is not there.
+/// Colour of false features.
 const FALSE: Color32 = Color32::from_rgb(213, 94, 0);
 
 /// Draws the panel.
@@ -51,7 +51,7 @@ pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, 
     });
 }
 
-/// Which result, ratio and method, and which of the charts.
+/// Draws the choice of result, ratio, method and chart.
 fn choice_ui(ui: &mut Ui, lab: &mut Lab) {
     let sets: Vec<(LabSet, String)> = lab
         .shown_results()

@@ -1,5 +1,5 @@
-//! The curves of the Lab: one large plot, smaller ones beside it, with the spread of every point. A point can be
-//! pointed at and clicked: its chart is looked at then.
+//! Curves of the Lab: one large plot, smaller ones beside it, with the spread of every point. Clicking a point shows
+//! its chart.
 
 use super::curve_colour;
 use crate::app::project::lab::{Lab, LabResult, LabSet};
@@ -9,10 +9,10 @@ use crate::inspect::words::number;
 use egui::{Color32, Pos2, RichText, Ui, vec2};
 use egui_plot::{Corner, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Points};
 
-/// A point is meant by the pointer within this distance, in points of the window.
+/// Maximum distance of the pointer from a point, in points of the window.
 const REACH_UI: f32 = 14.0;
 
-/// A curve as it is drawn.
+/// Curve with its style.
 struct Drawn {
     set: LabSet,
     name: String,
@@ -90,7 +90,7 @@ fn empty_ui(ui: &mut Ui) {
     });
 }
 
-/// The plots that are shown, each set with its name: what is written to files.
+/// Shown plots, each set with its name; these are written to files.
 pub fn shown_plots(lab: &Lab) -> Vec<(String, Vec<StudyPlot>)> {
     let rows = lab.shown_results().first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
     let row_label = rows.get(lab.roc_row).or(rows.last());
@@ -101,7 +101,7 @@ pub fn shown_plots(lab: &Lab) -> Vec<(String, Vec<StudyPlot>)> {
     lab.shown_results().iter().map(set).collect()
 }
 
-/// The plots of all results, those of the same subject laid over one another.
+/// Plots of all results, those of one subject laid over one another.
 fn merged(
     results: &[(LabSet, Option<&str>, &LabResult)],
     row_label: Option<&str>,
@@ -129,7 +129,7 @@ fn merged(
     plots
 }
 
-/// Draws one plot; answers the point under the pointer, and whether it was clicked.
+/// Draws one plot; returns the point under the pointer, and whether it was clicked.
 fn plot_ui(
     ui: &mut Ui,
     title: &str,
@@ -176,7 +176,7 @@ fn plot_ui(
     Some((one.set, StudyPoint { row_value: point.row_value, method: one.curve.method }, clicked))
 }
 
-/// A curve, its points, and how far each of them spreads. Kept ones are dashed.
+/// Draws a curve, its points, and the spread of each. Kept curves are dashed.
 fn draw_curve(
     area: &mut PlotUi<'_>,
     one: &Drawn,
@@ -205,7 +205,7 @@ fn draw_curve(
     }
 }
 
-/// The point nearest to the pointer, if one is near; `at` says where a point is in the window.
+/// Point nearest to the pointer within reach; `at` maps a point to the window.
 fn nearest(
     curves: &[Drawn],
     pos_ui: Pos2,
@@ -231,7 +231,7 @@ mod tests {
     use crate::synth::ChartParams;
     use std::sync::OnceLock;
 
-    /// A study of one small chart at two ratios.
+    /// Result of a study of one small chart at two ratios.
     fn result() -> LabResult {
         static RESULT: OnceLock<LabResult> = OnceLock::new();
         let study = || {

@@ -1,4 +1,4 @@
-//! The curves that were kept for comparison: shown or not, named, forgotten.
+//! Curves kept for comparison: whether they are shown, their names, and their removal.
 
 use crate::app::panel::widgets::name_field;
 use crate::app::project::lab::Lab;

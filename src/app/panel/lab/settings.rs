@@ -1,4 +1,4 @@
-//! What the Lab is asked: the question, the charts, the methods; and the button that starts the study.
+//! Settings of the Lab's study: the question, the charts, the methods, and the button that starts the study.
 
 use super::kept::kept_ui;
 use crate::app::actions::{ActionId, Queue, button_ui};
@@ -71,7 +71,7 @@ fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
 }
 
-/// A field of the charts: its name, what it is, and the widget.
+/// Draws a field of the charts: its name, help and widget.
 macro_rules! field {
     ($ui:expr, $name:literal, $help:literal, $widget:expr) => {{
         let label = $ui.label($name).on_hover_text($help);

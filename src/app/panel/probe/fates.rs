@@ -1,5 +1,5 @@
-//! The candidates near the place: the first test that each fails, all tests of the one that is looked at, and the one
-//! setting that would keep it.
+//! Candidates near the place: the first test that each fails, all tests of the selected one, and the one setting that
+//! would keep it.
 
 use super::apply_ui;
 use crate::app::actions::Queue;
@@ -18,10 +18,10 @@ use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, ve
 
 /// Height of a row of the list, points.
 const ROW: f32 = 18.0;
-/// Rows of the list that are seen at once.
+/// Number of visible rows of the list.
 const ROWS_SEEN: usize = 6;
 
-/// What a test is called where there is little room.
+/// Short name of a test.
 fn short_name(test: Test) -> &'static str {
     match test {
         Test::PeakThreshold => "peak threshold",
@@ -38,7 +38,7 @@ fn short_name(test: Test) -> &'static str {
     }
 }
 
-/// Draws the list, and below it what is known of the one that is looked at.
+/// Draws the list, and below it the selected candidate's tests.
 pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
     let fates = &answer.probe.fates;
     if fates.is_empty() {
@@ -70,7 +70,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
     }
 }
 
-/// Where the columns of the list begin, in parts of its width: σ, slope and strength end at theirs, the test begins.
+/// Positions of the list's columns, as fractions of its width: σ, slope and strength end there, the test begins there.
 const COLUMNS: [f32; 4] = [0.12, 0.42, 0.58, 0.61];
 
 fn heading_ui(ui: &mut Ui) {
@@ -89,7 +89,7 @@ fn heading_ui(ui: &mut Ui) {
 
 const ALIGNS: [Align2; 4] = [Align2::RIGHT_CENTER, Align2::RIGHT_CENTER, Align2::RIGHT_CENTER, Align2::LEFT_CENTER];
 
-/// One candidate; says whether it was clicked.
+/// Draws one candidate; returns whether it was clicked.
 fn row_ui(ui: &mut Ui, index: usize, fate: &Fate, selected: bool) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let visuals = ui.visuals();
@@ -132,7 +132,7 @@ fn row_ui(ui: &mut Ui, index: usize, fate: &Fate, selected: bool) -> bool {
     clicked
 }
 
-/// How far beyond or short of a limit, in percent; nothing for what is many times beyond.
+/// Distance beyond or short of a limit, in percent; empty from 1000 % on.
 fn margin_text(margin: f64) -> String {
     if margin.is_finite() && margin.abs() < 10.0 {
         format!("{:+.0} %", 100.0 * margin).replace('-', "−")
@@ -141,7 +141,7 @@ fn margin_text(margin: f64) -> String {
     }
 }
 
-/// The verdict, the remedy, and every test in order.
+/// Draws the verdict, the remedy, and every test in order.
 fn fate_ui(ui: &mut Ui, model: &mut Model, fate: &Fate, queue: &mut Queue) {
     let verdict = counted_from_one(&fate.verdict);
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
@@ -166,7 +166,7 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, fate: &Fate, queue: &mut Queue) {
     });
 }
 
-/// A sentence with its capital letter and its full stop.
+/// Makes a sentence: adds a capital letter and a full stop.
 pub(super) fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
@@ -193,7 +193,7 @@ fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
     }
 }
 
-/// One test: what it says, its name, the value, the limit and the margin.
+/// Draws one test: its outcome, name, value, limit and margin.
 fn test_ui(ui: &mut Ui, report: &TestReport, first: bool) {
     let (mark, colour, says) = match report.outcome {
         Outcome::Passes => ("✔", style::good(ui), "passes"),

@@ -1,28 +1,28 @@
-//! A map of a response as it lies in the panel: its cells, the numbers around it, and what is drawn over it.
+//! Map of a response in the panel: its cells, the numbers around it, and its overlays.
 
 use crate::inspect::response::FineAxis;
 use crate::inspect::words::number;
 use crate::plane::Plane;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
-/// Room for the numbers beside and below a map, points.
+/// Space for the numbers beside and below a map, points.
 pub(super) const LEFT: f32 = 30.0;
 const BELOW: f32 = 28.0;
 
-/// A map as it lies in the panel: cells in `rect`.
+/// Area of a map in the panel: cells in `rect`.
 pub(super) struct Area {
     pub(super) rect: Rect,
     pub(super) cells: (usize, usize),
 }
 
 impl Area {
-    /// The middle of a cell; between cells too.
+    /// Position of a cell's centre; fractions lie between cells.
     pub(super) fn pos(&self, column: f32, row: f32) -> Pos2 {
         let (width, height) = (self.cells.0 as f32, self.cells.1 as f32);
         self.rect.min + vec2((column + 0.5) / width * self.rect.width(), (row + 0.5) / height * self.rect.height())
     }
 
-    /// The cell under `pos`.
+    /// Cell under `pos`.
     pub(super) fn cell(&self, pos: Pos2) -> Option<(usize, usize)> {
         let at = |x: f32, span: f32, n: usize| ((x / span * n as f32).max(0.0) as usize).min(n - 1);
         let from = pos - self.rect.min;
@@ -32,14 +32,14 @@ impl Area {
     }
 }
 
-/// Room for a map with numbers beside and below it.
+/// Allocates space for a map with numbers beside and below it.
 pub(super) fn area_ui(ui: &mut Ui, height: f32, cells: (usize, usize)) -> (Area, egui::Response) {
     let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), height + BELOW), Sense::click());
     let rect = Rect::from_min_max(whole.min + vec2(LEFT, 2.0), whole.max - vec2(4.0, BELOW - 2.0));
     (Area { rect, cells }, response)
 }
 
-/// The column, between columns too, of a slope along an axis.
+/// Column of a slope along an axis; fractions lie between columns.
 pub(super) fn column_of(axis: &FineAxis, slope: f32) -> f32 {
     match axis.values[..] {
         [first, second, ..] => (slope - first) / (second - first),
@@ -47,14 +47,14 @@ pub(super) fn column_of(axis: &FineAxis, slope: f32) -> f32 {
     }
 }
 
-/// The first and the last slope of a grid.
+/// First and last slope of a grid.
 pub(super) fn ends(grid: &[f32]) -> Vec<f32> {
     let mut ends: Vec<f32> = grid.first().into_iter().chain(grid.last()).copied().collect();
     ends.dedup();
     ends
 }
 
-/// Marks at the grid's slopes, numbers at some of them, and what the axis is.
+/// Draws marks at the grid's slopes, numbers at some of them, and the axis's name.
 pub(super) fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
     let (painter, colour) = (ui.painter(), ui.visuals().weak_text_color());
     let font = TextStyle::Small.resolve(ui.style());
@@ -71,7 +71,7 @@ pub(super) fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
     painter.text(pos2(area.rect.center().x, bottom + 14.0), Align2::CENTER_TOP, name, font, colour);
 }
 
-/// Dashes where the slopes that are searched end, and faint lines at each of them.
+/// Draws dashes at the ends of the searched slopes, and faint lines at each slope.
 pub(super) fn rims(painter: &Painter, area: &Area, axis: &FineAxis, upright: bool) {
     if axis.grid.len() < 2 {
         return;
@@ -94,7 +94,7 @@ pub(super) fn rims(painter: &Painter, area: &Area, axis: &FineAxis, upright: boo
     }
 }
 
-/// Lines between cells that reach the gate and cells that do not.
+/// Draws lines between cells that reach the gate and cells that do not.
 pub(super) fn contour(painter: &Painter, area: &Area, plane: &Plane, gate: f32) {
     let reaches = |column: usize, row: usize| plane.at(column, row).abs() >= gate;
     let (columns, rows) = plane.size();
@@ -112,7 +112,7 @@ pub(super) fn contour(painter: &Painter, area: &Area, plane: &Plane, gate: f32) 
     }
 }
 
-/// A candidate; what was kept, and what is looked at, is larger.
+/// Draws a candidate; kept and selected ones are larger.
 pub(super) fn ring(painter: &Painter, at: Pos2, kept: bool, selected: bool) {
     let radius = if kept || selected { 5.5 } else { 2.5 };
     let width = if kept { 2.0 } else { 1.0 };
@@ -123,7 +123,7 @@ pub(super) fn ring(painter: &Painter, at: Pos2, kept: bool, selected: bool) {
     painter.circle_stroke(at, radius, Stroke::new(width, colour));
 }
 
-/// Where the cursor of the pane in focus is.
+/// Draws the place of the focused pane's cursor.
 pub(super) fn square(painter: &Painter, at: Pos2) {
     let rect = Rect::from_center_size(at, vec2(8.0, 8.0));
     for (width, colour) in [(3.0, Color32::from_white_alpha(200)), (1.2, Color32::BLACK)] {

@@ -1,7 +1,7 @@
-//! The probe: what happened at a place, why, and what would change it.
+//! Probe panel: the candidates at a place, the reasons for their fates, and what would change them.
 //!
-//! All of it is what [`crate::inspect`] answers: the fates of the candidates near the place, the response over slope
-//! and scale, each frame's share, and what may be wrong with a feature.
+//! It shows the answers of [`crate::inspect`]: the fates of the candidates near the place, the response over slope and
+//! scale, each frame's share, and suspicions about a feature.
 
 mod fates;
 mod map_area;
@@ -23,7 +23,7 @@ use crate::requests::Probed;
 use crate::teach::Part;
 use egui::{Label, ProgressBar, RichText, ScrollArea, Ui};
 
-/// What the panel keeps from pass to pass: its pictures as textures.
+/// State of the panel, kept between passes: its pictures as textures.
 #[derive(Default)]
 pub struct ProbePanel {
     response: PlaneTexture,
@@ -31,7 +31,7 @@ pub struct ProbePanel {
     patches: PlaneTexture,
 }
 
-/// The two things that the panel on the right can show.
+/// Draws the two tabs of the right panel.
 pub fn tabs_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         ui.selectable_value(&mut model.probe.is_open, false, "Display and feature")
@@ -104,7 +104,7 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
     }
 }
 
-/// Says that the answer belongs to other parameters.
+/// Draws a warning when the answer belongs to other parameters.
 fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if model.probe_is_stale() && !model.slots.a.detecting.is_pending() {
         ui.horizontal_wrapped(|ui| {
@@ -116,7 +116,7 @@ fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
 }
 
-/// A button that makes a change of a parameter and searches again.
+/// Draws a button that changes a parameter and searches again.
 fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Queue) {
     let response = ui.button("Apply").on_hover_text(format!(
         "Set {} and detect again; Undo takes it back\n{}",
@@ -133,7 +133,7 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Qu
     }
 }
 
-/// The strength of a response as people read it: σ of its noise, or D itself where there is no noise.
+/// Text of a response's strength: in σ of its noise, or D itself where there is no noise.
 fn strength_text(answer: &Probed, value: f32) -> String {
     if answer.probe.response.is_noiseless { format!("{value:+.1e}") } else { format!("{value:+.1} σ") }
 }

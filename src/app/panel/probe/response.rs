@@ -1,5 +1,5 @@
-//! The response over slope and scale: where a blob peaks, where the gate is, and what the search took. A click goes
-//! there.
+//! Response over slope and scale: the peak of a blob, the gate, and the candidates of the search. A click moves the
+//! cursor there.
 
 use super::map_area::{LEFT, area_ui, column_of, contour, ends, grid_below, rims, ring, square};
 use super::strength_text;
@@ -50,7 +50,7 @@ pub(super) fn response_ui(
     );
 }
 
-/// Slope × scale.
+/// Draws the map of slope × scale.
 fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap, texture: &mut PlaneTexture) {
     let (columns, rows) = map.snr.size();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
@@ -104,7 +104,7 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     }
 }
 
-/// Slope × slope at one scale.
+/// Draws the map of slope × slope at one scale.
 fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane, texture: &mut PlaneTexture) {
     let (columns, rows) = plane.snr.size();
     let room = ui.available_width() - LEFT;
@@ -141,7 +141,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     let clicked = response.clicked();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over both slopes"));
     let Some((column, row)) = cell else { return };
-    // The axes may be turned: the grid says which slope a cell is.
+    // The axes may be rotated: the grid gives the slope of a cell.
     let grid = answer.request.traced.cache.params().used_slopes();
     let place = |axis: &FineAxis, at: usize| {
         let step = (axis.values.len() as f32 - 1.0) / (axis.grid.len() as f32 + 1.0);
@@ -154,7 +154,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     }
 }
 
-/// Shows the pane in focus at that slope and scale: the response itself.
+/// Shows the DoG at that slope and scale in the focused pane.
 fn go_to(model: &mut Model, slope: Slope, scale: &Scale) {
     model.focus_on_side(Side::A);
     model.playing = false;
@@ -179,7 +179,7 @@ fn display_of(plane: &Plane, gate: f32) -> Display {
     Display::symmetric(finite.fold(gate.max(1e-6), |max, x| max.max(x.abs())))
 }
 
-/// Where a candidate peaks: refined, if it became a feature, otherwise its sample.
+/// Slope and σ of a candidate: refined, if it became a feature, otherwise those of its sample.
 fn refined(answer: &Probed, fate: &Fate) -> (Slope, f32) {
     let features = &answer.request.traced.cache.detection().features;
     match fate.features.first().and_then(|&index| features.get(index)) {
@@ -188,7 +188,7 @@ fn refined(answer: &Probed, fate: &Fate) -> (Slope, f32) {
     }
 }
 
-/// A slope along the map's axis: that of the nearest of its columns, and as much further as it lies from that.
+/// Position of a slope along the map's axis: the nearest column, plus the slope's distance from it along the axis.
 fn along(map: &ResponseMap, slope: Slope) -> f32 {
     let apart = |column: &usize| {
         let other = map.columns[*column];
@@ -203,7 +203,7 @@ fn along(map: &ResponseMap, slope: Slope) -> f32 {
     map.slopes.values[nearest] + more
 }
 
-/// The row, between rows too, of a scale: they are even in the logarithm of σ.
+/// Row of a scale; fractions lie between rows, which are uniform in the logarithm of σ.
 fn row_of(map: &ResponseMap, sigma: f32) -> f32 {
     let Some(next) = map.scales.iter().position(|scale| scale.sigma >= sigma) else {
         return map.scales.len() as f32 - 1.0;
@@ -221,7 +221,7 @@ mod tests {
     use crate::inspect::{ProbeCache, ProbeOptions, probe};
     use crate::monitor::Monitor;
 
-    /// The response map of a small burst, searched on `slopes`.
+    /// Response map of a small burst, searched on `slopes`.
     fn map(slopes: SlopeGrid) -> ResponseMap {
         let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
         let cache = ProbeCache::new(&open((48, 40), 3).burst, &params.into(), &Monitor::default()).expect("valid");

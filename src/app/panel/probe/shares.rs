@@ -1,4 +1,4 @@
-//! Each frame's share: the pixels along the way, and what each frame answers there alone, with its noise.
+//! Share of each frame: the pixels along the motion, and the response of each frame alone, with its noise.
 
 use super::texture::PlaneTexture;
 use crate::app::project::Model;
@@ -9,12 +9,12 @@ use crate::requests::Probed;
 use egui::{Color32, Label, RichText, Sense, Stroke, Ui, vec2};
 use egui_plot::{HLine, Line, Plot, PlotPoints, Points};
 
-/// Patches in a row of the strip.
+/// Maximum number of patches in a row of the strip.
 const IN_ROW: usize = 12;
-/// The least size of a patch that can be looked at, points.
+/// Minimum size of a useful patch, points.
 const PATCH: f32 = 18.0;
 
-/// Draws the strip, the plot and what they mean.
+/// Draws the strip, the plot and their explanation.
 pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
     let shares = &answer.probe.shares;
     if shares.frames.is_empty() {
@@ -36,7 +36,7 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture
         .on_hover_text("Coherence: 1 when all frames answer alike; when a part of them answers alone, that part");
 }
 
-/// The patches side by side, in time order. A click shows that frame.
+/// Draws the patches side by side, in time order. A click shows that frame.
 fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
     let shares = &answer.probe.shares;
     let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);
@@ -56,7 +56,7 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
         let cell = egui::Rect::from_min_size(corner, vec2(side, side));
         let stroke = Stroke::new(1.0, ui.visuals().panel_fill);
         ui.painter().rect_stroke(cell, 0.0, stroke, egui::StrokeKind::Inside);
-        // Where the feature is: the blob's circle.
+        // Circle of the blob, at the feature's place.
         let radius = std::f32::consts::SQRT_2 * shares.sigma / shares.patch_px * side;
         let colour = if frame.covers { Color32::from_rgb(255, 214, 90) } else { Color32::from_gray(120) };
         ui.painter().circle_stroke(cell.center(), radius, Stroke::new(1.0, colour));
@@ -88,7 +88,7 @@ fn montage(frames: &[FrameShare], columns: usize, rows: usize) -> Plane {
     })
 }
 
-/// What each frame answers, with one standard deviation of its noise to each side.
+/// Draws the response of each frame, with one standard deviation of its noise to each side.
 fn plot_ui(ui: &mut Ui, shares: &Shares) {
     let covering: Vec<&FrameShare> = shares.frames.iter().filter(|frame| frame.covers).collect();
     let point = |frame: &FrameShare| [frame.frame as f64, f64::from(frame.value)];

@@ -1,4 +1,4 @@
-//! What may be wrong with a feature that was kept, with what speaks for it.
+//! Suspicions about a kept feature, with their evidence.
 
 use super::apply_ui;
 use super::fates::sentence;
@@ -21,7 +21,7 @@ fn title(kind: Kind) -> (&'static str, &'static str) {
     }
 }
 
-/// Draws all of them.
+/// Draws all suspicions.
 pub(super) fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
     for suspicion in &answer.probe.suspicions {
         let frame = Frame::new().stroke(Stroke::new(1.0, style::warning(ui))).corner_radius(4);

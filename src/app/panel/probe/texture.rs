@@ -1,4 +1,4 @@
-//! A float picture as a texture, made anew only for another answer or another display.
+//! Float picture as a texture, made again only for another answer or another display.
 
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
@@ -6,7 +6,7 @@ use egui::{Color32, Rect, TextureHandle, TextureOptions, Ui, pos2};
 use std::any::Any;
 use std::sync::Arc;
 
-/// The texture that was drawn last.
+/// Last drawn texture.
 #[derive(Default)]
 pub struct PlaneTexture(Option<Made>);
 
@@ -18,8 +18,8 @@ struct Made {
 }
 
 impl PlaneTexture {
-    /// Draws a picture of the answer `of` into `rect`: pixels stay squares with sharp edges, NaN is the ground of
-    /// pictures.
+    /// Draws a picture of the answer `of` into `rect`: pixels are sharp squares, NaN has the colour of the canvas's
+    /// backdrop.
     pub fn draw<T: Any + Send + Sync>(
         &mut self,
         ui: &Ui,
@@ -30,7 +30,7 @@ impl PlaneTexture {
     ) {
         let dark = ui.visuals().dark_mode;
         let of: Arc<dyn Any + Send + Sync> = of.clone();
-        // Kept alive by what was made of it, its address is no other's.
+        // The texture keeps its answer alive, so that no other has its address.
         let is_same = |made: &Made| std::ptr::addr_eq(Arc::as_ptr(&made.of), Arc::as_ptr(&of));
         let fits = |made: &Made| is_same(made) && made.display == display && made.dark == dark;
         if !self.0.as_ref().is_some_and(fits) {

@@ -1,4 +1,4 @@
-//! Features and evidence at each slope, as bars of a line of slopes and as cells of a plane of them.
+//! Features and evidence at each slope, as bars along a line of slopes and as cells of a plane of slopes.
 
 use crate::app::canvas::number;
 use crate::app::style;
@@ -8,7 +8,7 @@ use crate::inspect::texture::dirichlet;
 use crate::plane::colour_map::ColourMap;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
-/// Draws the chart in a room of `height` points; `here` is the slope of the cursor.
+/// Draws the chart in a space of `height` points; `here` is the slope of the cursor.
 pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
     if spectrum.grid.is_plane() {
         plane_ui(ui, spectrum, height);
@@ -17,17 +17,17 @@ pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f3
     }
 }
 
-/// The colour of evidence.
+/// Colour of evidence.
 pub(super) fn evidence_colour(ui: &Ui) -> Color32 {
     style::good(ui)
 }
 
-/// The colour of the features at a slope: those on the rim may really be of slopes beyond it.
+/// Colour of the features at a slope: the true slopes of those on the rim may lie beyond it.
 pub(super) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
     if bar.is_on_rim { style::warning(ui) } else { style::ACCENT }
 }
 
-/// The bars that lie on the line that was searched, and the place of each on it.
+/// Bars on the searched line, each with its place along the line.
 pub(super) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
     let second = spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1;
     let place = |bar: &SlopeBar| if second { (bar.at[1], bar.at[0]) } else { (bar.at[0], bar.at[1]) };
@@ -35,7 +35,7 @@ pub(super) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
     bars.filter(|((_, across), _)| *across == 0).map(|((along, _), bar)| (along, bar)).collect()
 }
 
-/// What there is at a slope, in words.
+/// Describes the features and evidence at a slope.
 pub(super) fn bar_text(bar: &SlopeBar) -> String {
     let where_to = if bar.is_on_rim {
         ", on the rim: the motion may lie beyond"
@@ -54,7 +54,7 @@ pub(super) fn bar_text(bar: &SlopeBar) -> String {
     )
 }
 
-/// Bars: features above the line, evidence below it.
+/// Draws bars: features above the line, evidence below it.
 fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
     let bars = on_line(spectrum);
     key_ui(ui);
@@ -108,7 +108,7 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
     };
 }
 
-/// What the colours are.
+/// Draws the key to the colours.
 fn key_ui(ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -126,7 +126,7 @@ fn key_ui(ui: &mut Ui) {
     });
 }
 
-/// The slopes below some of the bars.
+/// Draws the slopes below some of the bars.
 fn labels(ui: &Ui, painter: &Painter, bars: &[(i64, &SlopeBar)], middle: impl Fn(f32) -> f32, rect: Rect) {
     let font = TextStyle::Small.resolve(ui.style());
     let every = bars.len().div_ceil(8).max(1) as i64;
@@ -138,7 +138,7 @@ fn labels(ui: &Ui, painter: &Painter, bars: &[(i64, &SlopeBar)], middle: impl Fn
     }
 }
 
-/// Cells: features on the left, evidence on the right; a frame around what was searched.
+/// Draws cells: features on the left, evidence on the right; a frame around the searched slopes.
 fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, height: f32) {
     let range = |axis: usize| {
         spectrum.bars.iter().map(|bar| bar.at[axis]).fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)))
@@ -187,7 +187,7 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, height: f32) {
     ui.label(RichText::new("right: u, down: v; framed: the slopes searched").small().weak());
 }
 
-/// How a texture that repeats itself answers at slopes beside its own.
+/// Draws the response to a periodic texture at slopes beside its own.
 pub(super) fn kernel_ui(ui: &mut Ui, alias: &Alias, frames: usize) {
     let period = f64::from(alias.period_px);
     let places = alias.places.len();

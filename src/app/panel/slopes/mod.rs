@@ -1,4 +1,4 @@
-//! The slopes of the burst: features and evidence at each slope, aliases, and what to change.
+//! Slopes of the burst: features and evidence at each slope, aliases, and advice.
 
 mod chart;
 mod strip;
@@ -14,10 +14,10 @@ use crate::inspect::spectrum::{SlopeAdvice, Spectrum};
 use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
-/// Width of the charts, points; the advice has the rest.
+/// Maximum width of the charts, points; the advice gets the rest.
 const CHART_WIDTH: f32 = 400.0;
 
-/// A line of numbers about the slopes.
+/// Draws a line of numbers about the slopes.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(spectrum) = model.spectrum() else {
         ui.weak(if model.slots.a.found.is_some() { "Not looked at yet" } else { "No detection yet" });
@@ -51,7 +51,7 @@ pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// What is said while the slopes are not known.
+/// Draws the note shown while the slopes are not known.
 fn waiting_ui(ui: &mut Ui, model: &mut Model) {
     ui.vertical_centered(|ui| {
         ui.add_space(16.0);
@@ -73,7 +73,7 @@ fn waiting_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// The pieces of advice, each with what applies it; what was paid; textures that repeat themselves.
+/// Draws the pieces of advice, each with a button that applies it, the cost of the search, and periodic textures.
 fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
         if spectrum.advice.is_empty() {
@@ -95,7 +95,7 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
     });
 }
 
-/// One piece of advice.
+/// Draws one piece of advice.
 fn piece_ui(ui: &mut Ui, model: &mut Model, index: usize, advice: &SlopeAdvice) {
     let mut sentence = advice.sentence.clone();
     if let Some(first) = sentence.get_mut(0..1) {

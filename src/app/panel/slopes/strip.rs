@@ -1,5 +1,4 @@
-//! Bars of features and of evidence under a slope slider, at its scale, and the ends of the range, which can be
-//! dragged.
+//! Bars of features and of evidence under a slope slider, at its scale, and the range's ends, which can be dragged.
 
 use super::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::panel::widgets::slider_track;
@@ -10,11 +9,11 @@ use egui::{CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
 
 /// Height of the strip, points.
 const HEIGHT: f32 = 30.0;
-/// How far from an end of the range the pointer takes it, points.
+/// Maximum distance of the pointer from an end of the range, points.
 const REACH: f32 = 5.0;
 
-/// Draws the strip below the slider of the first (`second` false) or second axis, if that is the axis that is searched
-/// along: a plane of slopes has its own picture.
+/// Draws the strip below the slider of the first (`second` false) or second axis, if only that axis is searched: a
+/// plane of slopes has its own picture.
 pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
     let grid = model.cursor_params().slopes;
     let axis = if second { grid.v } else { grid.u };
@@ -26,7 +25,7 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
     let (row, _) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::hover());
     let rect = Rect::from_x_y_ranges(track, row.y_range());
     let ends_id = ui.scope_id().with(("range ends", second));
-    // While an end is dragged the slider's scale stays as it was, or the end would run away from the pointer.
+    // While an end is dragged the slider keeps its scale, or the end would move away from the pointer.
     let dragged: Option<Drag> = ui.data(|data| data.get_temp(ends_id));
     let limit = dragged.map_or_else(|| slope_limit(&grid), |drag| drag.limit);
     let x_of = |slope: f32| egui::remap(slope, -limit..=limit, rect.x_range());
@@ -63,17 +62,17 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
     }
 }
 
-/// An end of the range that is being dragged.
+/// Drag of an end of the range.
 #[derive(Clone, Copy)]
 struct Drag {
     limit: f32,
-    /// The range when it began.
+    /// Range when the drag began.
     axis: SlopeAxis,
-    /// How far it was dragged, px/frame.
+    /// Distance of the drag, px/frame.
     pulled: f32,
 }
 
-/// The axis with its lower or `upper` end moved by about `pulled`: by whole steps, so that the other slopes stay.
+/// Moves the axis's lower or `upper` end by about `pulled`, by whole steps, so that the other slopes stay.
 fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
     let outwards = (pulled / axis.step()).round() as i64 * if upper { 1 } else { -1 };
     let outwards = outwards.max(2 - axis.count as i64);
@@ -97,7 +96,7 @@ fn set_axis(model: &mut Model, second: bool, axis: SlopeAxis) {
     }
 }
 
-/// Features upwards, evidence as a thin bar in front of them.
+/// Draws features upwards, and evidence as a thin bar in front of them.
 fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) -> f32) {
     let painter = ui.painter_at(rect.expand2(vec2(3.0, 0.0)));
     painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 2.0, ui.visuals().extreme_bg_color);

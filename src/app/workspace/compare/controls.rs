@@ -1,4 +1,4 @@
-//! Which methods are compared, and how they are laid beside one another.
+//! Choice of the compared methods, and of their layout.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::inspector::Change;
@@ -9,7 +9,7 @@ use crate::app::project::compare::Contender;
 use crate::app::project::pair::Side;
 use egui::{ProgressBar, Ui};
 
-/// Draws the section. Answers the layout that is asked for.
+/// Draws the section. Returns the requested layout.
 pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<Change> {
     let mut change = None;
     section_ui(ui, "Compare", |ui| {
@@ -31,7 +31,7 @@ pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<
     change
 }
 
-/// Lays all panes out anew.
+/// Draws the buttons that lay all panes out anew.
 fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
     let has_second = model.burst_of(Side::B).is_some();
     let mut change = None;
@@ -51,7 +51,7 @@ fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
     change
 }
 
-/// Which methods lie over one another in the pane in focus.
+/// Draws the choice of the two methods that lie over one another in the focused pane.
 fn two_ui(ui: &mut Ui, model: &mut Model, over: Over, queue: &mut Queue) {
     let contenders = model.contenders();
     for (id, name) in [(model.focus(), "Left"), (over.other(), "Right")] {

@@ -1,4 +1,4 @@
-//! The matches of each method, between its panes of A and of B.
+//! Matches of each method, between its panes of A and of B.
 
 use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines};
 use crate::app::inspector::{Drawn, chip_ui};
@@ -9,7 +9,7 @@ use crate::app::workspace::pair::lines::{line_of, painter_over};
 use crate::app::workspace::pair::views::MatchViews;
 use egui::{Align2, Ui};
 
-/// Draws the lines, and how many matches are inliers, over what was drawn.
+/// Draws the match lines and the number of inliers over the drawn panes.
 pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
     let look = &model.pair.look;
     let style = MatchLineStyle { opacity: look.opacity, selected: None, hovered: None, others_faint: false };

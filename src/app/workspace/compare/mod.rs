@@ -1,5 +1,5 @@
-//! Several methods on the same burst: which of them and how they are laid out left, a pane for each or any other
-//! arrangement of what they look at in the middle, the table of their numbers below.
+//! Several methods on one burst: their choice and layout on the left, a pane for each, or any other arrangement of
+//! their inputs, in the centre, the table of their numbers below.
 
 mod controls;
 mod lines;
@@ -10,7 +10,7 @@ use crate::app::panel;
 use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
 use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui};
 
-/// Draws the workspace. Answers what panes asked for.
+/// Draws the workspace. Returns the panes' requests.
 pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, queue, .. } = parts;
     let width = side_width(ui);

@@ -1,4 +1,4 @@
-//! The numbers of all methods in one table, in the columns of the paper.
+//! Table of all methods' numbers, in the columns of the paper.
 
 use crate::app::panel::sorted_table::{ROW_HEIGHT, cell_ui, heading_ui};
 use crate::app::project::Model;
@@ -7,7 +7,7 @@ use crate::app::project::pair::Side;
 use egui::{Align, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
-/// Headings and what they mean, after the method's name.
+/// Headings after the method's name, and their meanings.
 const COLUMNS: [(&str, &str); 9] = [
     ("Features A", "Features found in A"),
     ("Features B", "Features found in B"),
@@ -66,7 +66,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
     }
 }
 
-/// A method's numbers; what is not there yet is a dash.
+/// Numbers of a method; missing ones are a dash.
 fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {
     let found = |side| model.method_found(method, side);
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());

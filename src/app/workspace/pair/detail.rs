@@ -1,4 +1,4 @@
-//! One match alone: both patches as their descriptors see them, both descriptors, all its numbers.
+//! Panel of the selected match: both patches as their descriptors see them, both descriptors, all its numbers.
 
 use crate::app::actions::Queue;
 use crate::app::canvas::number;
@@ -130,7 +130,7 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
     );
 }
 
-/// What the error of a match is called, and what it is.
+/// Name of a match's error, and its meaning.
 fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {
     match model {
         Some(TwoViewModel::Homography { .. }) => (

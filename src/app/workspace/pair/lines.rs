@@ -1,4 +1,4 @@
-//! The matches over the pictures of two bursts: drawn, pointed at, chosen, and where a point can be in the other
+//! Matches over the pictures of two bursts: drawing, hovering, selection, and the locus of a point in the other
 //! picture.
 
 use super::views::{Canvases, MatchView, MatchViews};
@@ -13,8 +13,8 @@ use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, RichText, Shape, Stroke, Ui, pos2};
 use std::sync::Arc;
 
-/// Draws the matches over what was drawn of A and B and lets the pointer choose among them. Answers which one it is
-/// over; `None` while it is over no picture.
+/// Draws the matches over the drawn panes of A and B and lets the pointer choose among them. Returns the hovered match;
+/// the outer `None` while the pointer is over no picture.
 pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option<Option<usize>> {
     let views = MatchViews::of(model, drawn, None);
     let pointer = views.pointed();
@@ -54,7 +54,7 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
     }
     for view in views.views.iter().filter(|view| view.output.response.clicked()) {
         model.pair.selected = pointed;
-        // Where there is no line, a feature of A can be asked about.
+        // Where there is no line, a click on a feature of A asks why it has no match.
         model.pair.lost.selected = None;
         if pointed.is_none() && view.side == Side::A {
             let pos = view.output.response.interact_pointer_pos();
@@ -69,19 +69,19 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
     pointer.map(|_| pointed)
 }
 
-/// A painter that reaches over both canvases of a pair.
+/// Painter that covers both canvases of a pair.
 pub(in crate::app::workspace) fn painter_over(ui: &Ui, views: &MatchViews<'_>, canvases: &Canvases) -> Painter {
     let rects = canvases.places.iter().flatten().map(|place| views.views[*place].output.response.rect);
     ui.painter_at(rects.fold(egui::Rect::NOTHING, egui::Rect::union))
 }
 
-/// The feature of A at `pos`, in points.
+/// Feature of A at `pos`, in points.
 fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<usize> {
     let placed: Vec<Feature> = matches.detection(Side::A).features.iter().map(|f| at_time(f, view.shift)).collect();
     overlay::feature_at(&placed, None, view.output.ui_from_image, pos)
 }
 
-/// A match between two pictures, `shifts` frames after mid-burst.
+/// Line of a match between two pictures, `shifts` frames after mid-burst.
 pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -> MatchLine {
     let place = |f: &Feature, dt: f32| {
         let f = at_time(f, dt);
@@ -95,11 +95,11 @@ pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -
     }
 }
 
-/// The feature of the match that is looked at, as it is drawn everywhere else.
+/// Draws the feature of the selected match, in the style of all features.
 fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, output: &CanvasOutput) {
     let detection = matches.detection(side);
     let coherence = model.found_of(side).and_then(|found| {
-        // Its place is that at another time.
+        // Its position is that at another time.
         let same = |f: &Feature| Feature { u: feature.u, v: feature.v, ..*f } == feature;
         let index = found.detection.features.iter().position(same)?;
         model.coherence.of(&found.detection)?.get(index).copied()
@@ -114,7 +114,7 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
     overlay::draw_features(output, &[feature], &style);
 }
 
-/// Where in each picture the other picture's point can be.
+/// Draws the locus of each picture's point in the other picture.
 fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchViews<'_>) {
     let Some(geometry) = matches.model() else { return };
     let place = |f: &Feature| [f64::from(f.u), f64::from(f.v)];
@@ -131,7 +131,7 @@ fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchV
             let stroke = Stroke::new(width, colour);
             match points.as_slice() {
                 [] => {}
-                // A homography says exactly where.
+                // A homography gives a single point.
                 [one] => {
                     for diagonal in [egui::vec2(6.0, 6.0), egui::vec2(6.0, -6.0)] {
                         painter.line_segment([*one - diagonal, *one + diagonal], stroke);
@@ -145,7 +145,7 @@ fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchV
     }
 }
 
-/// The numbers of the match under the pointer.
+/// Shows the numbers of the match under the pointer.
 fn tip_ui(ui: &Ui, row: &MatchRow<'_>) {
     let verdict = match row.inlier {
         Some(true) => "  inlier",

@@ -1,4 +1,4 @@
-//! The features of A without a match that holds: where each was lost, and how many were lost where.
+//! Features of A that are no inliers: the stage at which each was lost, and the number lost at each stage.
 
 use crate::app::panel::sorted_table::ROW_HEIGHT;
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
@@ -8,7 +8,7 @@ use crate::inspect::unmatched::Lost;
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
-/// The switch between matches and unmatched features, and the summary of the pair.
+/// Draws the switch between matches and unmatched features, and the summary of the pair.
 pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
         ui.selectable_value(&mut model.pair.lost.listed, false, "Matches");
@@ -50,7 +50,7 @@ fn help(lost: Lost) -> &'static str {
     }
 }
 
-/// Draws the table; a click asks about the feature.
+/// Draws the table; a click asks why the feature has no match.
 pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.losses().cloned() else {
         ui.weak("There are no matches yet.");

@@ -1,5 +1,5 @@
-//! Two bursts, and the matches between them: the cursor and the parameters of matching left, panes of both bursts in
-//! the middle with the table of matches below them, the selected match with both its patches right.
+//! Two bursts, and the matches between them: cursor and matching parameters on the left, panes of both bursts in the
+//! centre with the table of matches below them, the selected match with both its patches on the right.
 
 mod detail;
 pub(super) mod lines;
@@ -21,16 +21,16 @@ use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width
 use crate::teach::Part;
 use egui::{CentralPanel, Frame, Panel, ScrollArea};
 
-/// What the workspace's widgets keep from pass to pass.
+/// State of the workspace's widgets, kept between passes.
 #[derive(Default)]
 pub struct PairPanels {
     patch_textures: [PatchTexture; 2],
     candidate_textures: [PatchTexture; PATCHES + 1],
-    /// The camera as it is being typed.
+    /// Camera as typed.
     pub camera_text: parameters::CameraText,
 }
 
-/// Draws the workspace. Answers what panes asked for.
+/// Draws the workspace. Returns the panes' requests.
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, pair, queue, .. } = parts;
     let width = side_width(ui);
@@ -68,7 +68,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             }
         });
     }
-    // What is between the pictures.
+    // Background between the pictures.
     let between = ui.visuals().panel_fill;
     CentralPanel::default()
         .frame(Frame::new().fill(between))

@@ -1,4 +1,4 @@
-//! The numbers of the paper's table for the pair on show, or what is missing for them.
+//! Numbers of the paper's table for the shown pair, or what they still need.
 
 use crate::app::panel::widgets::{make_room, text_width};
 use crate::app::project::Model;
@@ -6,10 +6,10 @@ use crate::app::project::pair::{Matches, Side};
 use crate::matching::{Geometry, MatchCounts};
 use egui::{Label, RichText, Ui};
 
-/// Points between a number and its name.
+/// Distance between a number and its name, points.
 const NAME_GAP: f32 = 4.0;
 
-/// Draws the line, or several where there is little room.
+/// Draws the line, or several where there is little space.
 pub fn numbers_ui(ui: &mut Ui, model: &Model) {
     ui.horizontal_wrapped(|ui| {
         let Some(matches) = &model.pair.matches else {
@@ -55,14 +55,14 @@ fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
     ]
 }
 
-/// What to say where a geometry was asked for and too few matches agree on one.
+/// Note that fewer matches than required agree on a geometry.
 fn without_geometry(matches: &Matches) -> Option<String> {
     let params = &matches.request.params;
     (params.geometry != Geometry::None && matches.model().is_none())
         .then(|| format!("No geometry: fewer than {} matches agree on one", params.min_inliers))
 }
 
-/// Why there are no matches.
+/// Reason why there are no matches.
 fn missing(model: &Model) -> String {
     if model.burst_of(Side::B).is_none() {
         return "Open a second burst to match it with the first".into();

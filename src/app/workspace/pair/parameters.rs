@@ -1,5 +1,4 @@
-//! The parameters of matching: every one of them, with its unit, its default, what raising it does, and what is wrong
-//! with it.
+//! Parameters of matching: all of them, with unit, default, effect of raising it, and error.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::parameter_rows::{self as rows, ParamTable};
@@ -11,17 +10,17 @@ use crate::matching::params::doc;
 use crate::matching::{Camera, CameraModel, Geometry, MatchParams};
 use egui::{Align, DragValue, Layout, RichText, Ui};
 
-/// The camera as it is being typed.
+/// Camera as typed.
 #[derive(Debug, Clone, Default)]
 pub struct CameraText {
     text: String,
-    /// What the text was made from or has led to, so that a camera that comes from elsewhere is noticed.
+    /// Camera that the text shows, so that one set elsewhere is noticed.
     camera: Option<Camera>,
     problem: Option<String>,
 }
 
 impl CameraText {
-    /// Shows the camera that is set, unless it is the one that was typed.
+    /// Shows the camera that is set, unless it is the typed one.
     fn follow(&mut self, camera: Option<&Camera>) {
         if self.camera.as_ref() != camera {
             self.camera = camera.cloned();
@@ -30,7 +29,7 @@ impl CameraText {
         }
     }
 
-    /// Reads what was typed. While it cannot be read the camera stays as it is.
+    /// Reads the typed text. While it is invalid the camera stays as it is.
     fn read(&mut self) {
         if self.text.trim().is_empty() {
             (self.camera, self.problem) = (None, None);
@@ -57,7 +56,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, qu
     });
 }
 
-/// The same for a whole dataset, whose pairs are matched with the same parameters.
+/// Draws the section for a whole dataset, whose pairs are matched with the same parameters.
 pub fn dataset_parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));

@@ -1,4 +1,4 @@
-//! Whose cursor moves, and what moves together.
+//! Choice of the burst whose cursor moves, and of the links.
 
 use crate::app::actions::{ActionId, Queue, button_ui, menu::item_ui};
 use crate::app::panel::widgets::{label_ui, section_ui};
@@ -51,7 +51,7 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
-/// Opens another second burst.
+/// Draws the menu that opens another second burst.
 fn open_menu_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.menu_button("Open B…", |ui| {
         ui.set_min_width(180.0);

@@ -1,4 +1,4 @@
-//! Which matches are drawn, and how: with the key to their colours and strokes.
+//! Choice of the matches drawn, and of their style, with the key to their colours and strokes.
 
 use crate::app::canvas::overlay::LineKind;
 use crate::app::panel::widgets::section_ui;
@@ -43,12 +43,12 @@ pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// A switch for one kind of match, with a piece of its line and their number.
+/// Draws a switch for one kind of match, with a piece of its line and the number of matches.
 fn kind_ui(ui: &mut Ui, on: &mut bool, kind: LineKind, label: &str, count: Option<usize>, tip: &str) {
     ui.horizontal(|ui| {
         ui.checkbox(on, label).on_hover_text(tip);
         let (rect, _) = ui.allocate_exact_size(vec2(42.0, 14.0), Sense::hover());
-        // Dark as the pictures are, so that it looks the same in the light theme.
+        // Dark as the pictures, so that it looks alike in the light theme.
         ui.painter().rect_filled(rect, 3.0, Color32::from_gray(40));
         let (from, to) = (rect.left_center() + vec2(4.0, 0.0), rect.right_center() - vec2(4.0, 0.0));
         let stroke = Stroke::new(2.0, kind.colour());

@@ -1,4 +1,4 @@
-//! The table of matches.
+//! Table of matches.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::inspector::match_menu_ui;
@@ -35,7 +35,7 @@ impl SortedColumn for MatchColumn {
     }
 }
 
-/// Draws the table; answers the match whose row is pointed at.
+/// Draws the table; returns the match whose row is under the pointer.
 pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usize> {
     let matches = model.pair.matches.clone()?;
     let pair = &mut model.pair;

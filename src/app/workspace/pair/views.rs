@@ -1,4 +1,4 @@
-//! The panes between which matches are drawn, as they are on the screen in this pass.
+//! Panes between which matches are drawn, as drawn in this pass.
 
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::Pane;
@@ -10,26 +10,26 @@ use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use egui::{Pos2, Rect};
 
-/// One pane.
+/// Pane of one burst.
 pub struct MatchView<'a> {
-    /// Whose burst it shows.
+    /// Burst that it shows.
     pub side: Side,
-    /// Its canvas.
+    /// Canvas of the pane.
     pub output: &'a CanvasOutput,
-    /// How many frames what it shows is after mid-burst; 0 where that is no frame.
+    /// Time of its picture, frames after mid-burst; 0 if it shows no frame.
     pub shift: f32,
 }
 
-/// All of one method, or of none where no methods are compared.
+/// Panes of one method, or of none where no methods are compared.
 pub struct MatchViews<'a> {
     /// The panes.
     pub views: Vec<MatchView<'a>>,
-    /// Between which of them lines go: the place of one of A, and of one of B.
+    /// Pairs between which lines go: indices of a pane of A and of one of B.
     pub pairs: Vec<(usize, usize)>,
 }
 
 impl<'a> MatchViews<'a> {
-    /// Those among what was drawn that show what `method` looks at.
+    /// Collects the drawn panes that show the input of `method`.
     pub fn of(model: &Model, drawn: &'a [(PaneId, Drawn)], method: Option<Contender>) -> Self {
         let places: Vec<_> = drawn.iter().map(|(_, drawn)| (drawn.shown, drawn.output.response.rect)).collect();
         let JoinedPanes { sides, pairs } = joined_panes(model, &places, method);
@@ -50,18 +50,18 @@ impl<'a> MatchViews<'a> {
         Self { views, pairs }
     }
 
-    /// The panes of one burst.
+    /// Panes of one burst.
     pub fn on(&self, side: Side) -> impl Iterator<Item = &MatchView<'a>> {
         self.views.iter().filter(move |view| view.side == side)
     }
 
-    /// The pane that the pointer is over, and where.
+    /// Index of the pane under the pointer, and the pointer's position, in points.
     pub fn pointed(&self) -> Option<(usize, Pos2)> {
         self.views.iter().enumerate().find_map(|(place, view)| Some((place, view.output.pointer_ui?)))
     }
 
-    /// The two canvases of each pair, A's first; those that have no partner stand beside nothing, so that the ends of
-    /// their matches are seen. The pair that the pointer is in comes last.
+    /// Canvases of each pair, A's first. A pane without a partner is paired with an empty rectangle, so that the ends
+    /// of its matches are marked. The pair under the pointer comes last.
     pub fn canvases(&self) -> Vec<Canvases> {
         let pane = |place: usize| {
             let output = self.views[place].output;
@@ -91,10 +91,10 @@ impl<'a> MatchViews<'a> {
 
 /// Two canvases between which lines go.
 pub struct Canvases {
-    /// A's and B's.
+    /// Canvases of A and B.
     pub panes: [Pane; 2],
-    /// How many frames what each shows is after mid-burst.
+    /// Times of their pictures, frames after mid-burst.
     pub shifts: [f32; 2],
-    /// Which views they are; `None` beside a pane that has no partner.
+    /// Indices of the views; `None` for a missing partner.
     pub places: [Option<usize>; 2],
 }

@@ -1,5 +1,5 @@
-//! Why a feature of A has no match, or this one: its best candidates in B with their patches, where the geometry
-//! expects it, and what was lost where in the whole pair.
+//! Reason why a feature of A has no match, or has this one: its best candidates in B with their patches, the place
+//! where the geometry expects it, and the losses in the whole pair.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
@@ -14,10 +14,10 @@ use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
 use crate::requests::{FoundLosses, PictureKind};
 use egui::{Color32, Grid, Label, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
 
-/// The colour of candidates in B, from the nearest descriptor on.
+/// Colours of candidates in B, from the nearest descriptor on.
 const CANDIDATE_COLOURS: [Color32; PATCHES] =
     [Color32::from_rgb(0xff, 0xd2, 0x4a), Color32::from_rgb(0xff, 0x8a, 0x3d), Color32::from_rgb(0xff, 0x6b, 0xb5)];
-/// Slopes that differ by more than this, px/frame, are worth a word.
+/// Minimum difference of slopes for a note, px/frame.
 const SLOPES_APART: f32 = 0.5;
 
 /// Draws the section.
@@ -69,7 +69,7 @@ fn capitalised(sentence: &str) -> String {
     format!("{}{rest}.", first.to_uppercase())
 }
 
-/// What is worth a word: a second best on the same blob, slopes that disagree.
+/// Notes on the candidates: a second best on the same blob, slopes that disagree.
 fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchSides<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     let best = unmatched.candidates.first();
@@ -132,13 +132,13 @@ fn patches_ui(
     });
 }
 
-/// The colour of candidate `place` as it can be read beside text.
+/// Colour of candidate `place` that is readable on the window's background.
 fn on_ground(ui: &Ui, place: usize) -> Color32 {
     let colour = CANDIDATE_COLOURS[place.min(PATCHES - 1)];
     if ui.visuals().dark_mode { colour } else { colour.lerp_to_gamma(Color32::BLACK, 0.45) }
 }
 
-/// The nearest descriptors of B, with what tells them apart.
+/// Draws the nearest descriptors of B, with their differences.
 fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
     Grid::new("candidates").num_columns(5).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {
         let headings = [
@@ -164,7 +164,7 @@ fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
     });
 }
 
-/// The texts of a row, and whether each is to stand out.
+/// Texts of a row, and whether each stands out.
 fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
     let twin = if candidate.is_same_blob { "=" } else { "" };
     let error =
@@ -178,7 +178,7 @@ fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
     ]
 }
 
-/// Where the geometry expects the feature, and whether a keypoint is there.
+/// Describes where the geometry expects the feature, and whether a keypoint is there.
 fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
     let has_model = found.request.result.verification.as_ref().is_some_and(|v| v.model.is_some());
     if !has_model {
@@ -202,10 +202,10 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
     }
 }
 
-/// Marks the feature that is asked about in A, and its candidates and where it is expected in B.
+/// Marks the feature asked about in A, and its candidates and expected place in B.
 pub fn marks_ui(model: &Model, views: &MatchViews<'_>) {
     let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
-    // A match draws its own circles.
+    // A selected match draws its own circles.
     if model.pair.selected.is_some() {
         return;
     }
@@ -230,7 +230,7 @@ pub fn marks_ui(model: &Model, views: &MatchViews<'_>) {
     }
 }
 
-/// Where the geometry expects the feature, in points.
+/// Place where the geometry expects the feature, in points.
 fn expected_points(unmatched: &Unmatched, output: &CanvasOutput) -> Vec<egui::Pos2> {
     unmatched.expected.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect()
 }
